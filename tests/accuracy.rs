@@ -7,11 +7,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use assets::Loaded;
-use bench::compare::{Comparison, Drawn, Expected, Subject};
+use assets::LoadedScene;
+use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::DVec3;
 use light::parameters::{SPECULAR, TRANSLATION};
-use light::{Light, LightInstance, Owner};
+use light::{Light, LightInstance, ParameterOwner};
 use render::{Backend, Culling, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::View;
 
@@ -19,33 +19,33 @@ use scene::View;
 const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
 /// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
-struct Setting {
+struct AccuracyScene {
     file: &'static str,
     points: [[f64; 3]; 5],
     radii: [f64; 5],
     intensity: f64,
 }
 
-const SETTINGS: [Setting; 4] = [
-    Setting {
+const SETTINGS: [AccuracyScene; 4] = [
+    AccuracyScene {
         file: "bench.glb",
         points: [[-2.6, 2.4, 0.9], [-1.9, 3.1, 0.8], [-0.5, 3.5, 0.4], [0.7, 2.2, 0.1], [1.0, -0.8, -0.1]],
         radii: [0.25, 0.5, 0.75, 0.85, 1.5],
         intensity: 4.0,
     },
-    Setting {
+    AccuracyScene {
         file: "vases_bowl.glb",
         points: [[-4.4, 2.0, 1.6], [-3.2, 3.4, 1.5], [-0.9, 4.2, 0.8], [0.3, 2.2, 0.2], [0.5, -1.2, -0.3]],
         radii: [0.4, 0.8, 1.0, 1.25, 2.2],
         intensity: 3.0,
     },
-    Setting {
+    AccuracyScene {
         file: "bedroom.glb",
         points: [[2.4, 1.6, 2.2], [2.0, 2.5, 1.7], [0.7, 3.0, 0.6], [-0.3, 1.6, -0.4], [-0.5, -0.8, -0.8]],
         radii: [0.2, 0.5, 0.7, 0.95, 1.8],
         intensity: 4.0,
     },
-    Setting {
+    AccuracyScene {
         file: "outdoor.glb",
         points: [[-9.0, 6.0, 4.0], [-6.5, 10.0, 3.5], [-1.0, 12.0, 1.5], [1.5, 6.0, -1.0], [1.8, -3.5, -2.0]],
         radii: [0.8, 2.0, 2.4, 3.2, 5.5],
@@ -67,30 +67,30 @@ fn size() -> [u32; 2] {
     [width, height].map(|side| side.parse().expect("a side is a number of pixels"))
 }
 
-fn light(setting: &Setting) -> Light {
+fn light(setting: &AccuracyScene) -> Light {
     let [source, ..] = setting.points.map(DVec3::from_array);
     let points = setting.points.map(|point| DVec3::from_array(point) - source).to_vec();
     Light::bendy(points, setting.radii.to_vec())
         .with(TRANSLATION, source)
-        .with_points(|_, point| point.intensity = setting.intensity)
+        .map_points(|_, point| point.intensity = setting.intensity)
 }
 
-fn subject(folder: &Path, setting: &Setting) -> Subject {
+fn subject(folder: &Path, setting: &AccuracyScene) -> ComparisonSubject {
     let loaded = assets::load(&folder.join(setting.file)).expect("the scene is sound");
     seen_by_its_camera(setting.file.trim_end_matches(".glb"), loaded, light(setting))
 }
 
 /// The demo under its own light.
-fn demo() -> Subject {
+fn demo() -> ComparisonSubject {
     let loaded = assets::demo("vases").expect("it is one of the demos");
     let light = loaded.contents.lights[0].light().clone();
-    assert_eq!(light.owner(), Owner::Bendy, "the demo's light is bent");
+    assert_eq!(light.owner(), ParameterOwner::Bendy, "the demo's light is bent");
     seen_by_its_camera("demo:vases", loaded, light)
 }
 
-fn seen_by_its_camera(name: &str, loaded: Loaded, light: Light) -> Subject {
+fn seen_by_its_camera(name: &str, loaded: LoadedScene, light: Light) -> ComparisonSubject {
     let view = View::beauty(loaded.contents.cameras[0].clone(), size());
-    Subject::new(name, loaded.scene, light, view)
+    ComparisonSubject::new(name, loaded.scene, light, view)
 }
 
 fn renderers() -> [(Backend, Renderer); 2] {
@@ -101,8 +101,8 @@ fn renderers() -> [(Backend, Renderer); 2] {
 }
 
 /// Holds what each draws of `subject` to the bars of [`fault`]. The reference's picture takes longest, and is one.
-fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &Subject) {
-    let expected = Expected::new(subject, || {}).expect("the light is valid");
+fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &ComparisonSubject) {
+    let expected = ExpectedPicture::new(subject, || {}).expect("the light is valid");
     for (backend, renderer) in renderers {
         let (drawn, found) = compared_with(renderer, (subject, &expected), ShadowSettings::default());
         if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
@@ -118,17 +118,17 @@ fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &S
 
 fn compared_with(
     renderer: &mut Renderer,
-    (subject, expected): (&Subject, &Expected),
+    (subject, expected): (&ComparisonSubject, &ExpectedPicture),
     settings: ShadowSettings,
-) -> (Drawn, Comparison) {
+) -> (RenderedSubject, Comparison) {
     renderer.set_scene(expected.posed()).expect("the scene fits");
-    let drawn = Drawn::new(renderer, subject, settings).expect("it can be drawn");
+    let drawn = RenderedSubject::new(renderer, subject, settings).expect("it can be drawn");
     let comparison = expected.compare(&drawn);
     (drawn, comparison)
 }
 
 /// What docs/accuracy.md says of a picture, column by column; why not, or nothing.
-fn fault(subject: &Subject, found: &Comparison) -> Option<&'static str> {
+fn fault(subject: &ComparisonSubject, found: &Comparison) -> Option<&'static str> {
     let Comparison { pixels, .. } = *found;
     // The bedroom's carpets have two layers in one place; no other scene has.
     let may_coincide = subject.name == "bedroom";
@@ -161,7 +161,7 @@ fn pictures_of_the_demo_are_what_the_reference_says() {
     are_what_the_reference_says([demo()].into_iter());
 }
 
-fn are_what_the_reference_says(subjects: impl Iterator<Item = Subject>) {
+fn are_what_the_reference_says(subjects: impl Iterator<Item = ComparisonSubject>) {
     let mut renderers = renderers();
     subjects.for_each(|subject| is_what_the_reference_says(&mut renderers, &subject));
 }
@@ -170,7 +170,7 @@ fn are_what_the_reference_says(subjects: impl Iterator<Item = Subject>) {
 #[test]
 fn casters_that_stray_and_highlights_left_out_are_seen() {
     let subject = demo();
-    let expected = Expected::new(&subject, || {}).expect("the light is valid");
+    let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
     let strayed = ShadowSettings { mesh_error: 0.02, ..ShadowSettings::default() };
     let instances = |light: Light| LightInstance::numbered([light]).expect("a light");
     let without = subject.light.clone().with(SPECULAR, 0.0);
@@ -178,18 +178,22 @@ fn casters_that_stray_and_highlights_left_out_are_seen() {
         let (_, found) = compared_with(&mut renderer, (&subject, &expected), strayed);
         println!("{backend:?} strayed: {}", serde_json::to_string(&found).expect("plain data"));
         assert!(fault(&subject, &found).is_some(), "{backend:?}: casters that stray go unseen: {found:?}");
-        let drawn =
-            Drawn::under(&mut renderer, &subject, &instances(without.clone()), ShadowSettings::default());
+        let drawn = RenderedSubject::under(
+            &mut renderer,
+            &subject,
+            &instances(without.clone()),
+            ShadowSettings::default(),
+        );
         let found = expected.compare(&drawn.expect("it can be drawn"));
         assert_eq!(fault(&subject, &found), Some("another radiance"), "{backend:?}: {found:?}");
     }
 }
 
 /// What is not drawn changes no error: with each kind drawn all the same the comparison finds the same, to the last digit.
-fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = Subject>) {
+fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = ComparisonSubject>) {
     let mut renderers = renderers();
     for subject in subjects {
-        let expected = Expected::new(&subject, || {}).expect("the light is valid");
+        let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
         for (backend, renderer) in &mut renderers {
             println!("{} by {}", subject.name, backend.name());
             is_the_same_with_nothing_left_out(renderer, (&subject, &expected));
@@ -197,7 +201,10 @@ fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = Subject>) {
     }
 }
 
-fn is_the_same_with_nothing_left_out(renderer: &mut Renderer, (subject, expected): (&Subject, &Expected)) {
+fn is_the_same_with_nothing_left_out(
+    renderer: &mut Renderer,
+    (subject, expected): (&ComparisonSubject, &ExpectedPicture),
+) {
     let on = Culling::ALL;
     let controls = [
         ("clusters", Culling { clusters: false, ..on }),

@@ -11,13 +11,13 @@ use std::process::Command;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use bench::Address;
+use bench::ServerAddress;
 use browser::run_in_browser;
-use light::{Kind, Number, Of, Owner, Parameter, Touches, Value};
+use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
 use program::program;
-use protocol::{Face, json_schema};
+use protocol::{SchemaSide, json_schema};
 use serde_json::{Value as Json, json};
-use server::{Config, Server};
+use server::{Server, ServerConfig};
 use store::{Store, replay_log};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
@@ -26,16 +26,24 @@ use tokio::runtime::Runtime;
 static DIMMER: Parameter = Parameter {
     name: "dimmer",
     path: "dimmer",
-    of: &[
-        Of { owner: Owner::Spot, default: Some(Value::Number(1.0)), touches: Touches::Radiance },
-        Of { owner: Owner::Bendy, default: Some(Value::Number(1.0)), touches: Touches::Radiance },
+    owners: &[
+        ParameterOf {
+            owner: ParameterOwner::Spot,
+            default: Some(Value::Number(1.0)),
+            touches: ParameterTouches::Radiance,
+        },
+        ParameterOf {
+            owner: ParameterOwner::Bendy,
+            default: Some(Value::Number(1.0)),
+            touches: ParameterTouches::Radiance,
+        },
     ],
-    kind: Kind::Number(Number {
+    kind: ParameterKind::Number(NumberRange {
         unit: "times",
         min: Included(0.0),
         max: Included(8.0),
         slider: Some([0.0, 2.0]),
-        ..Number::ANY
+        ..NumberRange::ANY
     }),
     animates: true,
     needs: None,
@@ -49,17 +57,17 @@ static ADDED: LazyLock<()> =
     LazyLock::new(|| assert!(light::add_parameters(&[&DIMMER]), "looked at already"));
 
 /// A server with that row, in this process.
-struct Own {
+struct ParameterServer {
     runtime: Runtime,
-    address: Address,
+    address: ServerAddress,
     data: tempfile::TempDir,
 }
 
-impl Own {
+impl ParameterServer {
     fn start() -> Self {
         LazyLock::force(&ADDED);
         let data = tempfile::tempdir().expect("a folder");
-        let config = Config {
+        let config = ServerConfig {
             data: data.path().to_owned(),
             session: "main".into(),
             scene: None,
@@ -72,7 +80,7 @@ impl Own {
         let runtime = Runtime::new().expect("a runtime");
         let listener = runtime.block_on(TcpListener::bind("127.0.0.1:0")).expect("a port");
         let host = listener.local_addr().expect("bound").to_string();
-        let address = Address { host, token: server.token().digits().into() };
+        let address = ServerAddress { host, token: server.token().digits().into() };
         runtime.spawn(server.run(listener, runtime.handle().clone(), std::future::pending()));
         Self { runtime, address, data }
     }
@@ -109,7 +117,7 @@ impl Own {
 /// Rules: CMD-8, CMD-9, DOC-4, HTTP-19, LOG-1, LOG-2, UNDO-4
 #[test]
 fn a_row_is_all_that_a_parameter_needs() {
-    let own = Own::start();
+    let own = ParameterServer::start();
     let (unset, default) = own.state();
     assert_eq!(default, json!(1.0), "a light that says nothing has the default");
 
@@ -140,10 +148,13 @@ fn a_row_is_all_that_a_parameter_needs() {
     let log = own.log();
     assert!(log.contains(r#"{"dimmer":0.25}"#), "exported: {log}");
     let replayed = replay_log(log.as_bytes(), None).expect("a sound log");
-    assert_eq!((replayed.differs, replayed.session.document().hash().to_string()), (None, set.clone()));
+    assert_eq!(
+        (replayed.first_difference, replayed.session.document().hash().to_string()),
+        (None, set.clone())
+    );
     // The planted fault: another value.
     let planted = replay_log(log.replace(r#"{"dimmer":0.25}"#, r#"{"dimmer":0.75}"#).as_bytes(), None);
-    assert!(planted.expect("the same records").differs.is_some());
+    assert!(planted.expect("the same records").first_difference.is_some());
     // And the control: the program as it ships has no such row, and says so.
     let file = own.data.path().join("log.jsonl");
     std::fs::write(&file, &log).expect("a file");
@@ -162,8 +173,8 @@ fn a_row_is_all_that_a_parameter_needs() {
 /// Rules: HTTP-18, HTTP-19
 #[test]
 fn a_row_is_in_every_schema_and_in_the_table() {
-    let own = Own::start();
-    for face in [Face::Read, Face::Written] {
+    let own = ParameterServer::start();
+    for face in [SchemaSide::Read, SchemaSide::Written] {
         let schema = json_schema(face);
         for light in ["Bendy", "Spot"] {
             let dimmer = &schema["$defs"][light]["properties"]["dimmer"];
@@ -186,7 +197,7 @@ fn a_row_is_in_every_schema_and_in_the_table() {
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
 fn a_row_is_a_field_on_the_page() {
-    let own = Own::start();
+    let own = ParameterServer::start();
     let until = Instant::now() + Duration::from_mins(3);
     while own.address.get("/readyz").expect("answered").status != 200 {
         assert!(Instant::now() < until, "it gets ready");

@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::process::Command;
 
-use bench::Address;
+use bench::ServerAddress;
 
 /// Runs a script in Chromium on a new session of the scene of session `of` of the server there, or without one, with what it is
 /// told as JSON. It fails with a sentence, also where one of its pictures
 /// breaks a rule of accessibility.
 pub fn run_in_browser(
     script: &str,
-    Address { host, token }: &Address,
+    ServerAddress { host, token }: &ServerAddress,
     of: Option<&str>,
     facts: Option<&str>,
 ) {

@@ -9,10 +9,10 @@
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
-use bench::compare::{Comparison, Drawn, Expected, Subject};
+use bench::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::{DAffine3, DMat3, DQuat, DVec2, DVec3, Vec2, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
-use light::{Decay, Light, LightInstance, Owner};
+use light::{Decay, Light, LightInstance, ParameterOwner};
 use reference::Reference;
 use render::{Gpu, Renderer, ShadowSettings};
 use scene::{
@@ -205,7 +205,10 @@ impl Coverage {
             let place = |pixel: u32, k: u32| f64::from(pixel) + (f64::from(k) + 0.5) / f64::from(grid);
             let at = DVec2::new(place(pixel % view.width, k % grid), place(pixel / view.width, k / grid));
             let origin = reference.bvh.posed.origin_in_world;
-            reference.bvh.seen(&ViewRay::new(&view.camera, [view.width, view.height], at, origin)).is_some()
+            reference
+                .bvh
+                .visible_point(&ViewRay::new(&view.camera, [view.width, view.height], at, origin))
+                .is_some()
         };
         let share = |(view, pixel): &(&View, u32)| {
             let count = (0..grid * grid).filter(|k| seen(view, *pixel, *k)).count();
@@ -367,7 +370,7 @@ fn arbor() -> Scene {
 
 fn key() -> Light {
     let light = assets::demo("arbor").expect("the demo").contents.lights[0].light().clone();
-    assert_eq!(light.owner(), Owner::Bendy, "the key is a BendyLight");
+    assert_eq!(light.owner(), ParameterOwner::Bendy, "the key is a BendyLight");
     light
 }
 
@@ -403,14 +406,20 @@ fn cameras() -> [(&'static str, Camera, f64); 3] {
     ]
 }
 
-fn subject(name: &str, scene: Scene, light: Light, camera: Camera) -> Subject {
-    Subject::new(name, scene, light, View::beauty(camera, size()))
+fn subject(name: &str, scene: Scene, light: Light, camera: Camera) -> ComparisonSubject {
+    ComparisonSubject::new(name, scene, light, View::beauty(camera, size()))
 }
 
 /// Compares what `scene` looks like under `drawn` with what `subject` should.
-fn compared(subject: &Subject, scene: &Scene, drawn: &Light, shadows: ShadowSettings) -> Comparison {
-    let drawn = Drawn::under(&mut renderer(scene), subject, &alone(drawn), shadows).expect("it can be drawn");
-    let expected = Expected::new(subject, || {}).expect("the light is valid");
+fn compared(
+    subject: &ComparisonSubject,
+    scene: &Scene,
+    drawn: &Light,
+    shadows: ShadowSettings,
+) -> Comparison {
+    let drawn = RenderedSubject::under(&mut renderer(scene), subject, &alone(drawn), shadows)
+        .expect("it can be drawn");
+    let expected = ExpectedPicture::new(subject, || {}).expect("the light is valid");
     let comparison = expected.compare(&drawn);
     if let Ok(folder) = std::env::var("BENDYLIGHTS_ACCURACY_PICTURES") {
         let file = Path::new(&folder).join(format!("{}.png", subject.name));
@@ -419,7 +428,7 @@ fn compared(subject: &Subject, scene: &Scene, drawn: &Light, shadows: ShadowSett
     comparison
 }
 
-fn told(subject: &Subject, found: &Comparison) -> String {
+fn comparison_text(subject: &ComparisonSubject, found: &Comparison) -> String {
     format!("{}: {}", subject.name, serde_json::to_string(found).expect("plain data"))
 }
 
@@ -432,7 +441,7 @@ fn holes_throw_their_shadows() {
         for (name, camera, radiance_error) in cameras() {
             let subject = subject(&format!("{light}-{name}"), arbor(), model.clone(), camera);
             let found = compared(&subject, &subject.scene, &drawn, ShadowSettings::default());
-            let told = told(&subject, &found);
+            let told = comparison_text(&subject, &found);
             println!("{told}");
             assert!(found.in_light > found.pixels / 4 && found.boundary > found.pixels / 200, "{told}");
             // Both see the same holes, to the pixel.

@@ -17,7 +17,10 @@ fn blocks(text: &str) -> Vec<String> {
     let mut is_open = false;
     for line in text.lines() {
         match line.strip_prefix("    ") {
-            Some(command) if is_open => *blocks.last_mut().expect("an open block") += &format!("\n{command}"),
+            Some(command) if is_open => {
+                let block = blocks.last_mut().expect("an open block");
+                *block = [&**block, command].join("\n");
+            }
             Some(command) => blocks.push(command.to_owned()),
             None if line.is_empty() && is_open => continue,
             None => {}
@@ -86,12 +89,11 @@ const NOT_RUN: &[&str] =
 /// Runs the commands of a page in its order, smaller where a picture is large, and counts their blocks.
 fn run_page(beside: &Beside, page: &str) -> usize {
     let is_run = |line: &&str| !NOT_RUN.iter().any(|prefix| line.starts_with(prefix));
-    let run_lines =
-        |block: String| block.lines().filter(is_run).map(|line| format!("{line}\n")).collect::<String>();
+    let run_lines = |block: String| block.lines().filter(is_run).collect::<Vec<_>>().join("\n");
     let scripts: Vec<String> =
         blocks(page).into_iter().map(run_lines).filter(|script| !script.is_empty()).collect();
-    let script =
-        scripts.concat().replace("--size 1920x1080 --samples 64", "--size 96x54").replace("--samples 16", "");
+    let script = scripts.join("\n").replace("--size 1920x1080 --samples 64", "--size 96x54");
+    let script = script.replace("--samples 16", "");
     beside.ends_well(&script);
     scripts.len()
 }

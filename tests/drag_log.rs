@@ -4,9 +4,9 @@
 use std::sync::Arc;
 use std::thread;
 
-use document::{AssetHash, Command, Context, Document, FeatureDrag, solve_drag};
-use drag::{Feature, Radii, Viewport};
-use edit::{Actor, Request, Scope, Session, Sources};
+use document::{AssetHash, Command, CommandContext, Document, FeatureDrag, solve_drag};
+use drag::{Feature, RadiusMode, Viewport};
+use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use glam::DVec2;
 use light::LightId;
 use raycast::Bvh;
@@ -42,7 +42,8 @@ fn demo() -> (Bvh, Viewport, Document) {
     let view = Viewport { camera: demo.contents.cameras[0].clone(), size: SIZE };
     let mut document = Document::default();
     let light = Command::AddLight(Arc::clone(&demo.contents.lights[0]));
-    let added = document::edited(&document, &light, Context::default()).expect("a light is added");
+    let added =
+        document::execute_command(&document, &light, CommandContext::default()).expect("a light is added");
     document.apply(&added.changes).expect("it is new");
     (Bvh::new(scene::pose(demo.scene)), view, document)
 }
@@ -50,7 +51,7 @@ fn demo() -> (Bvh, Viewport, Document) {
 /// A drag of some feature over some pixels, as a whole or by some control points.
 fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
     let features = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
-    let radii = [Radii::Keep, Radii::Solve, Radii::Follow];
+    let radii = [RadiusMode::Keep, RadiusMode::Solve, RadiusMode::Follow];
     let subsets = [None, Some(vec![4]), Some(vec![2, 3]), Some(vec![1, 2, 3, 4])];
     let from = DVec2::new(random.share() * f64::from(SIZE[0]), random.share() * f64::from(SIZE[1]));
     let way = DVec2::new(random.share() - 0.5, random.share() - 0.5) * 20.0;
@@ -68,7 +69,7 @@ fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
 /// The log, a record a line, and the session that made it: it goes on from every 200th drag, and takes the others back.
 fn made() -> (Vec<String>, Session) {
     let (bvh, view, document) = demo();
-    let mut session = Session::restore(document, 0, &edit::Past::default());
+    let mut session = Session::restore(document, 0, &edit::SessionHistory::default());
     let (mut random, mut lines, mut drags) = (Random(20), Vec::new(), 0);
     let ada = Actor { id: "ada".into(), name: "Ada".into() };
     let light = LightId(1);
@@ -78,22 +79,22 @@ fn made() -> (Vec<String>, Session) {
         assert!(tried < 20 * DRAGS, "{drags} of {tried} are carried out");
         let drag = any_drag(&mut random, &view);
         let solved = solve_drag(session.document(), light, &drag, &bvh).expect("a picture and a light");
-        let context = Context { solved: Some(&solved), ..Context::default() };
+        let context = CommandContext { solved: Some(&solved), ..CommandContext::default() };
         let command = Command::DragFeature { light, drag: Box::new(drag) };
-        let request = Request::Edit { base_seq: None, command };
-        let sources = Sources { context, taken_back: None };
-        let Ok(record) = session.request(request, &ada, &format!("drag-{drags}"), 0, sources) else {
+        let request = EditRequest::Edit { base_seq: None, command };
+        let sources = EditSources { context, reverted: None };
+        let Ok(record) = session.execute_request(request, &ada, &format!("drag-{drags}"), 0, sources) else {
             continue;
         };
         drags += 1;
         lines.push(protocol::Record::from(&record).to_json());
         if drags % 200 > 0 && !record.changes.is_empty() {
-            let undo = Request::Undo(Scope::Mine);
+            let undo = EditRequest::Undo(UndoScope::Mine);
             let taken_back =
-                session.taken_back(&undo, &ada.id, &|_| Some(record.clone())).expect("it can be");
-            let sources = Sources { taken_back, ..Sources::default() };
+                session.find_revert(&undo, &ada.id, &|_| Some(record.clone())).expect("it can be");
+            let sources = EditSources { reverted: taken_back, ..EditSources::default() };
             let undone =
-                session.request(undo, &ada, &format!("undo-{drags}"), 0, sources).expect("it can be");
+                session.execute_request(undo, &ada, &format!("undo-{drags}"), 0, sources).expect("it can be");
             lines.push(protocol::Record::from(&undone).to_json());
         }
     }
@@ -116,7 +117,7 @@ fn a_log_of_many_drags_is_the_same_everywhere() {
     }
 
     let (_, _, document) = demo();
-    let mut replayed = Session::restore(document.clone(), 0, &edit::Past::default());
+    let mut replayed = Session::restore(document.clone(), 0, &edit::SessionHistory::default());
     for line in &lines {
         let record = protocol::Record::parse(line).expect("a record");
         replayed.replay(&edit::Record::try_from(record).expect("a record")).expect("it goes on");

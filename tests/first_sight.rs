@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use assets::Loaded;
+use assets::LoadedScene;
 use glam::{DQuat, DVec3};
 use light::LightInstance;
 use light::parameters::ROTATION;
@@ -29,10 +29,10 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 }
 
 /// The mean radiance of what is seen of the scene from its first camera or, without one, from the one that frames it.
-fn mean_radiance(renderer: &mut Renderer, loaded: &Loaded) -> f64 {
+fn mean_radiance(renderer: &mut Renderer, loaded: &LoadedScene) -> f64 {
     let posed = scene::pose(loaded.scene.clone());
     let first = loaded.contents.cameras.first().cloned();
-    let camera = first.unwrap_or_else(|| framing_camera(&posed.subject(), DEFAULT_ASPECT));
+    let camera = first.unwrap_or_else(|| framing_camera(&posed.subject_bounds(), DEFAULT_ASPECT));
     let number = |(light, id)| LightInstance { id: light::LightId(id), light };
     let lights: Vec<_> = loaded.contents.lights.iter().map(Arc::clone).zip(0..).map(number).collect();
     renderer.set_scene(&posed).expect("it fits");
@@ -45,7 +45,7 @@ fn mean_radiance(renderer: &mut Renderer, loaded: &Loaded) -> f64 {
 }
 
 /// The scene with its key turned to where it came from.
-fn from_behind(mut lit: Loaded) -> Loaded {
+fn from_behind(mut lit: LoadedScene) -> LoadedScene {
     for light in &mut lit.contents.lights {
         let turned = light.light().get(ROTATION) * DQuat::from_axis_angle(DVec3::Y, std::f64::consts::PI);
         let light_from_behind = light.light().clone().with(ROTATION, turned);
@@ -63,7 +63,7 @@ fn scenes_of_shared_assets_without_lights_are_readable() {
     let (mut tried, mut dark_from_behind) = (0, 0);
     for path in [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat() {
         let Ok(unlit) = assets::load(&path) else { continue };
-        let lit = unlit.clone().lit();
+        let lit = unlit.clone().with_default_light();
         if lit.contents.lights.len() == unlit.contents.lights.len() {
             continue;
         }

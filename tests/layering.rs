@@ -203,7 +203,7 @@ fn violations(members: &[&str], uses: &Graph) -> Vec<String> {
     broken
 }
 
-/// Every package reachable from `start`, with one way to it.
+/// Every package reachable from `arrive`, with one way to it.
 fn reach<'a>(start: &'a str, uses: &'a Graph) -> BTreeMap<&'a str, Vec<&'a str>> {
     let mut found = BTreeMap::new();
     let mut open = vec![vec![start]];

@@ -86,13 +86,13 @@ fn instances(light: &Light) -> Vec<LightInstance> {
 }
 
 /// What the reference sees: radiance, and away from what edges?
-struct Seen {
+struct VisiblePixels {
     radiance: Vec<DVec3>,
     /// Whether all pixels around show one node, lit or not.
     even: Vec<bool>,
 }
 
-impl Seen {
+impl VisiblePixels {
     fn new(light: &Light) -> Self {
         let (posed, view) = &*SHELF;
         let reference = Reference::new(Arc::clone(posed));
@@ -151,7 +151,7 @@ fn links_are_what_the_reference_says() {
     for key in keys() {
         for (lit, throwing) in &cases {
             let linked = key.clone().with(LIGHT_LINK, lit.clone()).with(SHADOW_LINK, throwing.clone());
-            let seen = Seen::new(&linked);
+            let seen = VisiblePixels::new(&linked);
             let even = seen.even.iter().filter(|even| **even).count();
             let error = seen.error(&linked);
             // The planted faults: no links, and those of the other vase and card.

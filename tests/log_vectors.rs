@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Output};
 
-use document::{Context, SceneContents};
-use edit::{Actor, Request, Scope, Session, Sources};
+use document::{CommandContext, SceneContents};
+use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use serde_json::{Value, json};
-use store::{Batch, Store, replay_log};
+use store::{CommitBatch, Store, replay_log};
 
 /// Steps of a session: commands in JSON, `"undo"` and `"redo"`, and the record after which each checkpoint may stand.
 struct Vector {
@@ -129,11 +129,11 @@ fn made(vector: &Vector) -> (String, Session) {
     let (mut session, mut records) = (Session::default(), Vec::new());
     for step in (vector.steps)() {
         let request = match step.as_str() {
-            Some("undo") => Request::Undo(Scope::Mine),
-            Some(_) => Request::Redo(Scope::Mine),
+            Some("undo") => EditRequest::Undo(UndoScope::Mine),
+            Some(_) => EditRequest::Redo(UndoScope::Mine),
             None => {
                 let command: protocol::Command = serde_json::from_value(step.clone()).expect("a command");
-                Request::Edit { base_seq: None, command: command.try_into().expect("a sound command") }
+                EditRequest::Edit { base_seq: None, command: command.try_into().expect("a sound command") }
             }
         };
         let seq = session.seq() + 1;
@@ -142,16 +142,17 @@ fn made(vector: &Vector) -> (String, Session) {
         let actor = Actor { id: id.into(), name: name.into() };
         let before = records.clone();
         let record = |seq: u64| before.get(seq as usize - 1).cloned();
-        let taken_back = session.taken_back(&request, &actor.id, &record).expect("something to take back");
+        let taken_back = session.find_revert(&request, &actor.id, &record).expect("something to take back");
         let contents = SceneContents::default();
-        let context = Context { loaded: Some(&contents), ..Context::default() };
-        let sources = Sources { context, taken_back };
-        let made = session.request(request, &actor, &format!("op {seq}"), 1_790_000_000_000 + seq, sources);
+        let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
+        let sources = EditSources { context, reverted: taken_back };
+        let made =
+            session.execute_request(request, &actor, &format!("op {seq}"), 1_790_000_000_000 + seq, sources);
         let record = made.unwrap_or_else(|refused| panic!("{step}: {refused}"));
         let hash = session.document().hash();
         let records_now = std::slice::from_ref(&record);
         store
-            .append(&[Batch { session: vector.name, records: records_now, rejections: &[], hash }])
+            .append(&[CommitBatch { session: vector.name, records: records_now, rejections: &[], hash }])
             .expect("a commit");
         records.push(record);
     }
@@ -195,7 +196,7 @@ fn vectors_are_what_the_program_makes_and_replay_to_what_they_say() {
         let outcome = serde_json::to_string_pretty(&outcome(&text, &session)).expect("plain data");
         agrees(&format!("{}.json", vector.name), &(outcome + "\n"));
         let replayed = replay_log(text.as_bytes(), None).expect(vector.name);
-        assert_eq!(replayed.differs, None, "{}", vector.name);
+        assert_eq!(replayed.first_difference, None, "{}", vector.name);
         assert_eq!(replayed.session.document().hash(), session.document().hash());
     }
     assert!(made(&VECTORS[2]).0.contains("sameAs"), "long values are referred to");
@@ -276,7 +277,7 @@ fn planted_faults_are_told_apart() {
         assert_ne!(lines, before, "{what}");
         let planted = lines.join("\n") + "\n";
         let said = match replay_log(planted.as_bytes(), None) {
-            Ok(replayed) => replayed.differs.expect(what).to_string(),
+            Ok(replayed) => replayed.first_difference.expect(what).to_string(),
             Err(error) => error.to_string(),
         };
         assert!(said.contains(ours), "{what}: {said}");

@@ -63,7 +63,7 @@ fn every_old_log_replays_to_its_hash() {
     assert_eq!(files, OLD_LOGS.len(), "each log of the folder is listed here");
     for log in OLD_LOGS {
         let replayed = replay_log(text(log).as_bytes(), None).expect(log.file);
-        assert_eq!(replayed.differs, None, "{}", log.file);
+        assert_eq!(replayed.first_difference, None, "{}", log.file);
         assert_eq!(replayed.session.seq(), log.records, "{}", log.file);
         assert_eq!(
             replayed.session.document().hash_of_format(log.format).to_string(),
@@ -92,10 +92,10 @@ fn a_planted_change_of_any_value_is_noticed() {
             let mut changed = lines.clone();
             changed[index] = planted.to_string();
             let noticed = match replay_log(changed.join("\n").as_bytes(), None) {
-                Ok(replayed) => replayed.differs.is_some(),
+                Ok(replayed) => replayed.first_difference.is_some(),
                 // A value that other lines refer to stands elsewhere now.
                 Err(StoreError::Line { .. }) => text(log).contains("sameAs"),
-                Err(error) => matches!(error, StoreError::Replay(_) | StoreError::Meaningless { .. }),
+                Err(error) => matches!(error, StoreError::Replay(_) | StoreError::InvalidRecord { .. }),
             };
             assert!(noticed, "{}: record {}", log.file, record.seq);
         }

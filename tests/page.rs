@@ -7,7 +7,7 @@ mod program;
 
 use std::path::Path;
 
-use bench::{Address, ServerProcess};
+use bench::{ServerAddress, ServerProcess};
 use browser::run_in_browser;
 use program::program;
 
@@ -102,7 +102,7 @@ fn a_light_is_bent_in_place_on_the_page() {
 /// Rules: CMD-14, GEST-1
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
-fn a_control_point_glides_on_the_page() {
+fn a_control_point_slides_on_the_page() {
     in_a_browser("glide.mjs");
 }
 
@@ -265,11 +265,11 @@ fn in_a_browser(script: &str) {
     on_a_server_of("demo:vases", |address| run_in_browser(script, address, MAIN, None));
 }
 
-fn on_a_server_of(scene: &str, test: impl FnOnce(&Address)) {
+fn on_a_server_of(scene: &str, test: impl FnOnce(&ServerAddress)) {
     on_a_server(&["--scene", scene], test);
 }
 
-fn on_a_server(arguments: &[&str], test: impl FnOnce(&Address)) {
+fn on_a_server(arguments: &[&str], test: impl FnOnce(&ServerAddress)) {
     let data = tempfile::tempdir().expect("a folder");
     let server = ServerProcess::start(program(), data.path(), arguments).expect("started");
     server.wait_until_ready().expect("ready");
@@ -281,6 +281,6 @@ fn on_a_server(arguments: &[&str], test: impl FnOnce(&Address)) {
 /// Rules: SOCK-7, HTTP-22
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
-fn the_view_goes_where_the_hand_points_and_stays_over_a_reload() {
+fn the_view_follows_the_pointer_and_survives_a_reload() {
     in_a_browser("view.mjs");
 }

@@ -4,14 +4,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use bench::sweep::{BACKENDS, Options, Report, Row, SHAPES, SceneFile, sweep};
+use bench::sweep::{BACKENDS, SHAPES, SceneFile, SweepOptions, SweepReport, SweepRow, sweep};
 use render::{Gpu, MemoryBudget, Renderer};
 
 /// Two of each setting.
 const POSES: usize = 12;
 
-fn options(shapes: &[&'static str]) -> Options {
-    Options {
+fn options(shapes: &[&'static str]) -> SweepOptions {
+    SweepOptions {
         poses: POSES,
         seed: 1,
         size: [96, 64],
@@ -31,19 +31,19 @@ fn gpu(backend: render::Backend) -> Gpu {
     Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver")
 }
 
-fn found(options: &Options) -> Report {
+fn found(options: &SweepOptions) -> SweepReport {
     let mut renderers = BACKENDS.map(|backend| renderer(gpu(backend)));
     sweep(&mut renderers, "", options, |_| {}).expect("all poses can be drawn")
 }
 
 /// How many pixels of a row may be wrong: what lies in bent light is looked up between texels of a map of curves, and one pixel of
 /// 100,000 may be wrong.
-fn allowed(row: &Row) -> usize {
+fn allowed(row: &SweepRow) -> usize {
     if row.shape == "bendy" { row.calm.div_ceil(100_000) } else { 0 }
 }
 
 /// Holds rows to what docs/accuracy.md says.
-fn are_right(report: &Report) {
+fn are_right(report: &SweepReport) {
     for row in &report.rows {
         println!("{}", serde_json::to_string(row).expect("plain data"));
         let what = format!("{} by {}: {:?}", row.shape, row.backend, report.faults);
@@ -71,7 +71,7 @@ fn lights_of_all_shapes_are_right_over_shared_assets() {
     });
     // Every seventh and eighth pose is over one of them.
     let names = scenes.each_ref().map(|scene| scene.name.clone());
-    let options = Options { poses: 32, scenes: scenes.into(), ..options(&SHAPES.map(|(name, _)| name)) };
+    let options = SweepOptions { poses: 32, scenes: scenes.into(), ..options(&SHAPES.map(|(name, _)| name)) };
     let report = found(&options);
     assert!(report.poses.iter().filter(|pose| names.contains(&pose.stage)).count() >= 4 * 8);
     are_right(&report);
@@ -100,7 +100,7 @@ fn faults_of_maps_are_seen() {
         ("bendy", 3, FOURFOLD),
     ];
     for (shape, pose, [text, replacement]) in faults {
-        let options = Options { only: Some(pose), ..options(&[shape]) };
+        let options = SweepOptions { only: Some(pose), ..options(&[shape]) };
         let row = |gpu: Gpu| {
             let report = sweep(&mut [renderer(gpu)], "", &options, |_| {}).expect("it can be drawn");
             report.rows[0].clone()

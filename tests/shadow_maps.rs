@@ -18,11 +18,11 @@ use reference::Reference;
 use render::{Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, Mesh, Node, PosedScene, Primitive, Scene, View};
 
-/// A spotlight from `eye` to `target`, and what `bend` makes of it.
+/// A spotlight from `eye` to `target`, and what `bent` makes of it.
 fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2] {
     let transform = Transform { translation: eye, rotation: looking(eye, target, DVec3::X), scale: 1.0 };
     let spot = Light::spot()
-        .placed(transform)
+        .with_transform(transform)
         .with(CONE_ANGLE, cone_angle)
         .with(CONE_SOFTNESS, 0.0)
         .with(DECAY, Decay::None)
@@ -176,7 +176,7 @@ fn a_floor_beyond_the_map_is_lit() {
     let [_, (_, straight)] = pair(DVec3::new(-1.2, 4.2, 1.8), DVec3::ZERO, 26.0);
     let bent = |bow: f64| {
         let last = straight.points().len() - 1;
-        straight.clone().with_points(|k, point| {
+        straight.clone().map_points(|k, point| {
             let along = k as f64 / last as f64;
             point.position.x += bow * along * (1.0 - along);
         })
@@ -205,8 +205,11 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
     let [(_, spot), _] = pair(source, DVec3::new(0.5, 0.0, 0.3), 59.0);
     let points: Vec<_> = [0.0, 2.0, 4.5, 7.0].map(|z| DVec3::new(0.012 * z * z, 0.0, -z)).into();
     let rotation = looking(source, DVec3::ZERO, DVec3::X);
-    let tube =
-        Light::bendy(points, vec![10.0; 4]).placed(Transform { translation: source, rotation, scale: 1.0 });
+    let tube = Light::bendy(points, vec![10.0; 4]).with_transform(Transform {
+        translation: source,
+        rotation,
+        scale: 1.0,
+    });
     for (name, light) in [("spot", spot), ("tube", tube)] {
         let fitted = displacement(&scene::pose(table(&[])), &view, &light, &format!("fitted-{name}"));
         let coarse = displacement(&scene::pose(table(&crumbs)), &view, &light, &format!("coarse-{name}"));

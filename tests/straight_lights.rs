@@ -13,7 +13,7 @@ use boxes::{SIZE, boxes, looking, room, view};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{COLOR, CONE_ANGLE, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, WIDTH};
 use light::{Light, LightInstance};
-use reference::{Reference, Source, Surface};
+use reference::{Reference, ReferenceLight, ShadedPoint};
 use render::{Culling, Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
@@ -54,28 +54,29 @@ fn instances(lights: &[Light]) -> Vec<LightInstance> {
 /// How wide a texel of a light's map is at a point in scene space, at most: maps are fitted, but to no less than that.
 fn texel(light: &LightInstance, scene: &PosedScene, point: DVec3) -> f64 {
     let resolution = f64::from(ShadowSettings::default().resolution);
-    match Source::new(&light.light) {
-        Source::Omni(omni) => {
+    match ReferenceLight::new(&light.light) {
+        ReferenceLight::Omni(omni) => {
             // Of a face with half the texels a side, 2 across at a distance of 1.
             let way = point + scene.origin_in_world - omni.translation;
             2.0 * way.length() / (resolution / 2.0 - 4.0)
         }
-        Source::Spot(cone) => {
+        ReferenceLight::Spot(cone) => {
             2.0 * cone.tan_outer * (point + scene.origin_in_world - cone.translation).length()
                 / (resolution - 4.0)
         }
-        Source::Directional(_) => 2.0 * scene.half_extent.length() / (resolution - 4.0),
-        Source::Bendy(_) => panic!("its map is another test's"),
+        ReferenceLight::Directional(_) => 2.0 * scene.half_extent.length() / (resolution - 4.0),
+        ReferenceLight::Bendy(_) => panic!("its map is another test's"),
     }
 }
 
 /// Whether each pixel is lit, by the reference: those two texels and more off each edge of a shadow, and of a surface.
 fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(usize, bool)> {
-    let source = Source::new(&light.light);
+    let source = ReferenceLight::new(&light.light);
     let posed = &reference.bvh.posed;
     let seen = |x: f64, y: f64| reference.surface(view, DVec2::new(x, y) + 0.5);
     // Dark outside of the light, too.
-    let visible = |surface: &Surface| reference.sample(&source, surface).is_some_and(|sample| sample.visible);
+    let visible =
+        |surface: &ShadedPoint| reference.sample(&source, surface).is_some_and(|sample| sample.is_visible);
     let [width, height] = SIZE.map(|side| side as usize);
     let mut found = Vec::new();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
@@ -94,7 +95,7 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
         let normal = surface.geometric_normal;
         let sample = reference.sample(&source, &surface);
         // A texel's image on the surface is as long as the light grazes, and so is the filter's reach.
-        let towards = sample.map_or(normal, |sample| sample.place.direction);
+        let towards = sample.map_or(normal, |sample| sample.coords.direction);
         let far = 2.0 * texel(light, posed, surface.position);
         let along = towards.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
         let across = normal.cross(along) * far;
@@ -407,7 +408,7 @@ fn what_is_left_out_changes_no_picture() {
     let mut renderer = Renderer::new(gpu).expect("the device works");
     let scene = scene::pose(room());
     let spot = lamp(DVec3::new(2.5, 3.0, 2.0), DVec3::ZERO).with(CONE_ANGLE, 25.0).with(RANGE, Some(9.0));
-    let bent = light::bend(&spot, 3).expect("a cone").with_points(|k, point| {
+    let bent = light::bend(&spot, 3).expect("a cone").map_points(|k, point| {
         point.position.x += [0.0, 0.2, 0.6, 0.2, 0.0][k];
     });
     let beside = bulb(DVec3::new(0.0, 1.0, 400.0)).with(RANGE, Some(2.0));

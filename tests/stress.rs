@@ -4,7 +4,7 @@
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 
-use studies::stress::{Length, Options, Outcome, Property, run};
+use studies::stress::{Length, Property, PropertyOutcome, StressOptions, run};
 
 /// Those that need no adapter are quick.
 const OF_THE_MODEL: [Property; 5] =
@@ -12,14 +12,15 @@ const OF_THE_MODEL: [Property; 5] =
 const OF_THE_ADAPTER: [Property; 2] = [Property::Locate, Property::Map];
 const OF_PICTURES: [Property; 4] = [Property::LonePlane, Property::Wall, Property::Shadow, Property::Finite];
 
-fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<Outcome> {
-    let options = Options { properties: properties.to_vec(), seed, length: Length::Cases(cases), planted };
+fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<PropertyOutcome> {
+    let options =
+        StressOptions { properties: properties.to_vec(), seed, length: Length::Cases(cases), planted };
     run(&options, |_| ()).expect("tests need a graphics driver").outcomes
 }
 
 /// A property holds in every case that begins at a seed; how many numbers that compared for each.
-fn hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u64)> {
-    let held = |outcome: Outcome| {
+fn assert_properties_hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u64)> {
+    let held = |outcome: PropertyOutcome| {
         let name = outcome.property.name();
         assert!(outcome.failure.is_none(), "{name}: {:#?}", outcome.failure);
         assert_eq!(outcome.cases, cases);
@@ -31,14 +32,14 @@ fn hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u6
 /// Properties hold: in cases that are the same every time, where something is compared, and in a few new ones. Those
 /// need not compare anything: all points of three random lights may lie outside of them.
 fn hold_anywhere(properties: &[Property], cases: u64) {
-    for (name, comparisons) in hold(properties, 1, cases) {
+    for (name, comparisons) in assert_properties_hold(properties, 1, cases) {
         assert!(comparisons >= cases, "{name}: {comparisons} comparisons");
     }
-    hold(properties, random_seed(), cases / 2);
+    assert_properties_hold(properties, random_seed(), cases / 2);
 }
 
 /// With a planted fault it fails within some cases, and the simplest one found is small.
-fn fail(properties: &[Property], cases: u64) {
+fn assert_planted_faults_fail(properties: &[Property], cases: u64) {
     for outcome in tried(properties, 1, cases, true) {
         let failure = outcome.failure.unwrap_or_else(|| panic!("{}: went unseen", outcome.property.name()));
         println!("{}: {}\n{}", outcome.property.name(), failure.why, failure.case);
@@ -72,9 +73,9 @@ fn pictures_hold() {
 
 #[test]
 fn planted_faults_are_caught_and_made_simple() {
-    fail(&OF_THE_MODEL, 5);
-    fail(&OF_THE_ADAPTER, 3);
-    fail(&OF_PICTURES, 12);
+    assert_planted_faults_fail(&OF_THE_MODEL, 5);
+    assert_planted_faults_fail(&OF_THE_ADAPTER, 3);
+    assert_planted_faults_fail(&OF_PICTURES, 12);
 }
 
 /// The seed that a failure prints makes the same case again, alone.

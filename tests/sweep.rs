@@ -10,10 +10,10 @@ use light::parameters::{
     ROTATION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, TRANSLATION, UP, WIDTH,
 };
 use light::{
-    CrossSection, Decay, Kind, Light, LightId, LightInstance, Links, Owner, Parameter, PeriodicCurve,
-    ProfileCurve, Setting, Touches, Value,
+    CrossSection, Decay, Light, LightId, LightInstance, Links, Parameter, ParameterKind, ParameterOwner,
+    ParameterTouches, PeriodicCurve, ProfileCurve, Setting, Value,
 };
-use reference::{LinkedSource, Reference, Source, Surface};
+use reference::{LinkedReferenceLight, Reference, ReferenceLight, ShadedPoint};
 use render::{Gpu, PassCounts, Picture, Renderer};
 use scene::{Aov, Fill, PosedScene, Scene, View, ViewSlot};
 
@@ -23,14 +23,14 @@ const SIZE: [u32; 2] = [120, 68];
 const LARGEST_RMSE: f64 = 1e-3;
 
 /// What is set shows where the light without it is so far off, some times as far as the light with it.
-const SHOWS: f64 = 5e-4;
+const VISIBLE_CHANGE: f64 = 5e-4;
 
 /// A light that has all there is, so that each parameter shows in `view`.
 fn with_all(light: Light, reference: &Reference, view: &View) -> Light {
     // Where along its way what it lights lies.
-    let source = Source::new(&light::CheckedLight::new(light.clone()).expect("valid"));
+    let source = ReferenceLight::new(&light::CheckedLight::new(light.clone()).expect("valid"));
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
-    let place = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.place.s);
+    let place = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.coords.s);
     let mut distances: Vec<f64> = pixels.filter_map(place).collect();
     distances.sort_by(f64::total_cmp);
     let [near, far] = [distances.len() / 20, distances.len() * 19 / 20].map(|index| distances[index]);
@@ -83,11 +83,13 @@ fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
         allowed.filter(|value| value != now && parameter.check(value).is_ok()).take(1).collect()
     };
     match (&parameter.kind, now) {
-        (Kind::Links, _) => Links::new(Vec::new(), vec![node.into()]).map(Value::Links).into_iter().collect(),
-        (Kind::Choice(choices), _) => {
+        (ParameterKind::Links, _) => {
+            Links::new(Vec::new(), vec![node.into()]).map(Value::Links).into_iter().collect()
+        }
+        (ParameterKind::Choice(choices), _) => {
             choices.iter().map(|choice| Value::Choice(choice.name)).filter(|value| value != now).collect()
         }
-        (Kind::PeriodicCurve { .. }, _) => {
+        (ParameterKind::PeriodicCurve { .. }, _) => {
             // Three quarters of the way round it comes in, with a corner in it.
             let knots = vec![[20.0, 0.9], [100.0, 0.6], [130.0, 0.95], [290.0, 0.75]];
             PeriodicCurve::new(knots).map(Value::PeriodicCurve).into_iter().collect()
@@ -119,7 +121,7 @@ struct Expected {
 
 /// What is seen at a pixel's middle, but for its brightness: what may not change nearby where pictures are compared.
 #[derive(Clone, Copy)]
-struct Seen {
+struct RenderedPicture {
     node: usize,
     normal: DVec3,
     depth: f64,
@@ -130,23 +132,29 @@ struct Seen {
 
 fn expected(reference: &Reference, view: &View, light: &Light) -> Expected {
     let checked = light::CheckedLight::new(light.clone()).expect("valid");
-    let source = Source::new(&checked);
-    let linked = [LinkedSource::new(&reference.bvh.posed, &checked)];
+    let source = ReferenceLight::new(&checked);
+    let linked = [LinkedReferenceLight::new(&reference.bvh.posed, &checked)];
     let [width, height] = SIZE.map(|side| side as usize);
     let at = |index: usize| DVec2::new((index % width) as f64 + 0.5, (index / width) as f64 + 0.5);
-    let surfaces: Vec<Option<Surface>> =
+    let surfaces: Vec<Option<ShadedPoint>> =
         (0..width * height).map(|index| reference.surface(view, at(index))).collect();
-    let seen: Vec<Option<Seen>> = surfaces
+    let seen: Vec<Option<RenderedPicture>> = surfaces
         .iter()
         .map(|surface| {
             let surface = surface.as_ref()?;
             let sample = reference.sample(&source, surface);
             let (lit, shines) =
-                (sample.map(|s| s.visible), sample.is_some_and(|s| s.irradiance != DVec3::ZERO));
-            Some(Seen { node: surface.node, normal: surface.normal, depth: surface.depth, lit, shines })
+                (sample.map(|s| s.is_visible), sample.is_some_and(|s| s.irradiance != DVec3::ZERO));
+            Some(RenderedPicture {
+                node: surface.node,
+                normal: surface.normal,
+                depth: surface.depth,
+                lit,
+                shines,
+            })
         })
         .collect();
-    let alike = |a: Seen, b: Seen| {
+    let alike = |a: RenderedPicture, b: RenderedPicture| {
         a.normal.dot(b.normal) > 0.9
             && (a.depth / b.depth - 1.0).abs() < 0.05
             && (a.node, a.lit, a.shines) == (b.node, b.lit, b.shines)
@@ -191,7 +199,7 @@ fn every_parameter_of_every_shape_does_what_its_row_says() {
         (picture, since(before, renderer.counts()))
     };
     let mut faults = Vec::new();
-    let (paths, _) = posed.nodes().drawn_paths(100, 1000);
+    let (paths, _) = posed.node_tree().drawn_paths(100, 1000);
     let vase = paths.into_iter().find(|path| path.contains("vase")).expect("the demo has vases");
     for light in lights {
         let base = &with_all(light, &reference, &view);
@@ -200,29 +208,29 @@ fn every_parameter_of_every_shape_does_what_its_row_says() {
         assert_eq!((shadow, lighting), (1, 1), "{shape:?}");
         let base_expected = expected(&reference, &view, base);
         for (parameter, now) in base.values() {
-            let touches = parameter.of(shape).expect("it has it").touches;
+            let touches = parameter.for_owner(shape).expect("it has it").touches;
             for value in others(parameter, now, &vase) {
                 let what = format!("{shape:?} {} {value:?}", parameter.name);
                 let mut set = base.clone();
                 set.set(Setting { parameter, value: value.clone() });
                 let (picture, passes) = draw(&set);
                 let allowed = match touches {
-                    Touches::Nothing => [0, 0, 0],
-                    Touches::Weight | Touches::Radiance => [0, 0, 1],
-                    Touches::ShadowMap | Touches::Scene => [0, 1, 1],
+                    ParameterTouches::Nothing => [0, 0, 0],
+                    ParameterTouches::Weight | ParameterTouches::Radiance => [0, 0, 1],
+                    ParameterTouches::ShadowMap | ParameterTouches::Scene => [0, 1, 1],
                 };
                 let (off, compared) = rmse(&picture, &expected(&reference, &view, &set));
                 // The planted fault: that nothing was set.
                 // An omni light shines alike to all sides: which way it is turned only shows in what is projected from it.
-                let shows =
-                    touches > Touches::Nothing && (shape, parameter.name) != (Owner::Omni, "rotation");
+                let shows = touches > ParameterTouches::Nothing
+                    && (shape, parameter.name) != (ParameterOwner::Omni, "rotation");
                 let (unset, _) = rmse(&picture, &base_expected);
                 let (undone, [gbuffer, ..]) = draw(base);
                 let wrong = [
                     (passes != allowed, format!("{passes:?} passes instead of {allowed:?}")),
                     (off > LARGEST_RMSE, format!("{off:e} off")),
                     (compared < 3000, format!("only {compared} pixels compared")),
-                    ((unset > SHOWS) != shows, format!("{unset:e} off unset")),
+                    ((unset > VISIBLE_CHANGE) != shows, format!("{unset:e} off unset")),
                     (undone.pixels != base_picture.pixels || gbuffer > 0, "another picture undone".into()),
                 ];
                 let wrong = wrong.into_iter().filter(|(is_so, _)| *is_so);

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock};
 
-use bench::compare::{Drawn, Expected, Subject};
+use bench::compare::{ComparisonSubject, ExpectedPicture, RenderedSubject};
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{Light, LightInstance};
@@ -31,7 +31,7 @@ fn black_and_white() -> Image {
     Image { rgba8: picture.rgba8.iter().map(|byte| if *byte < 128 { 0 } else { 255 }).collect(), ..picture }
 }
 
-/// A wall of 2 by 2 units that faces the camera, over which uv runs from `start`.
+/// A wall of 2 by 2 units that faces the camera, over which uv runs from `arrive`.
 fn wall(image: Image, sampler: Sampler, start: Vec2) -> Scene {
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let wall = Primitive {
@@ -76,12 +76,12 @@ fn light() -> Light {
 
 /// The error of radiance that `drawn` has as a picture of `scene`, relative to its root mean square.
 fn error(scene: &Scene, drawn: &Scene) -> f64 {
-    let subject = Subject::new("wall", scene.clone(), light(), view());
+    let subject = ComparisonSubject::new("wall", scene.clone(), light(), view());
     let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("a renderer");
     renderer.set_scene(&scene::pose(drawn.clone())).expect("the scene fits");
     let lights = LightInstance::numbered([light()]).expect("a light");
-    let drawn = Drawn::under(&mut renderer, &subject, &lights, ShadowSettings::default());
-    let expected = Expected::new(&subject, || {}).expect("the light is valid");
+    let drawn = RenderedSubject::under(&mut renderer, &subject, &lights, ShadowSettings::default());
+    let expected = ExpectedPicture::new(&subject, || {}).expect("the light is valid");
     let found = expected.compare(&drawn.expect("it can be drawn"));
     assert!(found.in_light > found.pixels * 9 / 10 && found.pixels > 40_000, "{found:?}");
     found.radiance_rmse

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use edit::{Past, Session};
+use edit::{Session, SessionHistory};
 use light::LightId;
 use serde::{Deserialize, Serialize};
 
@@ -90,7 +90,7 @@ impl SessionCheckpoint {
             |(actor, seqs): (String, Vec<u64>)| seqs.into_iter().map(move |seq| (seq, actor.clone()));
         let mut steps: Vec<(u64, String)> = self.steps.into_iter().flat_map(steps_of).collect();
         steps.sort_unstable();
-        let past = Past {
+        let past = SessionHistory {
             steps,
             undos: self.undos.into_iter().map(undo).collect(),
             touched: self.touched.into_iter().map(|t| (LightId(t.light), t.actor, t.seq)).collect(),
@@ -103,7 +103,7 @@ impl SessionCheckpoint {
 
 impl From<&Session> for SessionCheckpoint {
     fn from(session: &Session) -> Self {
-        let Past { steps, undos, touched, renumbered } = session.past();
+        let SessionHistory { steps, undos, touched, renumbered } = session.session_history();
         let undo = |undo: edit::PastUndo| PastUndo {
             seq: undo.seq,
             actor: undo.actor_id,

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use document::EditError;
-use edit::Refusal;
+use edit::EditRefusal;
 use light::LightError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -147,7 +147,7 @@ impl ErrorCode {
     }
 
     /// Whether another try may go otherwise: such a refusal is no answer to an operation for good (SPEC, REC-4).
-    pub fn is_of_the_moment(self) -> bool {
+    pub fn is_transient(self) -> bool {
         let of_the_moment = [
             Self::Storage,
             Self::UnknownOutcome,
@@ -181,18 +181,18 @@ impl From<&EditError> for ErrorCode {
             EditError::NoLight(_)
             | EditError::NoCamera(_)
             | EditError::NoPoint { .. }
-            | EditError::NoneCalled { .. }
+            | EditError::UnknownName { .. }
             | EditError::NoPin(_) => Self::NotFound,
-            EditError::SeveralCalled { .. } => Self::Ambiguous,
+            EditError::AmbiguousName { .. } => Self::Ambiguous,
             EditError::WrongKind { .. } | EditError::NoPointParameter(_) => Self::WrongKind,
             EditError::Source => Self::Source,
-            EditError::NotDragged { .. }
+            EditError::DragRefused { .. }
             | EditError::PinDoesNotHold { .. }
             | EditError::InvalidPin
-            | EditError::NoPicture => Self::Drag,
-            EditError::NotSolved(_) => Self::Fault,
+            | EditError::EmptyViewport => Self::Drag,
+            EditError::DragNotSolved(_) => Self::Fault,
             EditError::InvalidLight { reason, .. } => reason.into(),
-            EditError::OutOfReach(_) => Self::InvalidLight,
+            EditError::Undrawable(_) => Self::InvalidLight,
             EditError::InvalidCamera(_) => Self::InvalidCamera,
             EditError::UnknownAsset(_) => Self::UnknownAsset,
             EditError::TooMany { .. } | EditError::TooManyChosen { .. } | EditError::TooLong { .. } => {
@@ -203,21 +203,21 @@ impl From<&EditError> for ErrorCode {
     }
 }
 
-impl From<&Refusal> for ErrorCode {
-    fn from(refusal: &Refusal) -> Self {
+impl From<&EditRefusal> for ErrorCode {
+    fn from(refusal: &EditRefusal) -> Self {
         match refusal {
-            Refusal::Edit(error) => error.into(),
-            Refusal::OfGroup { reason, .. } => (&**reason).into(),
-            Refusal::Locked { .. } => Self::Locked,
-            Refusal::Stale { .. } => Self::Stale,
-            Refusal::NothingToUndo { .. } => Self::NothingToUndo,
-            Refusal::NothingToRedo { .. } => Self::NothingToRedo,
-            Refusal::LostRecord(_) => Self::Storage,
-            Refusal::NoGesture(_) => Self::NoGesture,
-            Refusal::EmptyGesture(_) => Self::EmptyGesture,
-            Refusal::GestureExists(_) => Self::Exists,
-            Refusal::OtherLight(_) => Self::OtherLight,
-            Refusal::TooMany { .. } => Self::TooMany,
+            EditRefusal::Edit(error) => error.into(),
+            EditRefusal::InGroup { reason, .. } => (&**reason).into(),
+            EditRefusal::Locked { .. } => Self::Locked,
+            EditRefusal::Stale { .. } => Self::Stale,
+            EditRefusal::NothingToUndo { .. } => Self::NothingToUndo,
+            EditRefusal::NothingToRedo { .. } => Self::NothingToRedo,
+            EditRefusal::MissingRecord(_) => Self::Storage,
+            EditRefusal::NoGesture(_) => Self::NoGesture,
+            EditRefusal::EmptyGesture(_) => Self::EmptyGesture,
+            EditRefusal::GestureExists(_) => Self::Exists,
+            EditRefusal::OtherLight(_) => Self::OtherLight,
+            EditRefusal::TooMany { .. } => Self::TooMany,
         }
     }
 }

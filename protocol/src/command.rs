@@ -1,19 +1,19 @@
 //! Commands and their parameters in JSON.
 
-use document::{CameraId, FeatureDrag, PinId, Target};
+use document::{CameraId, FeatureDrag, ParameterTarget, PinId};
 use drag::Viewport;
 use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
-use light::{LightId, Owner, Setting};
+use light::{LightId, ParameterOwner, Setting};
 use schemars::JsonSchema;
 use serde::de::DeserializeSeed;
 use serde::{Deserialize, Serialize};
 
 use crate::document::{Quat, Vec3};
 use crate::error::excerpt;
-use crate::parameter::{ValueOf, unknown};
-use crate::words::in_json_words;
+use crate::parameter::{ValueSeed, unknown};
+use crate::words::json_wording;
 use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
 
 /// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
@@ -283,7 +283,7 @@ impl TryFrom<Command> for document::Command {
             Command::RemovePoint { light, point } => Self::RemovePoint { light: LightId(light), point },
             Command::BendLight { light, segments, range, cone_angle, toward } => Self::BendLight {
                 light: LightId(light),
-                segments: segments.unwrap_or(document::BENT_SEGMENTS),
+                segments: segments.unwrap_or(document::DEFAULT_BEND_SEGMENTS),
                 range,
                 cone_angle,
                 toward: vector(toward),
@@ -315,30 +315,34 @@ fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
 /// The command that sets what an address names. A refusal says what the parameter takes, whatever came instead.
 fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
     let refused = |why: String| Refused::Address(format!("`{}` cannot be set: {why}", excerpt(address)));
-    let (target, name) = Target::of_address(address).ok_or_else(|| {
+    let (target, name) = ParameterTarget::from_address(address).ok_or_else(|| {
         refused(
             "write an address as /lights/ID/NAME, /lights/ID/points/INDEX/NAME or /cameras/ID/NAME".into(),
         )
     })?;
     let rows = match target {
-        Target::Light(_) => LightParameter::rows(),
-        Target::Point(..) => PointParameter::rows(),
-        Target::Camera(_) => document::parameters().filter(|row| row.of(Owner::Camera).is_some()).collect(),
+        ParameterTarget::Light(_) => LightParameter::rows(),
+        ParameterTarget::Point(..) => PointParameter::rows(),
+        ParameterTarget::Camera(_) => {
+            document::parameters().filter(|row| row.for_owner(ParameterOwner::Camera).is_some()).collect()
+        }
     };
     let names = || rows.iter().map(|row| row.name);
     let row = rows.iter().copied().find(|row| row.name == name);
     let row = row.ok_or_else(|| {
-        refused(in_json_words(&unknown::<serde_json::Error>("parameter", name, names()).to_string()))
+        refused(json_wording(&unknown::<serde_json::Error>("parameter", name, names()).to_string()))
     })?;
     let other_type = || refused(format!("`{name}` must be {}", row.kind));
-    let setting = || match ValueOf(row).deserialize(value) {
+    let setting = || match ValueSeed(row).deserialize(value) {
         Ok(value) => Ok(Setting { parameter: row, value }),
         Err(_) => Err(other_type()),
     };
     Ok(match target {
-        Target::Light(light) => document::Command::SetLight { light, setting: setting()? },
-        Target::Point(light, point) => document::Command::SetPoint { light, point, setting: setting()? },
-        Target::Camera(camera) => {
+        ParameterTarget::Light(light) => document::Command::SetLight { light, setting: setting()? },
+        ParameterTarget::Point(light, point) => {
+            document::Command::SetPoint { light, point, setting: setting()? }
+        }
+        ParameterTarget::Camera(camera) => {
             let parameter = CameraParameter::deserialize(serde_json::json!({ (name): value }));
             let parameter = parameter.map_err(|_| other_type())?.into();
             document::Command::SetCamera { camera, parameter }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, Layout, NotAnAssetHash, PinId};
+use document::{AssetHash, CameraId, InvalidAssetHash, PinId, PointNumbering};
 use glam::{DQuat, DVec3};
-use light::Reach;
+use light::SceneBounds;
 use light::{CheckedLight, LightId};
 use scene::PosedScene;
 use schemars::JsonSchema;
@@ -136,7 +136,7 @@ pub struct Bounds {
 impl Bounds {
     /// Of a scene; a box of side 2 around the origin where it has no geometry.
     pub fn of(posed: &PosedScene) -> Self {
-        let Reach { middle, half_extent } = posed.reach();
+        let SceneBounds { center: middle, half_extent } = posed.bounds();
         let half = if posed.positions.is_empty() { DVec3::ONE } else { half_extent };
         let (min, max) = (middle - half, middle + half);
         Self { min: min.to_array(), max: max.to_array() }
@@ -166,7 +166,7 @@ impl Document {
         let scene = self.scene.map(document::SceneRef::try_from).transpose()?;
         let placed = |wire: DocumentLight| {
             let light = Arc::new(CheckedLight::try_from(wire.light)?);
-            Ok((LightId(wire.id), document::PlacedLight { layout: Layout(wire.layout), light }))
+            Ok((LightId(wire.id), document::NumberedLight { layout: PointNumbering(wire.layout), light }))
         };
         let lights = self.lights.into_iter().map(placed).collect::<Result<_, Refused>>()?;
         let cameras = self.cameras.into_iter().map(|wire| (CameraId(wire.id), wire.camera.into())).collect();
@@ -182,9 +182,9 @@ impl From<&document::SceneRef> for SceneRef {
 }
 
 impl TryFrom<SceneRef> for document::SceneRef {
-    type Error = NotAnAssetHash;
+    type Error = InvalidAssetHash;
 
-    fn try_from(wire: SceneRef) -> Result<Self, NotAnAssetHash> {
+    fn try_from(wire: SceneRef) -> Result<Self, InvalidAssetHash> {
         Ok(Self { asset: wire.asset.parse::<AssetHash>()?, name: wire.name })
     }
 }

@@ -1,7 +1,7 @@
 //! Drags of features and pins in JSON: what drag files (`drag_file.rs`), commands and records say alike.
 
 use document::{DragOutcome as Outcome, LightPin, PinId};
-use drag::{Feature, Limit, PinKind as Kind, Radii, Refusal, Status};
+use drag::{DragRefusal, Feature, PinKind as Kind, RadiusMode};
 use glam::DVec3;
 use light::LightId;
 use schemars::JsonSchema;
@@ -23,7 +23,7 @@ pub enum DragKind {
     Diffuse,
 }
 
-/// [`Radii`] in JSON.
+/// [`RadiusMode`] in JSON.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragRadii {
@@ -77,7 +77,7 @@ pub struct DocumentPin {
     pub pin: Pin,
 }
 
-/// [`Status`] in JSON.
+/// [`drag::DragStatus`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragStatus {
@@ -89,7 +89,7 @@ pub enum DragStatus {
     Refused,
 }
 
-/// [`Limit`] in JSON.
+/// [`drag::DragLimit`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragLimit {
@@ -109,7 +109,7 @@ pub enum DragLimit {
     TooMuchWork,
 }
 
-/// [`Refusal`] in JSON.
+/// [`DragRefusal`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragReason {
@@ -162,15 +162,17 @@ pub struct DragOutcome {
 }
 
 /// [`Status`] in parts, as JSON has it: whether it landed, what keeps it, why it is refused, and which pin that is.
-pub(crate) fn parts(status: Status) -> (DragStatus, Option<DragLimit>, Option<DragReason>, Option<usize>) {
+pub(crate) fn status_parts(
+    status: drag::DragStatus,
+) -> (DragStatus, Option<DragLimit>, Option<DragReason>, Option<usize>) {
     match status {
-        Status::Landed => (DragStatus::Landed, None, None, None),
-        Status::Limited(limit) => {
-            let pin = if let Limit::Pin(pin) = limit { Some(pin) } else { None };
+        drag::DragStatus::Converged => (DragStatus::Landed, None, None, None),
+        drag::DragStatus::Limited(limit) => {
+            let pin = if let drag::DragLimit::Pin(pin) = limit { Some(pin) } else { None };
             (DragStatus::Limited, Some(limit.into()), None, pin)
         }
-        Status::Refused(refusal) => {
-            let pin = if let Refusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
+        drag::DragStatus::Refused(refusal) => {
+            let pin = if let DragRefusal::PinDoesNotHold(pin) = refusal { Some(pin) } else { None };
             (DragStatus::Refused, None, Some(refusal.into()), pin)
         }
     }
@@ -190,7 +192,7 @@ impl From<&LightPin> for Pin {
 
 impl From<Pin> for LightPin {
     fn from(Pin { kind, light, at, caster, hard }: Pin) -> Self {
-        let pin = drag::Pin { kind: kind.into(), at: at.into(), caster, is_hard: hard };
+        let pin = drag::DragPin { kind: kind.into(), at: at.into(), caster, is_hard: hard };
         Self { light: LightId(light), pin }
     }
 }
@@ -203,7 +205,7 @@ impl From<(PinId, &LightPin)> for DocumentPin {
 
 impl From<&Outcome> for DragOutcome {
     fn from(outcome: &Outcome) -> Self {
-        let (status, limit, _, pin) = parts(outcome.status);
+        let (status, limit, _, pin) = status_parts(outcome.status);
         let array = |position: Option<DVec3>| position.map(|position| position.to_array());
         Self {
             solver: outcome.solver.clone(),
@@ -227,20 +229,20 @@ impl TryFrom<DragOutcome> for Outcome {
     fn try_from(wire: DragOutcome) -> Result<Self, &'static str> {
         let limit = |limit| {
             Ok(match limit {
-                DragLimit::Fold => Limit::Fold,
-                DragLimit::Radius => Limit::Radius,
-                DragLimit::TubeEdge => Limit::TubeEdge,
-                DragLimit::NoDescent => Limit::NoDescent,
-                DragLimit::SourceInside => Limit::SourceInside,
-                DragLimit::TooMuchWork => Limit::TooMuchWork,
+                DragLimit::Fold => drag::DragLimit::Fold,
+                DragLimit::Radius => drag::DragLimit::Radius,
+                DragLimit::TubeEdge => drag::DragLimit::TubeEdge,
+                DragLimit::NoDescent => drag::DragLimit::NoDescent,
+                DragLimit::SourceInside => drag::DragLimit::SourceInside,
+                DragLimit::TooMuchWork => drag::DragLimit::TooMuchWork,
                 DragLimit::Pin => {
-                    Limit::Pin(wire.pin.ok_or("a drag that a pin limits names the pin")? as usize)
+                    drag::DragLimit::Pin(wire.pin.ok_or("a drag that a pin limits names the pin")? as usize)
                 }
             })
         };
         let status = match (wire.status, wire.limit) {
-            (DragStatus::Landed, None) => Status::Landed,
-            (DragStatus::Limited, Some(what)) => Status::Limited(limit(what)?),
+            (DragStatus::Landed, None) => drag::DragStatus::Converged,
+            (DragStatus::Limited, Some(what)) => drag::DragStatus::Limited(limit(what)?),
             (DragStatus::Refused, _) => return Err("a drag that was refused leaves no record"),
             _ => return Err("a drag has a `limit` where it is limited, and there alone"),
         };
@@ -281,7 +283,7 @@ impl From<Feature> for DragKind {
     }
 }
 
-impl From<DragRadii> for Radii {
+impl From<DragRadii> for RadiusMode {
     fn from(radii: DragRadii) -> Self {
         match radii {
             DragRadii::Keep => Self::Keep,
@@ -291,12 +293,12 @@ impl From<DragRadii> for Radii {
     }
 }
 
-impl From<Radii> for DragRadii {
-    fn from(radii: Radii) -> Self {
+impl From<RadiusMode> for DragRadii {
+    fn from(radii: RadiusMode) -> Self {
         match radii {
-            Radii::Keep => Self::Keep,
-            Radii::Solve => Self::Solve,
-            Radii::Follow => Self::Follow,
+            RadiusMode::Keep => Self::Keep,
+            RadiusMode::Solve => Self::Solve,
+            RadiusMode::Follow => Self::Follow,
         }
     }
 }
@@ -323,31 +325,31 @@ impl From<Kind> for PinKind {
     }
 }
 
-impl From<Limit> for DragLimit {
-    fn from(limit: Limit) -> Self {
+impl From<drag::DragLimit> for DragLimit {
+    fn from(limit: drag::DragLimit) -> Self {
         match limit {
-            Limit::Fold => Self::Fold,
-            Limit::Radius => Self::Radius,
-            Limit::TubeEdge => Self::TubeEdge,
-            Limit::NoDescent => Self::NoDescent,
-            Limit::SourceInside => Self::SourceInside,
-            Limit::TooMuchWork => Self::TooMuchWork,
-            Limit::Pin(_) => Self::Pin,
+            drag::DragLimit::Fold => Self::Fold,
+            drag::DragLimit::Radius => Self::Radius,
+            drag::DragLimit::TubeEdge => Self::TubeEdge,
+            drag::DragLimit::NoDescent => Self::NoDescent,
+            drag::DragLimit::SourceInside => Self::SourceInside,
+            drag::DragLimit::TooMuchWork => Self::TooMuchWork,
+            drag::DragLimit::Pin(_) => Self::Pin,
         }
     }
 }
 
-impl From<Refusal> for DragReason {
-    fn from(refusal: Refusal) -> Self {
+impl From<DragRefusal> for DragReason {
+    fn from(refusal: DragRefusal) -> Self {
         match refusal {
-            Refusal::NothingAtStart => Self::NothingAtStart,
-            Refusal::NothingAtEnd => Self::NothingAtEnd,
-            Refusal::OutsideTheLight => Self::OutsideTheLight,
-            Refusal::NoShadow => Self::NoShadow,
-            Refusal::NotBendy => Self::NotBendy,
-            Refusal::NoSuchPoint => Self::NoSuchPoint,
-            Refusal::NoWeight => Self::NoWeight,
-            Refusal::PinDoesNotHold(_) => Self::PinDoesNotHold,
+            DragRefusal::NothingAtStart => Self::NothingAtStart,
+            DragRefusal::NothingAtEnd => Self::NothingAtEnd,
+            DragRefusal::OutsideTheLight => Self::OutsideTheLight,
+            DragRefusal::NoShadow => Self::NoShadow,
+            DragRefusal::NotBendy => Self::NotBendy,
+            DragRefusal::NoSuchPoint => Self::NoSuchPoint,
+            DragRefusal::NoWeight => Self::NoWeight,
+            DragRefusal::PinDoesNotHold(_) => Self::PinDoesNotHold,
         }
     }
 }

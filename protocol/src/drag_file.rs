@@ -2,19 +2,19 @@
 
 use std::fmt;
 
-use drag::Landing;
+use drag::DragResult;
 use glam::DVec3;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::drag::parts;
+use crate::drag::status_parts;
 use crate::error::from_json;
 use crate::{DragKind, DragLimit, DragRadii, DragReason, DragStatus, FileError, Light, PinKind};
 
 /// A drag as it is written down. M is the surface seen at `from`, M' the one seen at `to`.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
-pub struct Drag {
+pub struct FileDrag {
     /// The light, by its name or its index.
     pub light: NameOrIndex,
     /// What is dragged.
@@ -120,11 +120,11 @@ pub struct Dragged {
 }
 
 /// Reads a drag file's text.
-pub fn parse(text: &str) -> Result<Vec<Drag>, FileError> {
+pub fn parse(text: &str) -> Result<Vec<FileDrag>, FileError> {
     from_json(text)
 }
 
-impl Drag {
+impl FileDrag {
     /// What is asked of the light, where `is_dragged` says of which lights the names are that light's; and for each of its pins
     /// which of this drag's pins that is.
     pub fn to_domain(&self, is_dragged: impl Fn(&NameOrIndex) -> bool) -> (drag::Drag, Vec<usize>) {
@@ -144,8 +144,8 @@ impl Drag {
 }
 
 impl DragPin {
-    fn to_domain(&self) -> drag::Pin {
-        drag::Pin {
+    fn to_domain(&self) -> drag::DragPin {
+        drag::DragPin {
             kind: self.kind.into(),
             at: self.at.into(),
             caster: self.caster.clone(),
@@ -156,9 +156,9 @@ impl DragPin {
 
 impl Dragged {
     /// What came of a drag in a scene whose nodes are called `name`, after so many seconds; `pins` are the indices that
-    /// [`Drag::to_domain`] gave.
-    pub fn new(landing: &Landing, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
-        let (status, limit, reason, pin) = parts(landing.status);
+    /// [`FileDrag::to_domain`] gave.
+    pub fn new(landing: &DragResult, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
+        let (status, limit, reason, pin) = status_parts(landing.status);
         let array = |position: Option<DVec3>| position.map(|position| position.to_array());
         Self {
             status,

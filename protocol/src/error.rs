@@ -1,6 +1,6 @@
 //! Why a file is refused, and reading JSON so that the reason names the place.
 
-use document::{EditError, NotAnAssetHash};
+use document::{EditError, InvalidAssetHash};
 use light::LightError;
 use std::marker::PhantomData;
 
@@ -8,13 +8,13 @@ use serde::de::{DeserializeOwned, DeserializeSeed};
 use thiserror::Error;
 
 use crate::ErrorCode;
-use crate::words::{in_json_words, of_syntax};
+use crate::words::{json_wording, syntax_error_wording};
 
 /// Why a light file or a point file is refused. The caller knows the file's name and puts it in front.
 #[derive(Debug, Error)]
 pub enum FileError {
     /// The text is not JSON.
-    #[error("not valid JSON: {} (numbers must be finite; JSON has no NaN or Infinity)", of_syntax(&.0.to_string()))]
+    #[error("not valid JSON: {} (numbers must be finite; JSON has no NaN or Infinity)", syntax_error_wording(&.0.to_string()))]
     Syntax(serde_json::Error),
     /// The JSON does not have the shape of what it should hold.
     #[error("{place}{problem}")]
@@ -48,7 +48,7 @@ pub enum Refused {
     Light(#[from] LightError),
     /// An asset that is not named by its hash.
     #[error("{0}")]
-    Asset(#[from] NotAnAssetHash),
+    Asset(#[from] InvalidAssetHash),
     /// Something that the document does not allow.
     #[error("{0}")]
     Edit(#[from] EditError),
@@ -156,5 +156,5 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     // the reader knows JSON's words, not Rust's.
     let text = error.to_string();
     let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
-    FileError::Shape { place, problem: in_json_words(problem) }
+    FileError::Shape { place, problem: json_wording(problem) }
 }

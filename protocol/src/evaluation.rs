@@ -1,6 +1,6 @@
 //! Where a point lies in a light, in JSON.
 
-use light::Location;
+use light::TubeLocation;
 use serde::Serialize;
 
 /// Where one world position lies in a light.
@@ -49,7 +49,7 @@ pub struct TubePoint {
 
 impl Evaluation {
     /// Of a located point, and what was found on its light's way.
-    pub fn new(location: &Location, visibility: Option<Visibility>) -> Self {
+    pub fn new(location: &TubeLocation, visibility: Option<Visibility>) -> Self {
         let point = location.point.map(|p| TubePoint {
             segment: p.segment,
             u: p.u,

@@ -20,11 +20,11 @@ pub const MIN_HELD_BYTES: usize = 1_024;
 const MAX_DEPTH: usize = 16;
 
 /// How a reference begins. Inside a string it cannot stand like that: there its quotes are escaped.
-const MARK: &str = r#"{"sameAs":"#;
+const REFERENCE_PREFIX: &str = r#"{"sameAs":"#;
 
 /// Where in a log a value stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub struct Place {
+pub struct LogPosition {
     /// Sequence of the record that holds it.
     pub record: u64,
     /// The byte of the record's line at which the value begins.
@@ -53,7 +53,7 @@ pub struct CompactLine {
     /// The line, without its end.
     pub text: String,
     /// The values that it is the first to hold: the hash of each in full, and where it begins.
-    pub first_holds: Vec<(String, usize)>,
+    pub new_values: Vec<(String, usize)>,
 }
 
 /// Shortens the JSON of record `seq`, which has no references. `find_place` tells where the value of a hash stands, if
@@ -61,14 +61,14 @@ pub struct CompactLine {
 pub fn compact<E>(
     text: &str,
     seq: u64,
-    find_place: impl FnMut(&str) -> Result<Option<Place>, E>,
+    find_place: impl FnMut(&str) -> Result<Option<LogPosition>, E>,
 ) -> Result<CompactLine, E> {
     let mut spans = long_values(text);
     // Outer ones first.
     spans.sort_by_key(|span| (span.start, std::cmp::Reverse(span.end)));
-    let line = CompactLine { text: String::with_capacity(text.len()), first_holds: Vec::new() };
+    let line = CompactLine { text: String::with_capacity(text.len()), new_values: Vec::new() };
     let own = HashMap::new();
-    let mut writer = Writer { text, seq, find_place, own, copied: 0, line };
+    let mut writer = CompactLineWriter { text, seq, find_place, new_positions: own, copied: 0, line };
     let mut written_to = 0;
     for span in spans {
         // Within a value that was replaced?
@@ -81,33 +81,33 @@ pub fn compact<E>(
 }
 
 /// A line that is being shortened.
-struct Writer<'a, F> {
+struct CompactLineWriter<'a, F> {
     text: &'a str,
     seq: u64,
     find_place: F,
     /// Where the values begin that this line is the first to hold.
-    own: HashMap<String, usize>,
+    new_positions: HashMap<String, usize>,
     /// How much of the text is written.
     copied: usize,
     line: CompactLine,
 }
 
-impl<E, F: FnMut(&str) -> Result<Option<Place>, E>> Writer<'_, F> {
+impl<E, F: FnMut(&str) -> Result<Option<LogPosition>, E>> CompactLineWriter<'_, F> {
     /// Writes a reference to the value where it is held, else all that stands before the value. Returns up to where
     /// nothing is left to write.
     fn write(&mut self, span: Range<usize>) -> Result<usize, E> {
         let hash = hash(&self.text[span.clone()]);
-        let own = self.own.get(&hash).map(|&at| Place { record: self.seq, at });
+        let own = self.new_positions.get(&hash).map(|&at| LogPosition { record: self.seq, at });
         let place = if own.is_some() { own } else { (self.find_place)(&hash)? };
         self.copy_to(span.start);
-        if let Some(Place { record, at }) = place {
+        if let Some(LogPosition { record, at }) = place {
             let reference = Reference { same_as: Target { record, at, hash } };
             self.line.text.push_str(&to_line(&reference));
             self.copied = span.end;
         } else {
             let at = self.line.text.len();
-            self.own.insert(hash.clone(), at);
-            self.line.first_holds.push((hash, at));
+            self.new_positions.insert(hash.clone(), at);
+            self.line.new_values.push((hash, at));
         }
         Ok(self.copied)
     }
@@ -120,12 +120,12 @@ impl<E, F: FnMut(&str) -> Result<Option<Place>, E>> Writer<'_, F> {
 
 /// The lines that later ones may refer to.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct HeldLines {
+pub(crate) struct LineCache {
     lines: HashMap<u64, Arc<str>>,
     bytes: usize,
 }
 
-impl HeldLines {
+impl LineCache {
     /// Keeps the line of record `seq`.
     pub fn keep(&mut self, line: &str, seq: u64) -> Arc<str> {
         let line: Arc<str> = line.into();
@@ -145,8 +145,8 @@ impl HeldLines {
     ) -> Result<String, ReadError<E>> {
         let line = self.keep(line, seq);
         let mut whole = String::with_capacity(line.len());
-        let mut part = Part { held: self, of: seq, find_line, whole: &mut whole };
-        part.expand(&line, Place { record: seq, at: 0 }, line.len(), MAX_DEPTH)?;
+        let mut part = LineExpansion { held: self, of: seq, find_line, whole: &mut whole };
+        part.expand(&line, LogPosition { record: seq, at: 0 }, line.len(), MAX_DEPTH)?;
         Ok(whole)
     }
 
@@ -157,19 +157,25 @@ impl HeldLines {
 }
 
 /// The expansion of a record.
-struct Part<'a, 'f, E> {
-    held: &'a mut HeldLines,
+struct LineExpansion<'a, 'f, E> {
+    held: &'a mut LineCache,
     /// Which record.
     of: u64,
     find_line: &'a mut FindLine<'f, E>,
     whole: &'a mut String,
 }
 
-impl<E> Part<'_, '_, E> {
+impl<E> LineExpansion<'_, '_, E> {
     /// Appends what stands from `from` to byte `end` of its line, in full.
-    fn expand(&mut self, line: &str, from: Place, end: usize, depth: usize) -> Result<(), ReadError<E>> {
+    fn expand(
+        &mut self,
+        line: &str,
+        from: LogPosition,
+        end: usize,
+        depth: usize,
+    ) -> Result<(), ReadError<E>> {
         let mut copied = from.at;
-        for here in marks(&line[..end], from.at) {
+        for here in reference_starts(&line[..end], from.at) {
             self.whole.push_str(&line[copied..here]);
             let mut references =
                 serde_json::Deserializer::from_str(&line[here..end]).into_iter::<Reference>();
@@ -177,8 +183,8 @@ impl<E> Part<'_, '_, E> {
                 return Err(self.refused("has a `sameAs` that is not a record, a byte and a hash"));
             };
             copied = here + references.byte_offset();
-            let place = Place { record, at };
-            if place >= (Place { record: from.record, at: here }) {
+            let place = LogPosition { record, at };
+            if place >= (LogPosition { record: from.record, at: here }) {
                 return Err(self.refused(&format!("refers ahead, to record {record}")));
             }
             if depth == 0 {
@@ -219,10 +225,11 @@ impl<E> Part<'_, '_, E> {
 }
 
 /// Where the outermost references of a line begin, from byte `at` on, which is not in a string.
-fn marks(line: &str, at: usize) -> impl Iterator<Item = usize> {
+fn reference_starts(line: &str, at: usize) -> impl Iterator<Item = usize> {
     let mut scan = Scan::default();
     (at..line.len()).filter(move |&here| {
-        let is_mark = !scan.in_string && line.as_bytes()[here] == b'{' && line[here..].starts_with(MARK);
+        let is_mark =
+            !scan.in_string && line.as_bytes()[here] == b'{' && line[here..].starts_with(REFERENCE_PREFIX);
         scan.take(line.as_bytes()[here], here);
         is_mark
     })

@@ -45,7 +45,7 @@ pub use document::{
 };
 pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
-pub use held::{CompactLine, MIN_HELD_BYTES, Place, compact};
+pub use held::{CompactLine, LogPosition, MIN_HELD_BYTES, compact};
 pub use http::{
     Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession,
     Pick, Picked, SceneNodes, SessionChange, SessionEntry, SessionList, SessionState,
@@ -75,5 +75,5 @@ pub use render_request::{
     Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal,
     RenderRequest,
 };
-pub use schema::{Face, json_schema};
+pub use schema::{SchemaSide, json_schema};
 pub use stats::{Cause, FrameQuality, FrameStats, Pass, PassRun, TraceLine, TraceWhat};

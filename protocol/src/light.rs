@@ -8,7 +8,8 @@ use std::fmt;
 
 use document::was_in_format_2;
 use light::{
-    CheckedLight, ControlPoint, LightError, MAX_NAME_BYTES, Owner, Parameter, Setting, Shape, Value,
+    CheckedLight, ControlPoint, LightError, LightShape, MAX_NAME_BYTES, Parameter, ParameterOwner, Setting,
+    Value,
 };
 use schemars::generate::Contract;
 use schemars::{JsonSchema, Schema, SchemaGenerator};
@@ -17,13 +18,13 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::{Map, json};
 
-use crate::parameter::{ListOf, ValueOf, Written, WrittenList, schema, unknown};
-use crate::words::in_json_words;
+use crate::parameter::{ValueListSeed, ValueSeed, WireValue, WireValues, schema, unknown};
+use crate::words::json_wording;
 
 /// One light. In JSON the field `type` says which.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    owner: Owner,
+    owner: ParameterOwner,
     /// Parameters that are given.
     settings: Vec<Setting>,
     /// Of a BendyLight: the lists that are given, a value of each control point.
@@ -34,7 +35,7 @@ pub struct Light {
 struct Type {
     /// The word that `type` has.
     name: &'static str,
-    owner: Owner,
+    owner: ParameterOwner,
     /// What lights of it are called in schemas, and a sentence.
     schema: (&'static str, &'static str),
 }
@@ -43,29 +44,33 @@ struct Type {
 const TYPES: [Type; 4] = [
     Type {
         name: "bendy",
-        owner: Owner::Bendy,
+        owner: ParameterOwner::Bendy,
         schema: (
             "Bendy",
             "Light along a spline. Each list has one value a control point, three or more; the first is the source.",
         ),
     },
-    Type { name: "spot", owner: Owner::Spot, schema: ("Spot", "Light along straight lines, in a cone.") },
-    Type { name: "omni", owner: Owner::Omni, schema: ("Omni", "Light from a point to all sides.") },
+    Type {
+        name: "spot",
+        owner: ParameterOwner::Spot,
+        schema: ("Spot", "Light along straight lines, in a cone."),
+    },
+    Type { name: "omni", owner: ParameterOwner::Omni, schema: ("Omni", "Light from a point to all sides.") },
     Type {
         name: "directional",
-        owner: Owner::Directional,
+        owner: ParameterOwner::Directional,
         schema: ("Directional", "Light along parallel lines from infinitely far away."),
     },
 ];
 
-fn type_of(owner: Owner) -> &'static str {
+fn type_of(owner: ParameterOwner) -> &'static str {
     TYPES.iter().find(|known| known.owner == owner).map_or("", |known| known.name)
 }
 
 /// The shape that `type` names.
-pub(crate) struct TypeOf(pub Owner);
+pub(crate) struct WireLightType(pub ParameterOwner);
 
-impl<'de> Deserialize<'de> for TypeOf {
+impl<'de> Deserialize<'de> for WireLightType {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let word = String::deserialize(deserializer)?;
         let known = TYPES.iter().find(|known| known.name == word);
@@ -87,7 +92,7 @@ enum Field {
 
 impl Field {
     /// The fields of a light, in the order in which they are written.
-    fn all(owner: Owner) -> Vec<Self> {
+    fn all(owner: ParameterOwner) -> Vec<Self> {
         let mut fields = vec![Self::Type];
         for &row in light::parameters_of(owner) {
             match row.path.split_once('.') {
@@ -95,8 +100,8 @@ impl Field {
                 Some((group, _)) if fields.contains(&Self::Group(group)) => {}
                 Some((group, _)) => {
                     fields.push(Self::Group(group));
-                    let lists = light::parameters_of(Owner::Point).iter().copied().map(Self::List);
-                    fields.extend(lists.filter(|_| owner == Owner::Bendy));
+                    let lists = light::parameters_of(ParameterOwner::Point).iter().copied().map(Self::List);
+                    fields.extend(lists.filter(|_| owner == ParameterOwner::Bendy));
                 }
             }
         }
@@ -113,7 +118,7 @@ impl Field {
 }
 
 /// The parameters of a group and the names that they have in it.
-fn group(owner: Owner, name: &str) -> impl Iterator<Item = (&'static Parameter, &'static str)> {
+fn group(owner: ParameterOwner, name: &str) -> impl Iterator<Item = (&'static Parameter, &'static str)> {
     let rows = light::parameters_of(owner).iter();
     rows.filter_map(move |row| row.path.strip_prefix(name)?.strip_prefix('.').map(|field| (*row, field)))
 }
@@ -126,7 +131,7 @@ impl Serialize for Light {
                 let mut map = serializer.serialize_map(None)?;
                 for (row, field) in group(self.0.owner, self.1) {
                     if let Some(value) = self.0.value(row) {
-                        map.serialize_entry(field, &Written(value))?;
+                        map.serialize_entry(field, &WireValue(value))?;
                     }
                 }
                 map.end()
@@ -139,12 +144,12 @@ impl Serialize for Light {
                 Field::Group(name) => map.serialize_entry(name, &Group(self, name))?,
                 Field::Parameter(row) => {
                     if let Some(value) = self.value(row) {
-                        map.serialize_entry(row.path, &Written(value))?;
+                        map.serialize_entry(row.path, &WireValue(value))?;
                     }
                 }
                 Field::List(row) => {
                     if let Some((_, values)) = self.lists.iter().find(|(known, _)| *known == row) {
-                        map.serialize_entry(row.path, &WrittenList(values))?;
+                        map.serialize_entry(row.path, &WireValues(values))?;
                     }
                 }
             }
@@ -156,14 +161,14 @@ impl Serialize for Light {
 impl<'de> Deserialize<'de> for Light {
     /// By `type`; the reason for a refusal names the field.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let said = |error: &serde_json::Error| in_json_words(&error.to_string());
+        let said = |error: &serde_json::Error| json_wording(&error.to_string());
         let value = serde_json::Value::deserialize(deserializer)?;
         let named = value.get("type").unwrap_or(&serde_json::Value::Null);
-        let TypeOf(owner) = TypeOf::deserialize(named)
+        let WireLightType(owner) = WireLightType::deserialize(named)
             .map_err(|error| de::Error::custom(format!("light.type: {}", said(&error))))?;
         let mut track = serde_path_to_error::Track::new();
         let tracked = serde_path_to_error::Deserializer::new(value, &mut track);
-        LightOf(owner).deserialize(tracked).map_err(|error| match track.path().to_string() {
+        LightSeed(owner).deserialize(tracked).map_err(|error| match track.path().to_string() {
             root if root == "." => de::Error::custom(format!("light: {}", said(&error))),
             field => de::Error::custom(format!("light.{field}: {}", said(&error))),
         })
@@ -172,9 +177,9 @@ impl<'de> Deserialize<'de> for Light {
 
 /// Reads a light of that shape.
 #[derive(Clone, Copy)]
-pub(crate) struct LightOf(pub Owner);
+pub(crate) struct LightSeed(pub ParameterOwner);
 
-impl<'de> DeserializeSeed<'de> for LightOf {
+impl<'de> DeserializeSeed<'de> for LightSeed {
     type Value = Light;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Light, D::Error> {
@@ -182,7 +187,7 @@ impl<'de> DeserializeSeed<'de> for LightOf {
     }
 }
 
-impl<'de> Visitor<'de> for LightOf {
+impl<'de> Visitor<'de> for LightSeed {
     type Value = Light;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -194,26 +199,26 @@ impl<'de> Visitor<'de> for LightOf {
         let names: Vec<_> = fields.iter().map(|field| field.name()).collect();
         let mut given = vec![false; fields.len()];
         let mut light = Light { owner: self.0, settings: Vec::new(), lists: Vec::new() };
-        while let Some(index) = map.next_key_seed(OneOf(&names))? {
+        while let Some(index) = map.next_key_seed(FieldNameSeed(&names))? {
             if std::mem::replace(&mut given[index], true) {
                 return Err(de::Error::duplicate_field(names[index]));
             }
             match fields[index] {
                 Field::Type => drop(map.next_value::<IgnoredAny>()?),
-                Field::Group(name) => light.settings.extend(map.next_value_seed(GroupOf(self.0, name))?),
+                Field::Group(name) => light.settings.extend(map.next_value_seed(GroupSeed(self.0, name))?),
                 Field::Parameter(parameter) => {
-                    let value = map.next_value_seed(ValueOf(parameter))?;
+                    let value = map.next_value_seed(ValueSeed(parameter))?;
                     light.settings.push(Setting { parameter, value });
                 }
                 Field::List(row) => {
-                    light.lists.extend(map.next_value_seed(ListOf(row))?.map(|values| (row, values)));
+                    light.lists.extend(map.next_value_seed(ValueListSeed(row))?.map(|values| (row, values)));
                 }
             }
         }
         for (field, given) in fields.iter().zip(given) {
             let required = match field {
                 Field::Type => true,
-                Field::List(row) => row.default(Owner::Point).is_none(),
+                Field::List(row) => row.default(ParameterOwner::Point).is_none(),
                 Field::Group(_) | Field::Parameter(_) => false,
             };
             if required && !given {
@@ -221,27 +226,27 @@ impl<'de> Visitor<'de> for LightOf {
             }
         }
         // In the order of the table, so that equal lights are equal, however their fields were ordered.
-        light.settings.retain(|setting| says_something(self.0, setting.parameter, &setting.value));
-        light.settings.sort_by_key(|setting| place(self.0, setting.parameter));
-        light.lists.sort_by_key(|(row, _)| place(Owner::Point, row));
+        light.settings.retain(|setting| is_written(self.0, setting.parameter, &setting.value));
+        light.settings.sort_by_key(|setting| row_index(self.0, setting.parameter));
+        light.lists.sort_by_key(|(row, _)| row_index(ParameterOwner::Point, row));
         Ok(light)
     }
 }
 
 /// Whether a value is written: what is absent unless it is given is not, where it is absent.
-fn says_something(owner: Owner, row: &Parameter, value: &Value) -> bool {
+fn is_written(owner: ParameterOwner, row: &Parameter, value: &Value) -> bool {
     *value != Value::Absent || row.default(owner) != Some(Value::Absent)
 }
 
 /// Where a row stands among those of an owner.
-fn place(owner: Owner, row: &Parameter) -> Option<usize> {
+fn row_index(owner: ParameterOwner, row: &Parameter) -> Option<usize> {
     light::parameters_of(owner).iter().position(|known| **known == *row)
 }
 
 /// Reads the settings of a group.
-struct GroupOf(Owner, &'static str);
+struct GroupSeed(ParameterOwner, &'static str);
 
-impl<'de> DeserializeSeed<'de> for GroupOf {
+impl<'de> DeserializeSeed<'de> for GroupSeed {
     type Value = Vec<Setting>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Vec<Setting>, D::Error> {
@@ -249,7 +254,7 @@ impl<'de> DeserializeSeed<'de> for GroupOf {
     }
 }
 
-impl<'de> Visitor<'de> for GroupOf {
+impl<'de> Visitor<'de> for GroupSeed {
     type Value = Vec<Setting>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -259,21 +264,21 @@ impl<'de> Visitor<'de> for GroupOf {
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Vec<Setting>, A::Error> {
         let (rows, names): (Vec<_>, Vec<_>) = group(self.0, self.1).unzip();
         let mut settings: Vec<Setting> = Vec::new();
-        while let Some(index) = map.next_key_seed(OneOf(&names))? {
+        while let Some(index) = map.next_key_seed(FieldNameSeed(&names))? {
             let parameter = rows[index];
             if settings.iter().any(|setting| setting.parameter == parameter) {
                 return Err(de::Error::duplicate_field(names[index]));
             }
-            settings.push(Setting { parameter, value: map.next_value_seed(ValueOf(parameter))? });
+            settings.push(Setting { parameter, value: map.next_value_seed(ValueSeed(parameter))? });
         }
         Ok(settings)
     }
 }
 
 /// Reads a field's name and gives its index.
-struct OneOf<'a>(&'a [&'static str]);
+struct FieldNameSeed<'a>(&'a [&'static str]);
 
-impl<'de> DeserializeSeed<'de> for OneOf<'_> {
+impl<'de> DeserializeSeed<'de> for FieldNameSeed<'_> {
     type Value = usize;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<usize, D::Error> {
@@ -285,11 +290,11 @@ impl<'de> DeserializeSeed<'de> for OneOf<'_> {
 
 impl Light {
     /// What it holds that formats 1 and 2 did not have.
-    pub(crate) fn younger_than_format_3(&self) -> Option<&'static str> {
+    pub(crate) fn missing_in_format_2(&self) -> Option<&'static str> {
         // Lights of every type had a name.
         let is_known = was_in_format_2(self.owner, light::parameters::NAME.name);
         let settings = self.settings.iter().map(|setting| (self.owner, setting.parameter));
-        let lists = self.lists.iter().map(|(row, _)| (Owner::Point, *row));
+        let lists = self.lists.iter().map(|(row, _)| (ParameterOwner::Point, *row));
         let mut younger = settings.chain(lists).filter(|(owner, row)| !was_in_format_2(*owner, row.name));
         if is_known { younger.next().map(|(_, row)| row.path) } else { Some(type_of(self.owner)) }
     }
@@ -312,7 +317,7 @@ impl Light {
     /// The control points that the lists come to.
     fn points(&self) -> Result<Vec<ControlPoint>, LightError> {
         let given = |row: &Parameter| self.lists.iter().find(|(known, _)| **known == *row);
-        let rows = light::parameters_of(Owner::Point);
+        let rows = light::parameters_of(ParameterOwner::Point);
         let count = given(&light::parameters::POSITION).map_or(0, |(_, positions)| positions.len());
         if count < 3 {
             return Err(LightError::TooFewPoints(count));
@@ -337,9 +342,11 @@ impl Light {
 impl From<&light::Light> for Light {
     fn from(light: &light::Light) -> Self {
         let owner = light.owner();
-        let given = light.values().filter(|(row, value)| says_something(owner, row, value));
+        let given = light.values().filter(|(row, value)| is_written(owner, row, value));
         let settings = given.map(|(parameter, value)| Setting { parameter, value: value.clone() });
-        let lists = light::parameters_of(Owner::Point).iter().filter(|_| light.owner() == Owner::Bendy);
+        let lists = light::parameters_of(ParameterOwner::Point)
+            .iter()
+            .filter(|_| light.owner() == ParameterOwner::Bendy);
         let list = |row: &&'static Parameter| {
             (*row, light.points().iter().filter_map(|point| point.value(row)).collect())
         };
@@ -358,10 +365,10 @@ impl TryFrom<Light> for CheckedLight {
 
     fn try_from(wire: Light) -> Result<Self, LightError> {
         let shape = match wire.owner {
-            Owner::Bendy => Shape::Bendy(wire.points()?),
-            Owner::Omni => Shape::Omni,
-            Owner::Directional => Shape::Directional,
-            _ => Shape::Spot,
+            ParameterOwner::Bendy => LightShape::Bendy(wire.points()?),
+            ParameterOwner::Omni => LightShape::Omni,
+            ParameterOwner::Directional => LightShape::Directional,
+            _ => LightShape::Spot,
         };
         let mut light = light::Light::new(shape);
         wire.settings.into_iter().for_each(|setting| light.set(setting));
@@ -370,14 +377,14 @@ impl TryFrom<Light> for CheckedLight {
 }
 
 /// Lights of the shape with that index in [`TYPES`].
-struct OfType<const TYPE: usize>;
+struct LightTypeSchema<const TYPE: usize>;
 
-fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema {
+fn light_schema(owner: ParameterOwner, doc: &str, generator: &SchemaGenerator) -> Schema {
     let written = generator.settings().contract == Contract::Serialize;
-    let with_default = |row: &Parameter, of: Owner| {
+    let with_default = |row: &Parameter, of: ParameterOwner| {
         let mut schema = schema(row);
         if let Some(default) = row.default(of).filter(|default| *default != Value::Absent)
-            && let Ok(default) = serde_json::to_value(Written(&default))
+            && let Ok(default) = serde_json::to_value(WireValue(&default))
         {
             schema.insert("default".into(), default);
         }
@@ -405,7 +412,7 @@ fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema 
             Field::Type => false,
             Field::Group(_) => written,
             Field::Parameter(row) => written && !optional(row),
-            Field::List(row) => written || row.default(Owner::Point).is_none(),
+            Field::List(row) => written || row.default(ParameterOwner::Point).is_none(),
         };
         required.extend(needed.then_some(field.name()));
         properties.insert(field.name().into(), schema);
@@ -415,7 +422,7 @@ fn light_schema(owner: Owner, doc: &str, generator: &SchemaGenerator) -> Schema 
     schema.try_into().unwrap_or_default()
 }
 
-impl<const TYPE: usize> JsonSchema for OfType<TYPE> {
+impl<const TYPE: usize> JsonSchema for LightTypeSchema<TYPE> {
     fn schema_name() -> Cow<'static, str> {
         TYPES[TYPE].schema.0.into()
     }
@@ -433,10 +440,10 @@ impl JsonSchema for Light {
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
         let shapes = [
-            generator.subschema_for::<OfType<0>>(),
-            generator.subschema_for::<OfType<1>>(),
-            generator.subschema_for::<OfType<2>>(),
-            generator.subschema_for::<OfType<3>>(),
+            generator.subschema_for::<LightTypeSchema<0>>(),
+            generator.subschema_for::<LightTypeSchema<1>>(),
+            generator.subschema_for::<LightTypeSchema<2>>(),
+            generator.subschema_for::<LightTypeSchema<3>>(),
         ];
         schemars::json_schema!({"description": "One light. The field `type` says which.", "anyOf": shapes})
     }

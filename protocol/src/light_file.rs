@@ -7,7 +7,7 @@ use serde_json::value::RawValue;
 use std::io::{self, Write};
 
 use crate::error::{from_json, seeded_from_json};
-use crate::light::{LightOf, TypeOf};
+use crate::light::{LightSeed, WireLightType};
 use crate::{FileError, Light};
 
 /// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights. Long names are
@@ -28,10 +28,10 @@ fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
     #[derive(Deserialize)]
     #[serde(expecting = "a light: an object with `type`, `points`, `radii` and so on")]
     struct Typed {
-        r#type: TypeOf,
+        r#type: WireLightType,
     }
-    let TypeOf(owner) = from_json::<Typed>(text)?.r#type;
-    let mut light = seeded_from_json(text, LightOf(owner))?;
+    let WireLightType(owner) = from_json::<Typed>(text)?.r#type;
+    let mut light = seeded_from_json(text, LightSeed(owner))?;
     light.cut_name();
     CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
 }
@@ -43,18 +43,18 @@ fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
 pub fn to_json(light: &light::Light) -> String {
     let mut text = Vec::new();
     Light::from(light)
-        .serialize(&mut serde_json::Serializer::with_formatter(&mut text, LineAField::default()))
+        .serialize(&mut serde_json::Serializer::with_formatter(&mut text, LinePerField::default()))
         .expect("a light has string keys and is written to memory");
     String::from_utf8(text).expect("serde_json writes UTF-8")
 }
 
 /// The outermost object's fields on lines of their own, everything inside them in one line.
 #[derive(Default)]
-struct LineAField {
+struct LinePerField {
     depth: usize,
 }
 
-impl Formatter for LineAField {
+impl Formatter for LinePerField {
     fn begin_object<W: ?Sized + Write>(&mut self, writer: &mut W) -> io::Result<()> {
         self.depth += 1;
         writer.write_all(b"{")

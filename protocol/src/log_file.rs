@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::error::from_json;
-use crate::held::{HeldLines, MIN_HELD_BYTES};
+use crate::held::{LineCache, MIN_HELD_BYTES};
 use crate::log_line::{FindLine, ReadError, to_line};
-use crate::record::known_format;
+use crate::record::check_format;
 use crate::{FileError, Record};
 
 /// The first line of a log file.
@@ -65,7 +65,7 @@ pub fn next_proof(before: &str, line: &str) -> String {
 /// Reads the lines of a log after its header, in order: resolves references and keeps the proof.
 #[derive(Clone, Debug)]
 pub struct LogReader {
-    held: HeldLines,
+    held: LineCache,
     proof: String,
 }
 
@@ -84,7 +84,7 @@ impl LogReader {
 
     /// Goes on behind a record whose proof is known. What the records before it hold is asked for when it is needed.
     pub fn going_on_from(proof: &str) -> Self {
-        Self { held: HeldLines::default(), proof: proof.into() }
+        Self { held: LineCache::default(), proof: proof.into() }
     }
 
     /// The proof of all records read so far.
@@ -118,10 +118,10 @@ impl LogReader {
         Ok(record)
     }
 
-    /// Lets go of what is kept of earlier records once that has more than `max_bytes`.
+    /// Lets go of what is kept of earlier records once that has more than `most_bytes`.
     pub fn keep_at_most(&mut self, max_bytes: usize) {
         if self.held.bytes() > max_bytes {
-            self.held = HeldLines::default();
+            self.held = LineCache::default();
         }
     }
 
@@ -152,7 +152,7 @@ struct Numbered {
 /// Which record a line is, before the rest is looked at.
 fn numbered(line: &str) -> Result<Numbered, FileError> {
     let numbered: Numbered = from_json(line)?;
-    known_format(numbered.format).map_err(FileError::Format)?;
+    check_format(numbered.format).map_err(FileError::Format)?;
     Ok(numbered)
 }
 
@@ -170,7 +170,7 @@ impl LogHeader {
     /// Reads the first line.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         let header: Self = from_json(text)?;
-        known_format(header.format).map_err(FileError::Format)?;
+        check_format(header.format).map_err(FileError::Format)?;
         Ok(header)
     }
 

@@ -7,8 +7,8 @@ use schemars::SchemaGenerator;
 use serde_json::{Map, Value, json};
 
 use crate::ErrorCode as Code;
-use crate::drag_file::{Drag, Dragged};
-use crate::schema::{Face, definitions, generator, name};
+use crate::drag_file::{Dragged, FileDrag};
+use crate::schema::{SchemaSide, definitions, generator, name};
 use crate::{
     Aovs, Asset, DemoScenes, Document, Duplicate, EditResults, Edits, ErrorBody, NewSession, PROTOCOL,
     ParameterTable, Pick, Picked, ProbeRequest, Probed, Record, RenderLimits, RenderRequest, SceneNodes,
@@ -19,9 +19,9 @@ use crate::{
 const SCHEMAS: &str = "#/components/schemas";
 
 /// Who may ask: all who come to this server's own name.
-const ANYBODY: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
+const ANONYMOUS_CODES: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
 /// What holds for every request that needs the token: it has to be whole and within limits.
-const WITH_TOKEN: &[Code] = &[
+const TOKEN_CODES: &[Code] = &[
     Code::Unauthorized,
     Code::BadMessage,
     Code::Stalled,
@@ -32,14 +32,14 @@ const WITH_TOKEN: &[Code] = &[
     Code::Fault,
 ];
 /// What reading the store comes to.
-const OF_STORE: &[Code] = &[Code::Storage];
+const STORE_CODES: &[Code] = &[Code::Storage];
 /// What opening a session comes to: its log is replayed, which loads its scenes.
-const OF_SESSION: &[Code] =
+const SESSION_CODES: &[Code] =
     &[Code::NotFound, Code::Storage, Code::BadLog, Code::UnknownAsset, Code::BadScene, Code::DamagedAsset];
 /// What a body of JSON comes to.
-const OF_JSON: &[Code] = &[Code::UnsupportedMediaType];
+const JSON_CODES: &[Code] = &[Code::UnsupportedMediaType];
 /// What a scene that is loaded into a new session comes to.
-const OF_NEW_SESSION: &[Code] = &[
+const NEW_SESSION_CODES: &[Code] = &[
     Code::BadName,
     Code::Exists,
     Code::UnknownAsset,
@@ -51,15 +51,15 @@ const OF_NEW_SESSION: &[Code] = &[
     Code::UnknownOutcome,
 ];
 /// What changing the list of sessions comes to.
-const OF_LIST: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
+const LIST_CODES: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
 /// What a picture comes to.
-const OF_PICTURE: &[Code] = &[Code::Render];
+const PICTURE_CODES: &[Code] = &[Code::Render];
 /// What setting a parameter comes to.
-const OF_SET: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
+const SET_CODES: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
 /// What a scene's file comes to.
-const OF_UPLOAD: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
+const UPLOAD_CODES: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
 /// What keeps a server from being ready.
-const OF_READINESS: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
+const READINESS_CODES: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
 
 /// One operation.
 #[derive(Clone)]
@@ -86,7 +86,7 @@ struct Operation {
 
 /// The document that a server gives at `/openapi.json`.
 pub fn openapi() -> Value {
-    let mut generator = generator(Face::Read, "/components/schemas");
+    let mut generator = generator(SchemaSide::Read, "/components/schemas");
     let problem = name::<ErrorBody>(&mut generator);
     // Records stand in the log; the socket's messages are in schema.json.
     name::<Document>(&mut generator);
@@ -137,7 +137,7 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "listSessions",
             summary: "List the sessions.",
             answer: json_content(&name::<SessionList>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_STORE],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, STORE_CODES],
             ..of_all.clone().with(vec![archived, named])
         },
         Operation {
@@ -148,7 +148,7 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             body: Some(json_content(&name::<NewSession>(g))),
             status: 201,
             answer: json_content(&name::<SessionState>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_NEW_SESSION],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, NEW_SESSION_CODES],
             ..of_all
         },
         Operation {
@@ -158,7 +158,7 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Say what people call a session, archive it, or bring it back.",
             body: Some(json_content(&name::<SessionChange>(g))),
             answer: entry.clone(),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, LIST_CODES, &[Code::BadName]],
             ..of_session.clone()
         },
         Operation {
@@ -167,7 +167,7 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "deleteSession",
             summary: "Delete an archived session, with its log, for good.",
             status: 204,
-            codes: &[ANYBODY, WITH_TOKEN, OF_LIST, &[Code::NotArchived, Code::InUse]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, LIST_CODES, &[Code::NotArchived, Code::InUse]],
             ..of_session.clone()
         },
         Operation {
@@ -178,7 +178,13 @@ fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
             body: Some(json_content(&name::<Duplicate>(g))),
             status: 201,
             answer: entry,
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_LIST, &[Code::BadName, Code::Exists, Code::BadLog]],
+            codes: &[
+                ANONYMOUS_CODES,
+                TOKEN_CODES,
+                JSON_CODES,
+                LIST_CODES,
+                &[Code::BadName, Code::Exists, Code::BadLog],
+            ],
             ..of_session
         },
     ]
@@ -194,7 +200,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "The session's document, sequence and hash.",
             answer: state,
             has_tag: true,
-            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, SESSION_CODES],
             ..of_session.clone()
         },
         Operation {
@@ -202,7 +208,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getNodes",
             summary: "Paths of the nodes of the session's scene under which something is drawn, for links.",
             answer: json_content(&name::<SceneNodes>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_SESSION],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, SESSION_CODES],
             ..of_session.clone()
         },
         Operation {
@@ -212,7 +218,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Carry out edits, undos and redos, in order. What is refused of them stands in the results.",
             body: Some(json_content(&name::<Edits>(g))),
             answer: json_content(&name::<EditResults>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES],
             ..of_session.clone()
         },
         Operation {
@@ -220,7 +226,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getLog",
             summary: "Records in JSON, a line each, as `Record` describes them.",
             answer: text("application/jsonl"),
-            codes: &[ANYBODY, WITH_TOKEN, OF_STORE, &[Code::NotFound]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, STORE_CODES, &[Code::NotFound]],
             ..of_session.clone().with(log_parameters())
         },
     ]
@@ -237,7 +243,7 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "The point of the scene that a camera has in the middle of its picture.",
             body: Some(json_content(&name::<Pick>(g))),
             answer: json_content(&name::<Picked>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::InvalidCamera]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::InvalidCamera]],
             ..of_session.clone()
         },
         Operation {
@@ -245,9 +251,9 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             method: "post",
             id: "dragFeatures",
             summary: "Where drags of shadows, hotspots, highlights and diffuse light would lead, each from the document as it is.",
-            body: Some(json_content(&list_of(&name::<Drag>(g)))),
+            body: Some(json_content(&list_of(&name::<FileDrag>(g)))),
             answer: json_content(&list_of(&name::<Dragged>(g))),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::Drag, Code::Ambiguous]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::Drag, Code::Ambiguous]],
             ..of_session.clone()
         },
         Operation {
@@ -257,7 +263,7 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "Why a pixel is lit or not: what is seen there, and what every light of the document does there.",
             body: Some(json_content(&name::<ProbeRequest>(g))),
             answer: json_content(&name::<Probed>(g)),
-            codes: &[ANYBODY, WITH_TOKEN, OF_JSON, OF_SESSION, &[Code::InvalidCamera]],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES, JSON_CODES, SESSION_CODES, &[Code::InvalidCamera]],
             ..of_session.clone()
         },
         Operation {
@@ -271,11 +277,11 @@ fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
             }}),
             has_tag: true,
             codes: &[
-                ANYBODY,
-                WITH_TOKEN,
-                OF_SESSION,
-                OF_PICTURE,
-                OF_SET,
+                ANONYMOUS_CODES,
+                TOKEN_CODES,
+                SESSION_CODES,
+                PICTURE_CODES,
+                SET_CODES,
                 &[Code::InvalidCamera, Code::Ambiguous],
             ],
             ..of_session.with(picture_parameters())
@@ -299,7 +305,7 @@ fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
         body: Some(json!({"application/octet-stream": {"schema": binary()}})),
         status: 201,
         answer: json_content(&name::<Asset>(g)),
-        codes: &[ANYBODY, WITH_TOKEN, OF_UPLOAD],
+        codes: &[ANONYMOUS_CODES, TOKEN_CODES, UPLOAD_CODES],
         ..Operation::default()
     };
     let listed = Operation {
@@ -309,14 +315,14 @@ fn of_scenes(g: &mut SchemaGenerator) -> Vec<Operation> {
         summary: "The scenes that come with the server, as `createSession` and `loadScene` take them.",
         answer: json_content(&name::<DemoScenes>(g)),
         has_tag: true,
-        codes: &[ANYBODY, WITH_TOKEN],
+        codes: &[ANONYMOUS_CODES, TOKEN_CODES],
         ..Operation::default()
     };
     vec![upload.with(vec![name_of_scene]), listed]
 }
 
 fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
-    let open = Operation { tag: "service", codes: &[ANYBODY], ..Operation::default() };
+    let open = Operation { tag: "service", codes: &[ANONYMOUS_CODES], ..Operation::default() };
     vec![
         Operation {
             path: "/parameters",
@@ -324,7 +330,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
             summary: "All that can be set on lights, control points and cameras: a row each.",
             answer: json_content(&name::<ParameterTable>(g)),
             has_tag: true,
-            codes: &[ANYBODY, WITH_TOKEN],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES],
             ..open.clone()
         },
         Operation {
@@ -332,7 +338,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getMetrics",
             summary: "Counts, in Prometheus' text format.",
             answer: text("application/openmetrics-text"),
-            codes: &[ANYBODY, WITH_TOKEN],
+            codes: &[ANONYMOUS_CODES, TOKEN_CODES],
             ..open.clone()
         },
         Operation {
@@ -347,7 +353,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
             id: "getReadiness",
             summary: "Whether every pipeline has drawn once; 503 before and while draining.",
             answer: text("text/plain"),
-            codes: &[ANYBODY, OF_READINESS],
+            codes: &[ANONYMOUS_CODES, READINESS_CODES],
             ..open.clone()
         },
         Operation {
@@ -505,12 +511,12 @@ fn picture_parameters() -> Vec<Value> {
         query(
             "fill",
             "How much of the scene's fill the beauty has: 0 leaves the lights' own radiance.",
-            &json!({"type": "number", "minimum": View::FILL.start(), "maximum": View::FILL.end(), "default": fill as u32}),
+            &json!({"type": "number", "minimum": View::FILL_RANGE.start(), "maximum": View::FILL_RANGE.end(), "default": fill as u32}),
         ),
         query(
             "exposure",
             "Stops by which a PNG of the beauty is brightened, before it is tone-mapped; an EXR holds the radiance itself.",
-            &json!({"type": "number", "minimum": View::EXPOSURE.start(), "maximum": View::EXPOSURE.end(), "default": exposure as u32}),
+            &json!({"type": "number", "minimum": View::EXPOSURE_RANGE.start(), "maximum": View::EXPOSURE_RANGE.end(), "default": exposure as u32}),
         ),
         query(
             "at",

@@ -79,7 +79,7 @@ impl From<&edit::Record> for Committed {
             let ended: Vec<Option<DragOutcome>> =
                 commands.into_iter().map(|(_, outcome)| outcome.map(Into::into)).collect();
             if matches!(action, edit::Action::Group { .. }) {
-                outcomes = where_dragged(ended);
+                outcomes = keep_if_any_drag(ended);
             } else {
                 dragged = ended.into_iter().next().flatten().map(Box::new);
             }
@@ -104,13 +104,13 @@ impl Committed {
                 added.pins.extend(change.pin);
             }
         }
-        let outcomes = where_dragged(edits.into_iter().map(|edit| edit.outcome).collect());
+        let outcomes = keep_if_any_drag(edits.into_iter().map(|edit| edit.outcome).collect());
         Some(Self { seq, rebased, skipped, added, outcome, outcomes })
     }
 }
 
 /// How the commands of a group ended, or nothing where none drags a feature.
-fn where_dragged(outcomes: Vec<Option<DragOutcome>>) -> Vec<Option<DragOutcome>> {
+fn keep_if_any_drag(outcomes: Vec<Option<DragOutcome>>) -> Vec<Option<DragOutcome>> {
     if outcomes.iter().any(Option::is_some) { outcomes } else { Vec::new() }
 }
 
@@ -353,7 +353,7 @@ fn problem(code: Option<ErrorCode>, message: Option<String>) -> Result<Option<Pr
     }
 }
 
-fn parts(problem: Option<Problem>) -> (Option<ErrorCode>, Option<String>) {
+fn code_and_message(problem: Option<Problem>) -> (Option<ErrorCode>, Option<String>) {
     problem.map(|problem| (problem.code, problem.message)).unzip()
 }
 
@@ -368,7 +368,7 @@ impl From<EditResult> for EditResultJson {
         let Committed { seq, skipped, added, outcome, outcomes, rebased: _ } = committed;
         let seq = problem.is_none().then_some(seq);
         let added = (added != Added::default()).then_some(added);
-        let (code, message) = parts(problem);
+        let (code, message) = code_and_message(problem);
         Self { op_id, status, seq, skipped, added, outcome, outcomes, code, message }
     }
 }
@@ -406,7 +406,7 @@ impl From<GestureState> for GestureStateJson {
             GestureStatus::Expired => (Some(GestureEnd::Expired), None),
             GestureStatus::Rejected(problem) => (Some(GestureEnd::Rejected), Some(problem)),
         };
-        let (code, message) = parts(problem);
+        let (code, message) = code_and_message(problem);
         Self { gesture, client, light, update, live_revision, changes, outcome, ended, code, message }
     }
 }

@@ -3,7 +3,9 @@
 use std::fmt;
 
 use glam::{DQuat, DVec3};
-use light::{Choice, Kind, MAX_KNOTS, MAX_LINKS, Owner, Parameter, PeriodicCurve, Value};
+use light::{
+    MAX_KNOTS, MAX_LINKS, Parameter, ParameterChoice, ParameterKind, ParameterOwner, PeriodicCurve, Value,
+};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{self, DeserializeSeed, MapAccess, Visitor};
 use serde::ser::{SerializeMap, SerializeSeq};
@@ -23,9 +25,9 @@ struct Links {
 }
 
 /// A value as it stands in JSON.
-pub(crate) struct Written<'a>(pub &'a Value);
+pub(crate) struct WireValue<'a>(pub &'a Value);
 
-impl Serialize for Written<'_> {
+impl Serialize for WireValue<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.0 {
             Value::Number(number) => number.serialize(serializer),
@@ -48,59 +50,61 @@ impl Serialize for Written<'_> {
 }
 
 /// Values as a JSON array.
-pub(crate) struct WrittenList<'a>(pub &'a [Value]);
+pub(crate) struct WireValues<'a>(pub &'a [Value]);
 
-impl Serialize for WrittenList<'_> {
+impl Serialize for WireValues<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut list = serializer.serialize_seq(Some(self.0.len()))?;
-        self.0.iter().try_for_each(|value| list.serialize_element(&Written(value)))?;
+        self.0.iter().try_for_each(|value| list.serialize_element(&WireValue(value)))?;
         list.end()
     }
 }
 
 /// Reads a value of a row's kind. Whether it is in range is for the domain to say.
 #[derive(Clone, Copy)]
-pub(crate) struct ValueOf(pub &'static Parameter);
+pub(crate) struct ValueSeed(pub &'static Parameter);
 
-impl<'de> DeserializeSeed<'de> for ValueOf {
+impl<'de> DeserializeSeed<'de> for ValueSeed {
     type Value = Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
         Ok(match self.0.kind {
-            Kind::Number(number) if number.absent.is_some() => {
+            ParameterKind::Number(number) if number.absent.is_some() => {
                 Option::<f64>::deserialize(deserializer)?.map_or(Value::Absent, Value::Number)
             }
-            Kind::Number(_) => Value::Number(f64::deserialize(deserializer)?),
-            Kind::Flag => Value::Flag(bool::deserialize(deserializer)?),
-            Kind::Color | Kind::Vector { .. } => {
+            ParameterKind::Number(_) => Value::Number(f64::deserialize(deserializer)?),
+            ParameterKind::Flag => Value::Flag(bool::deserialize(deserializer)?),
+            ParameterKind::Color | ParameterKind::Vector { .. } => {
                 Value::Vector(DVec3::from(<[f64; 3]>::deserialize(deserializer)?))
             }
-            Kind::Rotation => Value::Rotation(DQuat::from_array(<[f64; 4]>::deserialize(deserializer)?)),
-            Kind::Text { .. } => Value::Text(String::deserialize(deserializer)?),
-            Kind::Choice(choices) => {
+            ParameterKind::Rotation => {
+                Value::Rotation(DQuat::from_array(<[f64; 4]>::deserialize(deserializer)?))
+            }
+            ParameterKind::Text { .. } => Value::Text(String::deserialize(deserializer)?),
+            ParameterKind::Choice(choices) => {
                 let word = String::deserialize(deserializer)?;
                 let known = choices.iter().find(|choice| choice.name == word);
                 Value::Choice(known.ok_or_else(|| unknown("variant", &word, names(choices)))?.name)
             }
-            Kind::Links => {
+            ParameterKind::Links => {
                 let links = Option::<Links>::deserialize(deserializer)?;
                 links
                     .and_then(|links| light::Links::new(links.include, links.exclude))
                     .map_or(Value::Absent, Value::Links)
             }
-            Kind::PeriodicCurve { .. } => Option::<Vec<[f64; 2]>>::deserialize(deserializer)?
+            ParameterKind::PeriodicCurve { .. } => Option::<Vec<[f64; 2]>>::deserialize(deserializer)?
                 .and_then(PeriodicCurve::new)
                 .map_or(Value::Absent, Value::PeriodicCurve),
-            Kind::Projection => return Err(de::Error::custom("a projection is set with setCamera")),
+            ParameterKind::Projection => return Err(de::Error::custom("a projection is set with setCamera")),
         })
     }
 }
 
 /// Reads an array of such values. `null` gives none, where they have a default: as if the array were left out.
 #[derive(Clone, Copy)]
-pub(crate) struct ListOf(pub &'static Parameter);
+pub(crate) struct ValueListSeed(pub &'static Parameter);
 
-impl<'de> DeserializeSeed<'de> for ListOf {
+impl<'de> DeserializeSeed<'de> for ValueListSeed {
     type Value = Option<Vec<Value>>;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Option<Vec<Value>>, D::Error> {
@@ -134,20 +138,20 @@ impl<'de> DeserializeSeed<'de> for ListOf {
 
             fn visit_seq<A: de::SeqAccess<'de>>(self, mut items: A) -> Result<Vec<Value>, A::Error> {
                 let mut values = Vec::new();
-                while let Some(value) = items.next_element_seed(ValueOf(self.0))? {
+                while let Some(value) = items.next_element_seed(ValueSeed(self.0))? {
                     values.push(value);
                 }
                 Ok(values)
             }
         }
-        if self.0.default(Owner::Point).is_some() {
+        if self.0.default(ParameterOwner::Point).is_some() {
             return deserializer.deserialize_option(Optional(self.0));
         }
         deserializer.deserialize_seq(Items(self.0)).map(Some)
     }
 }
 
-fn names(choices: &[Choice]) -> impl Iterator<Item = &'static str> {
+fn names(choices: &[ParameterChoice]) -> impl Iterator<Item = &'static str> {
     choices.iter().map(|choice| choice.name)
 }
 
@@ -170,7 +174,7 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
     use std::ops::Bound::{Excluded, Included};
     let vector = |length: usize| json!({"type": "array", "items": {"type": "number", "format": "double"}, "minItems": length, "maxItems": length});
     let mut schema = match row.kind {
-        Kind::Number(number) => {
+        ParameterKind::Number(number) => {
             let mut schema = if number.absent.is_some() {
                 json!({"type": ["number", "null"], "format": "double"})
             } else {
@@ -187,12 +191,14 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
             }
             schema
         }
-        Kind::Flag => json!({"type": "boolean"}),
-        Kind::Choice(choices) => json!({"type": "string", "enum": names(choices).collect::<Vec<_>>()}),
-        Kind::Color | Kind::Vector { .. } => vector(3),
-        Kind::Rotation => vector(4),
-        Kind::Text { .. } => json!({"type": "string"}),
-        Kind::Links => {
+        ParameterKind::Flag => json!({"type": "boolean"}),
+        ParameterKind::Choice(choices) => {
+            json!({"type": "string", "enum": names(choices).collect::<Vec<_>>()})
+        }
+        ParameterKind::Color | ParameterKind::Vector { .. } => vector(3),
+        ParameterKind::Rotation => vector(4),
+        ParameterKind::Text { .. } => json!({"type": "string"}),
+        ParameterKind::Links => {
             let paths = |description| json!({"type": "array", "items": {"type": "string"}, "maxItems": MAX_LINKS, "description": description});
             json!({
                 "type": ["object", "null"],
@@ -203,10 +209,10 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
                 "additionalProperties": false,
             })
         }
-        Kind::PeriodicCurve { .. } => {
+        ParameterKind::PeriodicCurve { .. } => {
             json!({"type": ["array", "null"], "items": vector(2), "maxItems": MAX_KNOTS})
         }
-        Kind::Projection => json!({}),
+        ParameterKind::Projection => json!({}),
     };
     schema["description"] = row.doc.into();
     match schema {
@@ -228,7 +234,7 @@ macro_rules! setting {
             }
 
             pub(crate) fn rows() -> Vec<&'static Parameter> {
-                let of_any = |row: &&'static Parameter| $owners.iter().any(|owner| row.of(*owner).is_some());
+                let of_any = |row: &&'static Parameter| $owners.iter().any(|owner| row.for_owner(*owner).is_some());
                 light::parameters().iter().copied().filter(of_any).collect()
             }
         }
@@ -236,7 +242,7 @@ macro_rules! setting {
         impl Serialize for $name {
             fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
                 let mut map = serializer.serialize_map(Some(1))?;
-                map.serialize_entry(self.0.parameter.name, &Written(&self.0.value))?;
+                map.serialize_entry(self.0.parameter.name, &WireValue(&self.0.value))?;
                 map.end()
             }
         }
@@ -257,7 +263,7 @@ macro_rules! setting {
                         };
                         let names = || $name::rows().into_iter().map(|row| row.name);
                         let parameter = $name::row(&name).ok_or_else(|| unknown("parameter", &name, names()))?;
-                        let value = map.next_value_seed(ValueOf(parameter))?;
+                        let value = map.next_value_seed(ValueSeed(parameter))?;
                         if let Some(second) = map.next_key::<String>()? {
                             let second = excerpt(&second);
                             let sentence = format!("expected an object with one parameter, not `{name}` and `{second}`");
@@ -306,9 +312,9 @@ macro_rules! setting {
 
 setting! {
     /// [`light::Setting`] of a light in JSON: an object with one field.
-    LightParameter of [Owner::Spot, Owner::Bendy, Owner::Omni, Owner::Directional]
+    LightParameter of [ParameterOwner::Spot, ParameterOwner::Bendy, ParameterOwner::Omni, ParameterOwner::Directional]
 }
 setting! {
     /// [`light::Setting`] of a control point in JSON: an object with one field.
-    PointParameter of [Owner::Point]
+    PointParameter of [ParameterOwner::Point]
 }

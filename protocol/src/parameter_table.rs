@@ -3,12 +3,11 @@
 use std::collections::BTreeMap;
 use std::ops::Bound;
 
-use light::Owner;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::parameter::Written;
+use crate::parameter::WireValue;
 
 /// A row for each thing that can be set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -52,7 +51,7 @@ pub struct Parameter {
     pub doc: String,
 }
 
-/// [`light::Needs`] in JSON.
+/// [`light::ParameterNeeds`] in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ParameterNeeds {
@@ -62,7 +61,7 @@ pub struct ParameterNeeds {
     pub value: ParameterNeeded,
 }
 
-/// [`light::Needed`] in JSON.
+/// [`light::ParameterNeeded`] in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterNeeded {
@@ -77,7 +76,7 @@ fn values(_: &mut SchemaGenerator) -> Schema {
     json_schema!({"type": "array", "items": {"type": ["boolean", "number", "string", "null"]}})
 }
 
-/// [`light::Owner`] in JSON.
+/// [`light::ParameterOwner`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterOwner {
@@ -95,7 +94,7 @@ pub enum ParameterOwner {
     Camera,
 }
 
-/// [`light::Touches`] in JSON.
+/// [`light::ParameterTouches`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterTouches {
@@ -111,7 +110,7 @@ pub enum ParameterTouches {
     Scene,
 }
 
-/// [`light::Kind`] in JSON.
+/// [`light::ParameterKind`] in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum ParameterKind {
@@ -192,7 +191,7 @@ pub enum ParameterKind {
     Projection,
 }
 
-/// [`light::Scale`] in JSON.
+/// [`light::ParameterScale`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterScale {
@@ -202,7 +201,7 @@ pub enum ParameterScale {
     Logarithmic,
 }
 
-/// [`light::Choice`] in JSON.
+/// [`light::ParameterChoice`] in JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterChoice {
@@ -230,7 +229,7 @@ impl ParameterOwner {
     }
 
     /// How addresses of what it has begin.
-    fn place(self) -> &'static str {
+    fn address_prefix(self) -> &'static str {
         match self {
             Self::Spot | Self::Bendy | Self::Omni | Self::Directional => "/lights/ID",
             Self::Point => "/lights/ID/points/INDEX",
@@ -239,45 +238,51 @@ impl ParameterOwner {
     }
 }
 
-impl From<Owner> for ParameterOwner {
-    fn from(owner: Owner) -> Self {
+impl From<light::ParameterOwner> for ParameterOwner {
+    fn from(owner: light::ParameterOwner) -> Self {
         match owner {
-            Owner::Spot => Self::Spot,
-            Owner::Bendy => Self::Bendy,
-            Owner::Omni => Self::Omni,
-            Owner::Directional => Self::Directional,
-            Owner::Point => Self::Point,
-            Owner::Camera => Self::Camera,
+            light::ParameterOwner::Spot => Self::Spot,
+            light::ParameterOwner::Bendy => Self::Bendy,
+            light::ParameterOwner::Omni => Self::Omni,
+            light::ParameterOwner::Directional => Self::Directional,
+            light::ParameterOwner::Point => Self::Point,
+            light::ParameterOwner::Camera => Self::Camera,
         }
     }
 }
 
 impl From<&light::Parameter> for Parameter {
     fn from(row: &light::Parameter) -> Self {
-        let of: Vec<_> = row.of.iter().map(|of| ParameterOwner::from(of.owner)).collect();
-        let default = |of: &light::Of| {
-            let default = serde_json::to_value(Written(&row.default(of.owner)?)).ok()?;
+        let of: Vec<_> = row.owners.iter().map(|of| ParameterOwner::from(of.owner)).collect();
+        let default = |of: &light::ParameterOf| {
+            let default = serde_json::to_value(WireValue(&row.default(of.owner)?)).ok()?;
             Some((ParameterOwner::from(of.owner).name().into(), default))
         };
-        let address =
-            |owner: &ParameterOwner| (owner.name().into(), format!("{}/{}", owner.place(), row.name));
+        let address = |owner: &ParameterOwner| {
+            (owner.name().into(), format!("{}/{}", owner.address_prefix(), row.name))
+        };
         Self {
             name: row.name.into(),
             address: of.iter().map(address).collect(),
             of,
             kind: row.kind.into(),
-            default: row.of.iter().filter_map(default).collect(),
+            default: row.owners.iter().filter_map(default).collect(),
             path: row.path.replace('.', "/"),
             touches: match row.touches() {
-                light::Touches::Nothing => ParameterTouches::Nothing,
-                light::Touches::Weight => ParameterTouches::Weight,
-                light::Touches::Radiance => ParameterTouches::Radiance,
-                light::Touches::ShadowMap => ParameterTouches::ShadowMap,
-                light::Touches::Scene => ParameterTouches::Scene,
+                light::ParameterTouches::Nothing => ParameterTouches::Nothing,
+                light::ParameterTouches::Weight => ParameterTouches::Weight,
+                light::ParameterTouches::Radiance => ParameterTouches::Radiance,
+                light::ParameterTouches::ShadowMap => ParameterTouches::ShadowMap,
+                light::ParameterTouches::Scene => ParameterTouches::Scene,
             },
             animates: row.animates,
             needs: row.needs.map(Into::into),
-            idle_of: row.of.iter().filter(|of| row.is_idle_of(of.owner)).map(|of| of.owner.into()).collect(),
+            idle_of: row
+                .owners
+                .iter()
+                .filter(|of| row.has_no_effect_on(of.owner))
+                .map(|of| of.owner.into())
+                .collect(),
             group: row.group.into(),
             label: row.label.into(),
             doc: row.doc.into(),
@@ -285,24 +290,25 @@ impl From<&light::Parameter> for Parameter {
     }
 }
 
-impl From<light::Needs> for ParameterNeeds {
-    fn from(light::Needs { parameter, value }: light::Needs) -> Self {
+impl From<light::ParameterNeeds> for ParameterNeeds {
+    fn from(light::ParameterNeeds { parameter, value }: light::ParameterNeeds) -> Self {
         let written = |values: &[light::Value<&'static str>]| {
-            let json = |value: &light::Value<&'static str>| serde_json::to_value(Written(&value.to_value()));
+            let json =
+                |value: &light::Value<&'static str>| serde_json::to_value(WireValue(&value.to_value()));
             values.iter().filter_map(|value| json(value).ok()).collect()
         };
         let value = match value {
-            light::Needed::OneOf(values) => ParameterNeeded::OneOf(written(values)),
-            light::Needed::NoneOf(values) => ParameterNeeded::NoneOf(written(values)),
+            light::ParameterNeeded::OneOf(values) => ParameterNeeded::OneOf(written(values)),
+            light::ParameterNeeded::NoneOf(values) => ParameterNeeded::NoneOf(written(values)),
         };
         Self { parameter: parameter.into(), value }
     }
 }
 
-impl From<light::Kind> for ParameterKind {
-    fn from(kind: light::Kind) -> Self {
+impl From<light::ParameterKind> for ParameterKind {
+    fn from(kind: light::ParameterKind) -> Self {
         match kind {
-            light::Kind::Number(number) => {
+            light::ParameterKind::Number(number) => {
                 let included = |bound| if let Bound::Included(end) = bound { Some(end) } else { None };
                 let excluded = |bound| if let Bound::Excluded(end) = bound { Some(end) } else { None };
                 Self::Number {
@@ -314,31 +320,31 @@ impl From<light::Kind> for ParameterKind {
                     slider: number.slider,
                     step: number.step,
                     scale: match number.scale {
-                        light::Scale::Linear => ParameterScale::Linear,
-                        light::Scale::Logarithmic => ParameterScale::Logarithmic,
+                        light::ParameterScale::Linear => ParameterScale::Linear,
+                        light::ParameterScale::Logarithmic => ParameterScale::Logarithmic,
                     },
                     none: number.absent.map(Into::into),
                 }
             }
-            light::Kind::Flag => Self::Flag,
-            light::Kind::Choice(choices) => {
-                let choice = |choice: &light::Choice| ParameterChoice {
+            light::ParameterKind::Flag => Self::Flag,
+            light::ParameterKind::Choice(choices) => {
+                let choice = |choice: &light::ParameterChoice| ParameterChoice {
                     name: choice.name.into(),
                     label: choice.label.into(),
                 };
                 Self::Choice { choices: choices.iter().map(choice).collect() }
             }
-            light::Kind::Color => Self::Color,
-            light::Kind::Vector { unit, step } => Self::Vector { unit: unit.into(), step },
-            light::Kind::Rotation => Self::Rotation,
-            light::Kind::Text { max_bytes } => Self::Text { max_bytes },
-            light::Kind::Links => {
+            light::ParameterKind::Color => Self::Color,
+            light::ParameterKind::Vector { unit, step } => Self::Vector { unit: unit.into(), step },
+            light::ParameterKind::Rotation => Self::Rotation,
+            light::ParameterKind::Text { max_bytes } => Self::Text { max_bytes },
+            light::ParameterKind::Links => {
                 Self::Links { max_paths: light::MAX_LINKS, max_bytes: light::MAX_LINK_BYTES }
             }
-            light::Kind::PeriodicCurve { min, max, step, absent } => {
+            light::ParameterKind::PeriodicCurve { min, max, step, absent } => {
                 Self::PeriodicCurve { max_knots: light::MAX_KNOTS, min, max, step, none: absent.into() }
             }
-            light::Kind::Projection => Self::Projection,
+            light::ParameterKind::Projection => Self::Projection,
         }
     }
 }

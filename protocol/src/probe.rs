@@ -179,7 +179,7 @@ impl Probed {
         highlight: impl Fn(&LightProbe) -> Option<[f64; 2]>,
     ) -> Self {
         let seen = probe.seen.map(|seen| ProbedSurface {
-            node: posed.nodes().path(seen.node),
+            node: posed.node_tree().path(seen.node),
             material: Some(posed.scene.materials[seen.material].name.clone()).filter(|name| !name.is_empty()),
             position: seen.position.to_array(),
             normal: seen.normal.to_array(),
@@ -202,18 +202,18 @@ impl ProbedLight {
         let (disabled_by, shadowed_by) = match probe.state {
             LightState::Disabled(by) => (Some(by.into()), None),
             LightState::Shadowed(caster) => {
-                let (node, position) = (posed.nodes().path(caster.node), caster.position.to_array());
+                let (node, position) = (posed.node_tree().path(caster.node), caster.position.to_array());
                 (None, Some(ProbedCaster { node, position }))
             }
             _ => (None, None),
         };
         let place = probe.place.map(|probed| ProbedPlace {
-            t: probed.place.t,
-            v: probed.place.v,
-            w: probed.place.w,
+            t: probed.coords.t,
+            v: probed.coords.v,
+            w: probed.coords.w,
             radius: probed.radius,
             path_length: probed.path_length,
-            direction: probed.place.direction.to_array(),
+            direction: probed.coords.direction.to_array(),
         });
         Self {
             light: probe.light.id.0,

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use document::{CameraId, EditError, Layout, PinId, was_in_format_2};
-use light::{ControlPoint, LightError, LightId, Owner, Setting};
+use document::{CameraId, EditError, PinId, PointNumbering, was_in_format_2};
+use light::{ControlPoint, LightError, LightId, ParameterOwner, Setting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -45,7 +45,7 @@ pub enum Change {
     Pin { pin: u64, old: Option<Pin>, new: Option<Pin> },
 }
 
-/// [`document::PlacedLight`] in JSON.
+/// [`document::NumberedLight`] in JSON.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct PlacedLight {
@@ -81,7 +81,7 @@ pub struct Actor {
     pub name: String,
 }
 
-/// [`edit::Scope`] in JSON.
+/// [`edit::UndoScope`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Scope {
@@ -169,16 +169,20 @@ impl Record {
             format: u32,
         }
         let Versioned { format } = from_json(text)?;
-        known_format(format).map_err(FileError::Format)?;
+        check_format(format).map_err(FileError::Format)?;
         Ok(format)
     }
 
     /// What it holds that formats 1 and 2 did not have, and that their hashes would pass over.
-    fn younger_than_format_3(&self) -> Option<&'static str> {
+    fn missing_in_format_2(&self) -> Option<&'static str> {
         let of_command = |command: &Command| match command {
-            Command::AddLight { light } => light.younger_than_format_3(),
-            Command::SetLight { parameter, .. } => younger(&[Owner::Spot, Owner::Bendy], &parameter.0),
-            Command::SetPoint { parameter, .. } => younger(&[Owner::Point], &parameter.0),
+            Command::AddLight { light } => light.missing_in_format_2(),
+            Command::SetLight { parameter, .. } => {
+                name_missing_in_format_2(&[ParameterOwner::Spot, ParameterOwner::Bendy], &parameter.0)
+            }
+            Command::SetPoint { parameter, .. } => {
+                name_missing_in_format_2(&[ParameterOwner::Point], &parameter.0)
+            }
             _ => None,
         };
         let commanded = match &self.action {
@@ -186,7 +190,7 @@ impl Record {
             Action::Group { .. } => Some("group"),
             Action::Undo { .. } | Action::Redo { .. } => None,
         };
-        commanded.or_else(|| self.changes.iter().find_map(Change::younger_than_format_3))
+        commanded.or_else(|| self.changes.iter().find_map(Change::missing_in_format_2))
     }
 
     /// One line of JSON, in full.
@@ -196,14 +200,14 @@ impl Record {
 }
 
 impl Change {
-    fn younger_than_format_3(&self) -> Option<&'static str> {
+    fn missing_in_format_2(&self) -> Option<&'static str> {
         match self {
             Self::Light { old, new, .. } => {
-                [old, new].into_iter().flatten().find_map(|placed| placed.light.younger_than_format_3())
+                [old, new].into_iter().flatten().find_map(|placed| placed.light.missing_in_format_2())
             }
             // Of old and new alike, or the change is refused.
-            Self::LightParameter { new, .. } => younger(&[Owner::Spot, Owner::Bendy], &new.0),
-            Self::Point { new, .. } => younger(&[Owner::Point], &new.0),
+            Self::LightParameter { new, .. } => name_missing_in_format_2(&[ParameterOwner::Spot, ParameterOwner::Bendy], &new.0),
+            Self::Point { new, .. } => name_missing_in_format_2(&[ParameterOwner::Point], &new.0),
             Self::Scene { .. }
             | Self::ControlPoints { .. }
             | Self::Camera { .. }
@@ -214,28 +218,28 @@ impl Change {
     }
 }
 
-/// The name of what is set, where none of `owners` had it in formats 1 and 2.
-fn younger(owners: &[Owner], setting: &Setting) -> Option<&'static str> {
+/// The name of what is set, where none of `of` had it in formats 1 and 2.
+fn name_missing_in_format_2(owners: &[ParameterOwner], setting: &Setting) -> Option<&'static str> {
     let name = setting.parameter.name;
     (!owners.iter().any(|owner| was_in_format_2(*owner, name))).then_some(name)
 }
 
 /// Refuses a format that this version cannot read.
-pub(crate) fn known_format(found: u32) -> Result<(), Refused> {
+pub(crate) fn check_format(found: u32) -> Result<(), Refused> {
     if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(Refused::Format { found }) }
 }
 
-impl From<&document::PlacedLight> for PlacedLight {
-    fn from(placed: &document::PlacedLight) -> Self {
+impl From<&document::NumberedLight> for PlacedLight {
+    fn from(placed: &document::NumberedLight) -> Self {
         Self { layout: placed.layout.0, light: Light::from(&*placed.light) }
     }
 }
 
-impl TryFrom<PlacedLight> for document::PlacedLight {
+impl TryFrom<PlacedLight> for document::NumberedLight {
     type Error = Refused;
 
     fn try_from(wire: PlacedLight) -> Result<Self, Refused> {
-        Ok(Self { layout: Layout(wire.layout), light: Arc::new(wire.light.try_into()?) })
+        Ok(Self { layout: PointNumbering(wire.layout), light: Arc::new(wire.light.try_into()?) })
     }
 }
 
@@ -271,7 +275,7 @@ impl TryFrom<ControlPoints> for document::ControlPoints {
             color: color.into(),
             intensity,
         };
-        Ok(Self { layout: Layout(layout), points: values.map(point).collect() })
+        Ok(Self { layout: PointNumbering(layout), points: values.map(point).collect() })
     }
 }
 
@@ -328,7 +332,7 @@ impl TryFrom<Change> for document::Change {
     fn try_from(wire: Change) -> Result<Self, Refused> {
         let scene = |scene: Option<SceneRef>| scene.map(document::SceneRef::try_from).transpose();
         let placed = |placed: Option<Box<PlacedLight>>| {
-            placed.map(|p| document::PlacedLight::try_from(*p)).transpose()
+            placed.map(|p| document::NumberedLight::try_from(*p)).transpose()
         };
         Ok(match wire {
             Change::Scene { old, new } => Self::Scene { old: scene(old)?, new: scene(new)? },
@@ -343,7 +347,14 @@ impl TryFrom<Change> for document::Change {
             Change::Point { light, layout, point, old, new } => {
                 let (old, new) = of_one(old, new)?;
                 let (parameter, old, new) = (new.parameter, old.value, new.value);
-                Self::Point { light: LightId(light), layout: Layout(layout), point, parameter, old, new }
+                Self::Point {
+                    light: LightId(light),
+                    layout: PointNumbering(layout),
+                    point,
+                    parameter,
+                    old,
+                    new,
+                }
             }
             Change::ControlPoints { light, old, new } => {
                 Self::ControlPoints { light: LightId(light), old: old.try_into()?, new: new.try_into()? }
@@ -373,7 +384,7 @@ impl From<Actor> for edit::Actor {
     }
 }
 
-impl From<Scope> for edit::Scope {
+impl From<Scope> for edit::UndoScope {
     fn from(wire: Scope) -> Self {
         match wire {
             Scope::Mine => Self::Mine,
@@ -382,11 +393,11 @@ impl From<Scope> for edit::Scope {
     }
 }
 
-impl From<edit::Scope> for Scope {
-    fn from(scope: edit::Scope) -> Self {
+impl From<edit::UndoScope> for Scope {
+    fn from(scope: edit::UndoScope) -> Self {
         match scope {
-            edit::Scope::Mine => Self::Mine,
-            edit::Scope::Session => Self::Session,
+            edit::UndoScope::Mine => Self::Mine,
+            edit::UndoScope::Session => Self::Session,
         }
     }
 }
@@ -438,8 +449,8 @@ impl TryFrom<Record> for edit::Record {
     type Error = Refused;
 
     fn try_from(wire: Record) -> Result<Self, Refused> {
-        known_format(wire.format)?;
-        if let (1 | 2, Some(what)) = (wire.format, wire.younger_than_format_3()) {
+        check_format(wire.format)?;
+        if let (1 | 2, Some(what)) = (wire.format, wire.missing_in_format_2()) {
             return Err(Refused::Younger { format: wire.format, what });
         }
         let action = match wire.action {

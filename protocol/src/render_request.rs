@@ -145,7 +145,11 @@ impl Aovs {
 impl RenderRequest {
     /// Checks how much of the fill the beauty is to have.
     pub fn check_fill(factor: f64) -> Result<f64, RenderRefusal> {
-        if View::FILL.contains(&factor) { Ok(factor) } else { Err(RenderRefusal::Fill(factor.to_string())) }
+        if View::FILL_RANGE.contains(&factor) {
+            Ok(factor)
+        } else {
+            Err(RenderRefusal::Fill(factor.to_string()))
+        }
     }
 
     /// Reads the same.
@@ -156,7 +160,7 @@ impl RenderRequest {
 
     /// Checks by how many stops a picture is to be brightened.
     pub fn check_exposure(stops: f64) -> Result<f64, RenderRefusal> {
-        if View::EXPOSURE.contains(&stops) {
+        if View::EXPOSURE_RANGE.contains(&stops) {
             Ok(stops)
         } else {
             Err(RenderRefusal::Exposure(stops.to_string()))
@@ -188,7 +192,7 @@ impl RenderRequest {
         if aovs.len() > 1 && aovs.contains(&Aov::Wireframe) {
             return Err(RenderRefusal::NotOfCamera);
         }
-        if self.light.is_some() && !self.aovs.each().iter().any(|aov| aov.is_of_light()) {
+        if self.light.is_some() && !self.aovs.each().iter().any(|aov| aov.is_per_light()) {
             return Err(RenderRefusal::OfNoLight(self.aovs.names()));
         }
         Ok(())
@@ -338,10 +342,10 @@ pub enum RenderRefusal {
         max_samples: u32,
     },
     /// A factor that the fill cannot have.
-    #[error("the fill's factor is `{0}`: give a number from {start} to {end}", start = View::FILL.start(), end = View::FILL.end())]
+    #[error("the fill's factor is `{0}`: give a number from {start} to {end}", start = View::FILL_RANGE.start(), end = View::FILL_RANGE.end())]
     Fill(String),
     /// Stops that an exposure cannot have.
-    #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE.start(), end = View::EXPOSURE.end())]
+    #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE_RANGE.start(), end = View::EXPOSURE_RANGE.end())]
     Exposure(String),
     /// A light that nothing which is asked for is of.
     #[error(

@@ -11,7 +11,7 @@ use crate::{
 
 /// Which of a type's two faces a schema describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Face {
+pub enum SchemaSide {
     /// What is understood: fields with defaults may be left out.
     Read,
     /// What is written: every field is there, but for those that say something by their absence.
@@ -19,7 +19,7 @@ pub enum Face {
 }
 
 /// JSON Schema (draft 2020-12) of every shape of the protocol, under `$defs`.
-pub fn json_schema(face: Face) -> Value {
+pub fn json_schema(face: SchemaSide) -> Value {
     let mut generator = generator(face, "/$defs");
     let messages = [name::<ClientMessage>(&mut generator), name::<ServerMessage>(&mut generator)];
     let lines = [
@@ -44,15 +44,15 @@ pub fn json_schema(face: Face) -> Value {
 /// What `generator` has defined: every variant of a union by a name of its own, `place` being where they will stand.
 pub(crate) fn definitions(mut generator: SchemaGenerator, place: &str) -> Map<String, Value> {
     let mut definitions = generator.take_definitions(true);
-    definitions.values_mut().for_each(plain);
+    definitions.values_mut().for_each(simplify);
     name_variants(&mut definitions, place);
     definitions
 }
 
-pub(crate) fn generator(face: Face, definitions: &'static str) -> SchemaGenerator {
+pub(crate) fn generator(face: SchemaSide, definitions: &'static str) -> SchemaGenerator {
     let contract = match face {
-        Face::Read => Contract::Deserialize,
-        Face::Written => Contract::Serialize,
+        SchemaSide::Read => Contract::Deserialize,
+        SchemaSide::Written => Contract::Serialize,
     };
     let place = |settings: &mut SchemaSettings| {
         settings.definitions_path = definitions.into();
@@ -68,10 +68,10 @@ pub(crate) fn name<T: schemars::JsonSchema>(generator: &mut SchemaGenerator) -> 
 
 /// Takes out of a schema what is Rust's: choices among strings become one `enum` or `const`, defaults of null go, which say no
 /// more than that a field may be left out and are wrong where its type has no null, and descriptions lose their links.
-fn plain(schema: &mut Value) {
+fn simplify(schema: &mut Value) {
     match schema {
         Value::Object(fields) => {
-            fields.values_mut().for_each(plain);
+            fields.values_mut().for_each(simplify);
             if fields.get("default").is_some_and(Value::is_null) {
                 fields.remove("default");
             }
@@ -80,7 +80,7 @@ fn plain(schema: &mut Value) {
             }
             plain_choice(fields);
         }
-        Value::Array(items) => items.iter_mut().for_each(plain),
+        Value::Array(items) => items.iter_mut().for_each(simplify),
         _ => {}
     }
 }

@@ -2,7 +2,7 @@
 
 /// The sentence without Rust's words: a value has JSON's kinds, a place has fields, and where one of several words is meant
 /// they are listed.
-pub(crate) fn in_json_words(said: &str) -> String {
+pub(crate) fn json_wording(said: &str) -> String {
     let translated = |text: &str| -> Option<String> {
         if let Some(rest) =
             text.strip_prefix("invalid type: ").or_else(|| text.strip_prefix("invalid value: "))
@@ -45,7 +45,7 @@ pub(crate) fn in_json_words(said: &str) -> String {
 }
 
 /// Why text is no JSON at all.
-pub(crate) fn of_syntax(said: &str) -> String {
+pub(crate) fn syntax_error_wording(said: &str) -> String {
     let (what, place) = said.split_once(" at line ").map_or((said, String::new()), |(what, place)| {
         (what, format!(" (line {})", place.replace(" column ", ", character ")))
     });
@@ -155,12 +155,12 @@ mod tests {
             ("unknown variant `laser`, expected `spot` or `omni`", "`laser` is not `spot` or `omni`"),
             ("a sentence of ours", "a sentence of ours"),
         ] {
-            assert_eq!(in_json_words(said), expected);
+            assert_eq!(json_wording(said), expected);
         }
         let syntax = "EOF while parsing a value at line 1 column 17";
-        assert_eq!(of_syntax(syntax), "it ends where a value should begin (line 1, character 17)");
+        assert_eq!(syntax_error_wording(syntax), "it ends where a value should begin (line 1, character 17)");
         assert_eq!(
-            of_syntax("expected `,` or `}` at line 2 column 3"),
+            syntax_error_wording("expected `,` or `}` at line 2 column 3"),
             "there is no `,` or `}` where one should be (line 2, character 3)"
         );
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use protocol::{ErrorCode, Face, json_schema, openapi};
+use protocol::{ErrorCode, SchemaSide, json_schema, openapi};
 use serde_json::Value;
 
 fn agrees(name: &str, value: &Value) {
@@ -18,8 +18,8 @@ fn agrees(name: &str, value: &Value) {
 
 #[test]
 fn schemas_are_those_of_the_types() {
-    agrees("schema.json", &json_schema(Face::Read));
-    agrees("schema-written.json", &json_schema(Face::Written));
+    agrees("schema.json", &json_schema(SchemaSide::Read));
+    agrees("schema-written.json", &json_schema(SchemaSide::Written));
     agrees("openapi.json", &openapi());
 }
 
@@ -43,7 +43,7 @@ fn every_reference_leads_somewhere() {
         assert!(found.len() > 20, "there are references");
         found.iter().any(|reference| document.pointer(reference.trim_start_matches('#')).is_none())
     };
-    for mut document in [json_schema(Face::Read), json_schema(Face::Written), openapi()] {
+    for mut document in [json_schema(SchemaSide::Read), json_schema(SchemaSide::Written), openapi()] {
         assert!(!dangling(&document));
         document["planted"] = serde_json::json!({"$ref": "#/$defs/Nothing"});
         assert!(dangling(&document), "a planted dangling reference is caught");
@@ -65,8 +65,8 @@ fn unnamed_variants(definitions: &Value) -> Vec<&str> {
 #[test]
 fn every_variant_of_a_union_has_a_name() {
     for (mut document, place) in [
-        (json_schema(Face::Read), "/$defs"),
-        (json_schema(Face::Written), "/$defs"),
+        (json_schema(SchemaSide::Read), "/$defs"),
+        (json_schema(SchemaSide::Written), "/$defs"),
         (openapi(), "/components/schemas"),
     ] {
         let definitions = document.pointer_mut(place).expect("definitions");

@@ -5,7 +5,9 @@ use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, LIGHT_LINK, NAME,
     RADIAL_FALLOFF, RANGE, SHADOW_LINK, TRANSLATION, UP, WIDTH,
 };
-use light::{Decay, Direction, EndMode, Frame, Light, Links, Owner, PeriodicCurve, Transform};
+use light::{
+    Decay, DirectionMode, EndMode, FrameMode, Light, Links, ParameterOwner, PeriodicCurve, Transform,
+};
 use proptest::prelude::*;
 use protocol::{light_file, point_file};
 
@@ -24,7 +26,7 @@ fn one(text: &str) -> Light {
 
 #[test]
 fn everything_but_type_points_and_radii_has_its_documented_default() {
-    let expected = one(FULL).placed(Transform::default()).with(NAME, String::new());
+    let expected = one(FULL).with_transform(Transform::default()).with(NAME, String::new());
     assert_eq!(one(SHORT), expected);
     assert_eq!(one(r#"{"type": "spot"}"#), Light::spot());
 }
@@ -76,17 +78,17 @@ fn every_field_is_read() {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.0, 1.0, -2.0)];
     let colors = [DVec3::X, DVec3::Y, DVec3::Z];
     let light = Light::bendy(points, vec![0.0, 0.1, 0.2])
-        .placed(Transform {
+        .with_transform(Transform {
             translation: DVec3::new(1.0, 2.0, 3.0),
             rotation: DQuat::from_xyzw(0.0, 1.0, 0.0, 0.0),
             scale: 2.0,
         })
-        .with_points(|i, point| (point.color, point.intensity) = (colors[i], 3.0 - i as f64))
+        .map_points(|i, point| (point.color, point.intensity) = (colors[i], 3.0 - i as f64))
         .with(UP, DVec3::X)
         .with(CONE_ANGLE, 30.0)
         .with(CONE_SOFTNESS, 0.5)
-        .with(FRAME, Frame::Up)
-        .with(DIRECTION, Direction::Path)
+        .with(FRAME, FrameMode::Up)
+        .with(DIRECTION, DirectionMode::Path)
         .with(END_MODE, EndMode::Extend)
         .with(DECAY, Decay::Linear);
     assert_eq!(one(text), light.with(NAME, "rim".into()));
@@ -186,11 +188,11 @@ proptest! {
     ) {
         let [a, b, c, d, e] = numbers;
         let points = (0..3 + extra).map(|i| DVec3::new(a, b, -1.0 - c) * i as f64).collect();
-        let light = Light::bendy(points, vec![d; 3 + extra]).placed(Transform {
+        let light = Light::bendy(points, vec![d; 3 + extra]).with_transform(Transform {
                 translation: translation.into(),
                 rotation: DQuat::from_array(rotation).normalize(),
                 scale: d + 0.5,
-            }).with(CONE_ANGLE, 1.0 + 80.0 * e).with(CONE_SOFTNESS, a).with(DECAY, if b < 0.5 { Decay::Linear } else { Decay::InverseSquare }).with_points(|i, point| point.intensity = c * i as f64);
+            }).with(CONE_ANGLE, 1.0 + 80.0 * e).with(CONE_SOFTNESS, a).with(DECAY, if b < 0.5 { Decay::Linear } else { Decay::InverseSquare }).map_points(|i, point| point.intensity = c * i as f64);
         let light = light.with(NAME, name);
         prop_assert_eq!(&one(&light_file::to_json(&light)), &light);
 
@@ -258,14 +260,14 @@ fn broken_json_is_refused_with_its_line_and_column() {
 }
 
 /// The fields of a light by the table, as sentences list them; control points' come after the transform.
-fn fields(owner: Owner) -> String {
+fn fields(owner: ParameterOwner) -> String {
     let mut names = vec!["type"];
     for row in light::parameters_of(owner) {
         let name = row.path.split('.').next().expect("a path");
         if !names.contains(&name) {
             names.push(name);
-            let points = light::parameters_of(Owner::Point).iter().map(|row| row.path);
-            names.extend(points.filter(|_| name == "transform" && owner == Owner::Bendy));
+            let points = light::parameters_of(ParameterOwner::Point).iter().map(|row| row.path);
+            names.extend(points.filter(|_| name == "transform" && owner == ParameterOwner::Bendy));
         }
     }
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
@@ -273,7 +275,7 @@ fn fields(owner: Owner) -> String {
 
 #[test]
 fn a_wrong_shape_is_refused_with_its_place() {
-    let (bendy_fields, spot_fields) = (fields(Owner::Bendy), fields(Owner::Spot));
+    let (bendy_fields, spot_fields) = (fields(ParameterOwner::Bendy), fields(ParameterOwner::Spot));
     let light = "a light: an object with `type`, `points`, `radii` and so on";
     for (said, expected) in [
         (refusal("3"), format!("is the number 3, where {light} should be")),

@@ -1,8 +1,8 @@
 //! Lines of a log file, one by one.
 
 use protocol::{
-    Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogReader, MIN_HELD_BYTES, Place, ReadError,
-    compact, next_proof,
+    Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogPosition, LogReader, MIN_HELD_BYTES,
+    ReadError, compact, next_proof,
 };
 use serde_json::{Value, json};
 
@@ -76,7 +76,7 @@ fn compacted(records: &[Value]) -> Vec<String> {
         let seq = record["seq"].as_u64().expect("a number");
         let text = record.to_string();
         let line = compact(&text, seq, |hash| Ok::<_, ()>(held.get(hash).copied())).expect("no error");
-        held.extend(line.first_holds.into_iter().map(|(hash, at)| (hash, Place { record: seq, at })));
+        held.extend(line.new_values.into_iter().map(|(hash, at)| (hash, LogPosition { record: seq, at })));
         line.text
     });
     lines.collect()

@@ -1,6 +1,6 @@
 //! What commands refuse, above all `set`: in words of its own and few of the sender's.
 
-use document::{Command, Context, Document, edited};
+use document::{Command, CommandContext, Document, execute_command};
 use protocol::{ErrorCode, Refused};
 use serde_json::{Value, json};
 
@@ -99,8 +99,9 @@ fn a_name_that_is_too_long_is_told_so_alike_by_all_commands() {
     let mut document = Document::default();
     let mut edit = |command: Value| {
         let wire: protocol::Command = serde_json::from_value(command).expect("the right shape");
-        let edited = Command::try_from(wire)
-            .and_then(|command| Ok(edited(&document, &command, Context::default())?.document));
+        let edited = Command::try_from(wire).and_then(|command| {
+            Ok(execute_command(&document, &command, CommandContext::default())?.document)
+        });
         edited.map(|after| document = after).map_err(|error| (error.code(), error.to_string()))
     };
     let camera = |name: &str| {

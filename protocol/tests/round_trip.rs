@@ -1,7 +1,7 @@
 //! Documents and records go through JSON and come back to the last bit.
 
-use document::{AssetHash, CameraId, CameraParameter, Command, Context, SceneContents};
-use edit::{Actor, Request, Scope, Session, Sources};
+use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, SceneContents};
+use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{Document, ErrorCode, LogLine, LogReader, Record, Refused, SessionCheckpoint};
@@ -12,33 +12,33 @@ mod random;
 const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
 
 /// The log of those of `requests` that are valid.
-fn logged(requests: Vec<Result<Command, Scope>>) -> (Session, Vec<edit::Record>) {
+fn logged(requests: Vec<Result<Command, UndoScope>>) -> (Session, Vec<edit::Record>) {
     let (mut session, mut log) = (Session::default(), Vec::new());
     for (index, request) in requests.into_iter().enumerate() {
         let request = match request {
             Ok(command) => {
-                let command = random::aimed(command, session.document());
-                Request::Edit { base_seq: None, command }
+                let command = random::with_existing_ids(command, session.document());
+                EditRequest::Edit { base_seq: None, command }
             }
-            Err(scope) if index % 2 == 0 => Request::Undo(scope),
-            Err(scope) => Request::Redo(scope),
+            Err(scope) if index % 2 == 0 => EditRequest::Undo(scope),
+            Err(scope) => EditRequest::Redo(scope),
         };
         let actor = Actor { id: format!("actor {}", index % 2), name: "\u{1f4a1} \"A\"".into() };
         let time_ms = 1_790_000_000_000 + index as u64;
         let record = |seq: u64| log.get(seq as usize - 1).cloned();
-        let Ok(taken_back) = session.taken_back(&request, &actor.id, &record) else { continue };
+        let Ok(taken_back) = session.find_revert(&request, &actor.id, &record) else { continue };
         let contents = SceneContents::default();
-        let context = Context { loaded: Some(&contents), ..Context::default() };
-        let sources = Sources { context, taken_back };
-        if let Ok(record) = session.request(request, &actor, &index.to_string(), time_ms, sources) {
+        let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
+        let sources = EditSources { context, reverted: taken_back };
+        if let Ok(record) = session.execute_request(request, &actor, &index.to_string(), time_ms, sources) {
             log.push(record);
         }
     }
     (session, log)
 }
 
-fn requests() -> impl Strategy<Value = Vec<Result<Command, Scope>>> {
-    let scope = prop_oneof![Just(Scope::Mine), Just(Scope::Session)];
+fn requests() -> impl Strategy<Value = Vec<Result<Command, UndoScope>>> {
+    let scope = prop_oneof![Just(UndoScope::Mine), Just(UndoScope::Session)];
     vec(prop_oneof![4 => random::command(SCENES).prop_map(Ok), 1 => scope.prop_map(Err)], 1..40)
 }
 
@@ -72,7 +72,7 @@ proptest! {
         let read = SessionCheckpoint::parse(&checkpoint.to_json()).expect("what was written");
         prop_assert_eq!(&read, &checkpoint);
         let read = read.into_domain().expect("a sound session");
-        prop_assert_eq!((read.seq(), read.past()), (session.seq(), session.past()));
+        prop_assert_eq!((read.seq(), read.session_history()), (session.seq(), session.session_history()));
         prop_assert_eq!(read.document().hash(), session.document().hash());
         prop_assert_eq!(read.document().last_number(), session.document().last_number());
     }
@@ -145,7 +145,7 @@ fn what_has_no_meaning_is_refused_on_the_way_in() {
 /// Rules: REC-5
 #[test]
 fn a_record_of_a_later_format_is_refused_by_its_number() {
-    let (_, log) = logged(vec![Ok(Command::RemoveLight(light::LightId(1))), Err(Scope::Mine)]);
+    let (_, log) = logged(vec![Ok(Command::RemoveLight(light::LightId(1))), Err(UndoScope::Mine)]);
     assert!(log.is_empty(), "nothing to remove");
     let text = r#"{"format":1,"seq":1,"timeMs":0,"actor":{"id":"a","name":""},"opId":"x",
         "action":{"type":"edit","command":{"type":"removeLight","light":1}},"changes":[]}"#;

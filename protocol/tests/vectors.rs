@@ -4,17 +4,17 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use document::{AssetHash, CameraId, CameraParameter, Command, Context, SceneContents};
+use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, SceneContents};
 use glam::{DQuat, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
     POINT_INTENSITY, POSITION, RADIUS, RANGE, UP,
 };
-use light::{CheckedLight, Decay, Direction, EndMode, Frame, Light, LightId, Tube};
+use light::{CheckedLight, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, Tube};
 use protocol::{Change, Document, parameter_table};
 use scene::{Camera, Projection};
 use serde_json::{Value, json};
-use stream::{Codec, Flags, FrameHeader, Tile};
+use stream::{Codec, FrameFlags, FrameHeader, FrameTile};
 
 /// The committed file is what the code makes.
 fn agrees(name: &str, made: &str) {
@@ -65,8 +65,8 @@ fn contents() -> SceneContents {
 /// What `command` does to `document`, which goes on from there.
 fn done(document: &mut document::Document, command: &Command) -> Vec<document::Change> {
     let contents = contents();
-    let context = Context { loaded: Some(&contents), ..Context::default() };
-    let edited = document::edited(document, command, context).expect("a valid command");
+    let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
+    let edited = document::execute_command(document, command, context).expect("a valid command");
     *document = edited.document;
     edited.changes
 }
@@ -90,7 +90,7 @@ fn change_case(
 }
 
 /// The command on [`edited`], and taking it back.
-fn there_and_back((name, command): &(&str, Command)) -> [Value; 2] {
+fn forward_and_inverse_cases((name, command): &(&str, Command)) -> [Value; 2] {
     let before = edited();
     let mut after = before.clone();
     let changes = done(&mut after, command);
@@ -119,8 +119,8 @@ fn commands() -> Vec<(&'static str, Command)> {
         ("a light's softness", set_light(SPOT, CONE_SOFTNESS.to(0.75))),
         ("a light's decay", set_light(SPOT, DECAY.to(Decay::Linear))),
         ("a bendy light's up", set_light(BENDY, UP.to(vector))),
-        ("a bendy light's frame", set_light(BENDY, FRAME.to(Frame::Up))),
-        ("a bendy light's direction", set_light(BENDY, DIRECTION.to(Direction::Path))),
+        ("a bendy light's frame", set_light(BENDY, FRAME.to(FrameMode::Up))),
+        ("a bendy light's direction", set_light(BENDY, DIRECTION.to(DirectionMode::Path))),
         ("a bendy light's end", set_light(BENDY, END_MODE.to(EndMode::Extend))),
         ("a spotlight's colour", set_light(SPOT, COLOR.to(vector))),
         ("a spotlight's intensity", set_light(SPOT, INTENSITY.to(3.5))),
@@ -148,7 +148,7 @@ fn commands() -> Vec<(&'static str, Command)> {
 /// Rules: REC-2, DOC-1, DOC-2
 #[test]
 fn changes_do_the_same_on_both_sides() {
-    let cases: Vec<Value> = commands().iter().flat_map(there_and_back).collect();
+    let cases: Vec<Value> = commands().iter().flat_map(forward_and_inverse_cases).collect();
     let types = ["scene", "light", "lightParameter", "point", "controlPoints", "camera", "cameraParameter"];
     for name in types {
         let of_type =
@@ -193,10 +193,10 @@ fn a_curve_is_the_same_on_both_sides() {
 /// Rules: FRAME-1
 #[test]
 fn a_frame_header_is_the_same_on_both_sides() {
-    let tile = Tile { x: 1, y: 2, width: 640, height: 360 };
+    let tile = FrameTile { x: 1, y: 2, width: 640, height: 360 };
     let header = FrameHeader {
         codec: Codec::Png,
-        flags: Flags { key: true, settle: true, last_tile: true },
+        flags: FrameFlags { is_key: true, is_settled: true, is_last_tile: true },
         view: 0,
         frame: 41,
         log_seq: 1_234_567_890_123,
@@ -218,9 +218,9 @@ fn a_frame_header_is_the_same_on_both_sides() {
     let hex = bytes.map(|byte| format!("{byte:02x}")).concat();
     let vector = json!({"hex": hex, "header": {
         "codec": "png",
-        "key": header.flags.key,
-        "settle": header.flags.settle,
-        "lastTile": header.flags.last_tile,
+        "key": header.flags.is_key,
+        "settle": header.flags.is_settled,
+        "lastTile": header.flags.is_last_tile,
         "view": header.view,
         "frame": header.frame,
         "logSeq": header.log_seq,

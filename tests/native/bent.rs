@@ -2,28 +2,30 @@
 
 use std::path::PathBuf;
 
-use assets::Loaded;
+use assets::LoadedScene;
 use glam::DVec3;
 use light::parameters::{
     CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, CUT_ON, DECAY, DIFFUSE, DIRECTION, END_MODE, FAR_EDGE,
     FRAME, LIGHT_LINK, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF, SECTION_HEIGHT, SECTION_ROUNDNESS,
     SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE, SHADOW_LINK, SPECULAR, TRANSLATION,
 };
-use light::{CrossSection, Decay, Direction, EndMode, Frame, Light, Links, PeriodicCurve, ProfileCurve};
+use light::{
+    CrossSection, Decay, DirectionMode, EndMode, FrameMode, Light, Links, PeriodicCurve, ProfileCurve,
+};
 use render::{ShadowFilter, ShadowSettings};
 
-use super::both::{Looked, assert_the_same, compared, demo, told_apart};
+use super::both::{ViewedScene, assert_the_same, compared, demo, differing_pixels};
 
 fn through<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let points = points.map(DVec3::from_array);
     let from_source = points.iter().map(|point| *point - points[0]).collect();
     Light::bendy(from_source, radii.to_vec())
         .with(TRANSLATION, points[0])
-        .with_points(|_, point| point.intensity = 4.0)
+        .map_points(|_, point| point.intensity = 4.0)
 }
 
 /// The demo's light, with what it is called by.
-fn key(loaded: &Loaded) -> Light {
+fn key(loaded: &LoadedScene) -> Light {
     loaded.contents.lights[0].light().clone()
 }
 
@@ -58,8 +60,8 @@ fn varied(light: &Light) -> Vec<(&'static str, Light)> {
         ("no shadow", with().with(SHADOW_ENABLE, false)),
         ("scattered", with().with(SPECULAR, 0.0)),
         ("mirrored", with().with(DIFFUSE, 0.0)),
-        ("path", with().with(DIRECTION, Direction::Path)),
-        ("up", with().with(FRAME, Frame::Up)),
+        ("path", with().with(DIRECTION, DirectionMode::Path)),
+        ("up", with().with(FRAME, FrameMode::Up)),
         ("lights some", with().with(LIGHT_LINK, without(&["orange vase", "autumn leaves"]))),
         ("shadows of some", with().with(SHADOW_LINK, without(&["blue vase", "lantern"]))),
     ]
@@ -69,12 +71,12 @@ fn varied(light: &Light) -> Vec<(&'static str, Light)> {
 fn a_bent_light_looks_the_same() {
     for (name, _) in assets::DEMO_NAMES {
         let loaded = demo(name);
-        let (looked, light) = (Looked::at(&loaded), key(&loaded));
+        let (looked, light) = (ViewedScene::at(&loaded), key(&loaded));
         assert_the_same(name, &looked, &light);
         for (what, varied) in varied(&light) {
             assert_the_same(&format!("{name}, {what}"), &looked, &varied);
             // The planted fault: the parameter is dropped.
-            let changed = told_apart(&looked, &light, &varied);
+            let changed = differing_pixels(&looked, &light, &varied);
             assert!(changed > 100, "{name}, {what}: dropping it goes unseen but for {changed} pixels");
         }
         // One that ends in the air, and goes on from there.
@@ -84,7 +86,7 @@ fn a_bent_light_looks_the_same() {
         );
         let extended = ended.clone().with(END_MODE, EndMode::Extend);
         assert_the_same(&format!("{name}, extended"), &looked, &extended);
-        assert!(told_apart(&looked, &ended, &extended) > 100, "{name}: it goes on nowhere");
+        assert!(differing_pixels(&looked, &ended, &extended) > 100, "{name}: it goes on nowhere");
         // The planted fault: a light that stands a hand's breadth aside.
         let aside = light.clone().with(TRANSLATION, light.get(TRANSLATION) + DVec3::X * 0.05);
         let found = compared(&looked, &light, &aside);
@@ -99,7 +101,7 @@ fn shadows_are_filtered_alike() {
     for filter in ShadowFilter::ALL {
         for resolution in [64, 300, 512, 2048] {
             let shadows = ShadowSettings { filter, resolution, ..ShadowSettings::default() };
-            let looked = Looked { shadows, ..Looked::at(&loaded) };
+            let looked = ViewedScene { shadows, ..ViewedScene::at(&loaded) };
             assert_the_same(&format!("{filter:?} {resolution}"), &looked, &light);
         }
     }
@@ -109,11 +111,11 @@ fn shadows_are_filtered_alike() {
 #[test]
 fn any_number_of_segments_looks_the_same() {
     let loaded = demo("vases");
-    let looked = Looked::at(&loaded);
+    let looked = ViewedScene::at(&loaded);
     let spot = light::straighten(&key(&loaded)).expect("the demo's light can be");
     for segments in [1, 2, 4, 6, 8] {
-        let light = light::bend_to(&spot, segments, 6.0).expect("it can be bent");
-        let bowed = light.with_points(|index, point| {
+        let light = light::bend_with_length(&spot, segments, 6.0).expect("it can be bent");
+        let bowed = light.map_points(|index, point| {
             point.position.x += 0.1 * (index * (segments + 1 - index)) as f64 / 4.0;
         });
         assert_the_same(&format!("{segments} segments"), &looked, &bowed);
@@ -143,6 +145,6 @@ fn shared_assets_look_the_same() {
         [("bench.glb", 1.0), ("vases_bowl.glb", 1.5), ("bedroom.glb", 1.0), ("outdoor.glb", 3.5)]
     {
         let loaded = assets::load(&scenes_folder().join(file)).expect("the scene is sound");
-        assert_the_same(file, &Looked::at(&loaded), &bent(size));
+        assert_the_same(file, &ViewedScene::at(&loaded), &bent(size));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use assets::Loaded;
+use assets::LoadedScene;
 use light::{Light, LightInstance};
 use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
@@ -13,15 +13,15 @@ pub const SIZE: [u32; 2] = [343, 191];
 const BESIDE: usize = 2;
 
 /// One renderer a way, and the scene that both have.
-struct Both {
+struct BothRenderers {
     wgpu: Renderer,
     native: Renderer,
     scene: Option<Arc<PosedScene>>,
 }
 
-static BOTH: LazyLock<Mutex<Both>> = LazyLock::new(|| {
+static BOTH: LazyLock<Mutex<BothRenderers>> = LazyLock::new(|| {
     let [wgpu, native] = [Backend::Wgpu, Backend::Native].map(renderer_of);
-    Mutex::new(Both { wgpu, native, scene: None })
+    Mutex::new(BothRenderers { wgpu, native, scene: None })
 });
 
 /// A renderer on a device of its own whose lights `backend` draws.
@@ -36,30 +36,30 @@ pub fn instances(light: &Light) -> Vec<LightInstance> {
 }
 
 /// The demo of that name.
-pub fn demo(name: &str) -> Loaded {
+pub fn demo(name: &str) -> LoadedScene {
     assets::demo(name).expect("it is one of the demos")
 }
 
 /// Where and how a comparison looks.
 #[derive(Clone)]
-pub struct Looked {
+pub struct ViewedScene {
     pub scene: Arc<PosedScene>,
     pub view: View,
     pub shadows: ShadowSettings,
 }
 
-impl Looked {
+impl ViewedScene {
     /// At a scene by its own camera.
-    pub fn at(loaded: &Loaded) -> Self {
+    pub fn at(loaded: &LoadedScene) -> Self {
         let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
         Self { scene: scene::pose(loaded.scene.clone()), view, shadows: ShadowSettings::default() }
     }
 
     /// Does `work` with both renderers, which have the scene and the settings.
-    fn with<T>(&self, work: impl FnOnce(&mut Both) -> T) -> T {
+    fn with<T>(&self, work: impl FnOnce(&mut BothRenderers) -> T) -> T {
         let mut both = BOTH.lock().unwrap_or_else(PoisonError::into_inner);
         let is_other = both.scene.take().is_none_or(|scene| !Arc::ptr_eq(&scene, &self.scene));
-        let Both { wgpu, native, .. } = &mut *both;
+        let BothRenderers { wgpu, native, .. } = &mut *both;
         for renderer in [wgpu, native] {
             renderer.set_shadow_settings(self.shadows).expect("they are sound");
             if is_other {
@@ -124,7 +124,7 @@ impl Compared {
 
 /// Compares `native` as the processor shows it with `wgpu` as the device does, which but for planted faults is the
 /// same.
-pub fn compared(looked: &Looked, wgpu: &Light, native: &Light) -> Compared {
+pub fn compared(looked: &ViewedScene, wgpu: &Light, native: &Light) -> Compared {
     let (of_processor, dark, of_device, edges) = looked.with(|both| {
         let of_processor = looked.shown(&mut both.native, &instances(native));
         let dark = looked.shown(&mut both.wgpu, &[]);
@@ -146,7 +146,7 @@ pub fn compared(looked: &Looked, wgpu: &Light, native: &Light) -> Compared {
 }
 
 /// Holds both pictures of a light to each other.
-pub fn assert_the_same(name: &str, looked: &Looked, light: &Light) {
+pub fn assert_the_same(name: &str, looked: &ViewedScene, light: &Light) {
     let compared = compared(looked, light, light);
     println!("{name}: {compared:?}");
     assert_eq!(compared.fault(), None, "{name}: {compared:?}");
@@ -154,7 +154,7 @@ pub fn assert_the_same(name: &str, looked: &Looked, light: &Light) {
 
 /// How many pixels change by more than 1 of 255 on the device where it draws `light` in place of `other`: whether what they
 /// differ by is in the picture at all.
-pub fn told_apart(looked: &Looked, light: &Light, other: &Light) -> usize {
+pub fn differing_pixels(looked: &ViewedScene, light: &Light, other: &Light) -> usize {
     let [a, b] =
         looked.with(|both| [light, other].map(|light| looked.shown(&mut both.wgpu, &instances(light))));
     let pixels = a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0);

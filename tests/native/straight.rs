@@ -13,16 +13,16 @@ use light::{CrossSection, Decay, Light, Links, PeriodicCurve, ProfileCurve};
 use render::{Culling, ShadowFilter, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
-use super::both::{Looked, SIZE, assert_the_same, compared, demo, told_apart};
+use super::both::{SIZE, ViewedScene, assert_the_same, compared, demo, differing_pixels};
 use super::boxes::{looking, room, view};
 
 /// The room of boxes, the same one each time.
-fn in_room() -> Looked {
+fn in_room() -> ViewedScene {
     static ROOM: LazyLock<Arc<PosedScene>> = LazyLock::new(|| scene::pose(room()));
     let eye = DVec3::new(1.2, 3.6, 4.4);
     let view = view(eye, DVec3::new(-0.3, 0.7, -0.8));
     let view = View { aov: Aov::Beauty, width: SIZE[0], height: SIZE[1], ..view };
-    Looked { scene: Arc::clone(&ROOM), view, shadows: ShadowSettings::default() }
+    ViewedScene { scene: Arc::clone(&ROOM), view, shadows: ShadowSettings::default() }
 }
 
 fn lamp(degrees: f64) -> Light {
@@ -80,7 +80,7 @@ fn every_filter_and_all_that_is_left_out_or_not_shows_what_the_device_shows() {
         ("coarse", ShadowSettings { resolution: 256, ..default }),
     ];
     for (setting, shadows) in settings {
-        let looked = Looked { shadows, ..in_room() };
+        let looked = ViewedScene { shadows, ..in_room() };
         for (name, light) in shapes() {
             assert_the_same(&format!("{name}, {setting}"), &looked, &light);
         }
@@ -89,7 +89,7 @@ fn every_filter_and_all_that_is_left_out_or_not_shows_what_the_device_shows() {
 
 #[test]
 fn casters_with_holes_throw_the_devices_shadows() {
-    let looked = Looked::at(&demo("arbor"));
+    let looked = ViewedScene::at(&demo("arbor"));
     let at = DVec3::new(-1.2, 3.0, 1.6);
     let turned = looking(at, DVec3::new(0.0, 0.3, 0.0), DVec3::Y);
     let spot = Light::spot().with(TRANSLATION, at).with(ROTATION, turned).with(INTENSITY, 30.0);
@@ -108,7 +108,7 @@ fn casters_with_holes_throw_the_devices_shadows() {
 #[test]
 fn links_leave_what_they_leave_on_the_device() {
     for name in ["vases", "arbor"] {
-        let looked = Looked::at(&demo(name));
+        let looked = ViewedScene::at(&demo(name));
         let named = |node: &scene::Node| !node.name.is_empty() && node.mesh.is_some();
         let names: Vec<_> = looked.scene.scene.nodes.iter().filter(|node| named(node)).collect();
         let last = &names.last().expect("a node with a name").name;
@@ -124,7 +124,7 @@ fn links_leave_what_they_leave_on_the_device() {
             ] {
                 assert_the_same(&format!("{name} without {last}"), &looked, &linked);
                 // The planted fault: links that name nothing.
-                let changed = told_apart(&looked, &light, &linked);
+                let changed = differing_pixels(&looked, &light, &linked);
                 assert!(changed > 100, "{name}: {last} is left out of {changed} pixels");
             }
         }
@@ -135,7 +135,7 @@ fn links_leave_what_they_leave_on_the_device() {
 fn does_what_it_does(what: &str, plain: &Light, light: &Light) {
     let looked = in_room();
     assert_the_same(what, &looked, light);
-    let changed = told_apart(&looked, plain, light);
+    let changed = differing_pixels(&looked, plain, light);
     assert!(changed > 100, "{what}: dropping it goes unseen but for {changed} pixels");
 }
 

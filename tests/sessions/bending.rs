@@ -1,6 +1,6 @@
 //! A light that is bent in place, seen in pixels and in the log.
 
-use light::Owner;
+use light::ParameterOwner;
 use light::parameters::RANGE;
 use protocol::{Action, ClientMessage, Command, GestureStatus, Record, Scope};
 
@@ -12,7 +12,7 @@ fn apart(a: &[u8], b: &[u8]) -> usize {
     a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 1).count()
 }
 
-fn owner(mirror: &Mirror, light: u64) -> Owner {
+fn owner(mirror: &Mirror, light: u64) -> ParameterOwner {
     mirror.document.lights()[&light::LightId(light)].light.light().owner()
 }
 
@@ -30,7 +30,7 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     ada.edited(Command::StraightenLight { light });
     let endless = Command::SetLight { light, parameter: RANGE.to(None).into() };
     let straightened = ada.edited(endless).seq().expect("committed");
-    assert_eq!(owner(&ada, light), Owner::Spot);
+    assert_eq!(owner(&ada, light), ParameterOwner::Spot);
     let straight = ada.settled(straightened);
     let visibly = apart(&curved, &straight);
     assert!(visibly > 300, "a straight light looks other than the curved one: {visibly} values");
@@ -64,7 +64,7 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     };
     undo(&mut ada);
     let undone = undo(&mut ada);
-    assert_eq!(owner(&ada, light), Owner::Spot);
+    assert_eq!(owner(&ada, light), ParameterOwner::Spot);
     assert!(ada.settled(undone) == straight, "the same pixels");
 }
 

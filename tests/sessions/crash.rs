@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use bench::{Address, Client, Incoming};
+use bench::{Client, Incoming, ServerAddress};
 use protocol::{ClientMessage, LogLine, LogReader, ServerMessage};
 
 use crate::program::program;
@@ -22,7 +22,7 @@ const UNDER_WAY: usize = 4;
 
 /// What the clients were told, and where the server is now.
 struct Shared {
-    address: Mutex<Address>,
+    address: Mutex<ServerAddress>,
     /// Sequence of each acknowledged operation.
     acknowledged: Mutex<BTreeMap<String, u64>>,
     next_edit: AtomicU64,

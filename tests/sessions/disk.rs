@@ -61,7 +61,7 @@ fn unknown_edit(ada: &mut Mirror, light: u64) -> (String, Problem) {
 /// Rules: SOCK-4, REC-4
 #[test]
 #[ignore = "needs strace"]
-fn an_outcome_that_is_not_known_is_said_to_be_so_and_settled_by_sending_it_again() {
+fn an_unknown_outcome_is_settled_by_resending() {
     let mut server = Server::start();
     let mut ada = server.connect("ada");
     let light = ada.light();

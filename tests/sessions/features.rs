@@ -116,7 +116,7 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
 ///
 /// Rules: GEST-7, GEST-1
 #[test]
-fn updates_that_are_outrun_are_passed_over() {
+fn superseded_updates_are_skipped() {
     let server = Server::start();
     let mut ada = server.connect("ada");
     begin(&mut ada);

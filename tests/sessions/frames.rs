@@ -30,7 +30,7 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
     ada.open_view();
     let (first, _) = frame(&mut ada, |_| true);
     assert_eq!((first.codec, first.log_seq, first.camera_revision), (Codec::Jpeg, ada.seq, 1));
-    let (settled, _) = frame(&mut ada, |header| header.flags.settle);
+    let (settled, _) = frame(&mut ada, |header| header.flags.is_settled);
     assert_eq!((settled.codec, settled.log_seq), (Codec::Png, ada.seq));
 
     let light = ada.light();
@@ -38,7 +38,7 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
     let seq = result.seq().expect("committed");
     let (moving, _) = frame(&mut ada, |header| header.log_seq == seq);
     assert_eq!(moving.codec, Codec::Jpeg);
-    let (settled, _) = frame(&mut ada, |header| header.flags.settle);
+    let (settled, _) = frame(&mut ada, |header| header.flags.is_settled);
     assert_eq!((settled.codec, settled.log_seq, settled.width, settled.height), (Codec::Png, seq, 160, 90));
 
     // At rest, and through a change that no picture shows, nothing is drawn, nothing encoded, nothing sent.
@@ -53,7 +53,7 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
 
     // The comparison sees work where there is some.
     ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, -0.3, 0.0])));
-    frame(&mut ada, |header| header.flags.settle);
+    frame(&mut ada, |header| header.flags.is_settled);
     assert!(work(&server)[0] > at_rest[0] && work(&server)[1] > at_rest[1]);
 }
 
@@ -64,7 +64,7 @@ fn idle_for() -> Duration {
 }
 
 /// `position`, to one side at even steps and back at odd ones.
-fn sway(position: Vec3, step: u32) -> Vec3 {
+fn oscillate(position: Vec3, step: u32) -> Vec3 {
     moved(position, [0.0, if step.is_multiple_of(2) { 0.1 } else { -0.1 }, 0.0])
 }
 
@@ -93,7 +93,7 @@ fn no_more_than_three_frames_are_under_way() {
     let mut edits = 0;
     let mut edit_and_read = |ada: &mut Mirror, frames: &mut Vec<FrameHeader>| {
         edits += 1;
-        ben.edited(move_point(light, 2, sway(ben.point(2), edits)));
+        ben.edited(move_point(light, 2, oscillate(ben.point(2), edits)));
         frames.extend(unacknowledged(ada));
     };
     while frames.len() < 3 {
@@ -126,7 +126,7 @@ fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
     let mut fast = server.connect("fast");
     silent.open_view();
     fast.open_view();
-    frame(&mut fast, |header| header.flags.settle);
+    frame(&mut fast, |header| header.flags.is_settled);
     let light = fast.light();
     // From here on `silent` neither reads nor acknowledges: one frame was on its way to it.
     let before = work(&server);
@@ -134,7 +134,8 @@ fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
     let until = Instant::now() + Duration::from_secs(3);
     while Instant::now() < until {
         shown += 1;
-        let seq = fast.edited(move_point(light, 2, sway(fast.point(2), shown))).seq().expect("committed");
+        let seq =
+            fast.edited(move_point(light, 2, oscillate(fast.point(2), shown))).seq().expect("committed");
         frame(&mut fast, |header| header.log_seq == seq);
     }
     // Every edit of the fast client came back as its own frame; a window that waited for the silent one would have
@@ -157,11 +158,11 @@ fn followers_share_one_render_and_one_encoding() {
     let server = Server::start();
     let mut ada = server.connect("ada");
     ada.open_view();
-    frame(&mut ada, |header| header.flags.settle);
+    frame(&mut ada, |header| header.flags.is_settled);
     let mut followers = [server.connect("ben"), server.connect("cyd")];
     for follower in &mut followers {
         follower.follow(&ada);
-        let (header, _) = frame(follower, |header| header.flags.settle);
+        let (header, _) = frame(follower, |header| header.flags.is_settled);
         assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
     }
     // Nothing is under way any more; from here on count.
@@ -169,7 +170,7 @@ fn followers_share_one_render_and_one_encoding() {
     let light = ada.light();
     let seq =
         ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, 0.3, 0.0]))).seq().expect("committed");
-    let lossless = |header: &FrameHeader| header.flags.settle && header.log_seq == seq;
+    let lossless = |header: &FrameHeader| header.flags.is_settled && header.log_seq == seq;
     let (_, hers) = frame(&mut ada, lossless);
     for follower in &mut followers {
         let (_, theirs) = frame(follower, lossless);
@@ -191,11 +192,11 @@ fn who_leaves_a_view_of_their_own_sees_the_followed_one() {
     let server = Server::start();
     let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
     ada.open_view_of([320, 200], None);
-    frame(&mut ada, |header| header.flags.settle);
+    frame(&mut ada, |header| header.flags.is_settled);
     ben.open_view();
-    frame(&mut ben, |header| header.flags.settle);
+    frame(&mut ben, |header| header.flags.is_settled);
     ben.follow(&ada);
-    let (header, _) = frame(&mut ben, |header| header.flags.settle && header.view_width == 320);
+    let (header, _) = frame(&mut ben, |header| header.flags.is_settled && header.view_width == 320);
     assert_eq!((header.width, header.height), (320, 200));
 }
 
@@ -209,7 +210,7 @@ fn moving_ones_view_is_no_edit() {
     let mut camera = ada.client.welcome.camera.clone();
     camera.translation = moved(camera.translation, [0.3, 0.0, 0.0]);
     ada.send(&ClientMessage::SetCamera { camera, camera_revision: 7 });
-    let (header, payload) = frame(&mut ada, |header| header.flags.settle && header.camera_revision == 7);
+    let (header, payload) = frame(&mut ada, |header| header.flags.is_settled && header.camera_revision == 7);
     assert_eq!(header.log_seq, ada.seq);
     assert_ne!(frame_pixels(&header, &payload), before);
     assert_eq!(server.state().0, ada.seq);
@@ -222,7 +223,7 @@ fn moving_ones_view_is_no_edit() {
 ///
 /// Rules: SOCK-7, SOCK-12, FRAME-1
 #[test]
-fn what_is_a_viewers_own_is_seen_by_nobody_else() {
+fn view_settings_are_private() {
     let server = Server::start();
     let [mut ada, mut ben] = ["ada", "ben"].map(|name| server.connect(name));
     let spot = Command::AddLight { light: lamp() };
@@ -238,7 +239,7 @@ fn what_is_a_viewers_own_is_seen_by_nobody_else() {
         let settings = ViewSettings { exposure, solo: solo.to_vec() };
         ada.send(&ClientMessage::SetView { settings, stats: None, camera_revision: revision });
         let (header, payload) =
-            frame(ada, |header| header.flags.settle && header.camera_revision == revision);
+            frame(ada, |header| header.flags.is_settled && header.camera_revision == revision);
         frame_pixels(&header, &payload)
     };
     let sum = |picture: &[u8]| picture.iter().map(|byte| u64::from(*byte)).sum::<u64>();
@@ -257,7 +258,7 @@ fn what_is_a_viewers_own_is_seen_by_nobody_else() {
     seen_with(&mut ada, 0.0, &[key]);
     ben.follow(&ada);
     let (header, followed) =
-        frame(&mut ben, |header| header.flags.settle && header.camera_revision == revision);
+        frame(&mut ben, |header| header.flags.is_settled && header.camera_revision == revision);
     assert!(frame_pixels(&header, &followed) == alone && bens == both);
     // The light goes, and with it being alone.
     let gone = ada.edited(Command::RemoveLight { light: key }).seq().expect("committed");
@@ -285,7 +286,7 @@ fn dragged(
 ) -> (Vec<FrameHeader>, FrameHeader) {
     let mut ada = server.connect("ada");
     ada.open_view_of([1280, 720], interaction);
-    frame(&mut ada, |header| header.flags.settle);
+    frame(&mut ada, |header| header.flags.is_settled);
     let (light, start, base_seq) = (ada.light(), ada.point(2), ada.seq);
     let gesture = "drag".to_owned();
     ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq });
@@ -294,12 +295,12 @@ fn dragged(
         if Instant::now() >= until {
             break;
         }
-        let command = move_point(light, 2, sway(start, update as u32));
+        let command = move_point(light, 2, oscillate(start, update as u32));
         ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        frames.push(frame(&mut ada, |header| !header.flags.settle).0);
+        frames.push(frame(&mut ada, |header| !header.flags.is_settled).0);
     }
     ada.send(&ClientMessage::GestureCancel { gesture });
-    (frames, frame(&mut ada, |header| header.flags.settle).0)
+    (frames, frame(&mut ada, |header| header.flags.is_settled).0)
 }
 
 /// What a frame has of what its view has, as the client can tell.

@@ -99,7 +99,7 @@ fn a_fold_leaves_the_last_valid_state() {
 ///
 /// Rules: CMD-14, GEST-1, REC-2
 #[test]
-fn a_control_point_glides_along_the_wall() {
+fn a_control_point_slides_along_the_wall() {
     let server = Server::start();
     let (mut ada, mut ben) = (server.connect("ada"), server.connect("ben"));
     let (light, seq, start) = (ada.light(), ada.seq, ada.point(2));

@@ -16,7 +16,7 @@ const UPDATE_EVERY: Duration = Duration::from_micros(16_667);
 fn open(mirror: &mut Mirror, size: [u32; 2]) {
     mirror.open_view_of(size, None);
     mirror.receive_until("a lossless frame", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
     });
 }
 
@@ -66,7 +66,7 @@ fn median(values: impl Iterator<Item = u32>) -> u32 {
 ///
 /// Rules: FRAME-2, FRAME-11
 #[test]
-fn a_hand_comes_before_those_who_watch_and_nothing_stale_is_begun() {
+fn interactive_views_come_first_and_stale_pictures_are_not_begun() {
     let server = Server::start();
     let mut people = ["ada", "ben", "cyd", "dan"].map(|name| server.connect(name));
     for person in &mut people {

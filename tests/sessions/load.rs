@@ -17,7 +17,7 @@ use crate::support::{Mirror, Server};
 /// Rules: HTTP-8
 #[test]
 fn a_drag_goes_on_beside_eight_stills() {
-    let options = stills::Options {
+    let options = stills::StillsBenchOptions {
         view: [320, 180],
         drag: Duration::from_secs(5),
         stills: 8,

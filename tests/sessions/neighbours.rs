@@ -180,7 +180,7 @@ fn seconds_of_pings(client: &mut Client, count: u32) -> f64 {
 ///
 /// Rules: HTTP-28
 #[test]
-fn who_sends_much_is_read_later_while_a_hand_moves_a_view() {
+fn busy_senders_are_throttled_while_another_client_interacts() {
     let server = Server::start();
     let mut ada = server.connect("ada");
     ada.open_view_of([160, 90], None);

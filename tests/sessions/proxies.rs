@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use bench::{Address, Client, ServerProcess};
+use bench::{Client, ServerAddress, ServerProcess};
 
 use crate::program::program;
 
@@ -23,7 +23,7 @@ const IDLE: Duration = Duration::from_secs(65);
 /// A proxy in a folder of its own; killed when it is dropped.
 struct Proxy {
     process: Child,
-    address: Address,
+    address: ServerAddress,
     _folder: tempfile::TempDir,
 }
 
@@ -46,7 +46,8 @@ impl Proxy {
         let file = folder.path().join("proxy.conf");
         fs::write(&file, configure(&server.address.host, port, folder.path())).expect("a file");
         let process = command(&file).stdin(Stdio::null()).spawn().expect("`make test-packages` installs it");
-        let address = Address { host: format!("127.0.0.1:{port}"), token: server.address.token.clone() };
+        let address =
+            ServerAddress { host: format!("127.0.0.1:{port}"), token: server.address.token.clone() };
         let proxy = Self { process, address, _folder: folder };
         let until = Instant::now() + Duration::from_secs(20);
         while TcpStream::connect(&proxy.address.host).is_err() {

@@ -1,6 +1,6 @@
 //! Coming back: with the records that were missed, or with the whole document.
 
-use bench::{Client, Known};
+use bench::{Client, KnownHistory};
 use protocol::State;
 
 use crate::support::{Server, rename};
@@ -11,7 +11,7 @@ fn a_client_that_comes_back_gets_what_it_missed() {
     let server = Server::start();
     let (ada, mut ben) = (server.connect("ada"), server.connect("ben"));
     let light = ben.light();
-    let known = Known { epoch: ada.client.welcome.epoch.clone(), last_seq: ada.seq };
+    let known = KnownHistory { epoch: ada.client.welcome.epoch.clone(), last_seq: ada.seq };
     let mut document = ada.document.clone();
     drop(ada);
     for step in 0..5 {
@@ -31,11 +31,11 @@ fn a_client_that_comes_back_gets_what_it_missed() {
     assert_eq!(document.hash().to_string(), back.welcome.hash);
 
     // Another history's numbers mean nothing here.
-    let other = Known { epoch: "another".into(), ..known };
+    let other = KnownHistory { epoch: "another".into(), ..known };
     let back = Client::connect(&server.process.address, "main", "ada", Some(other)).expect("welcome");
     assert!(matches!(back.welcome.state, State::Snapshot(_)));
     // Nor do numbers from the future.
-    let future = Known { epoch: back.welcome.epoch.clone(), last_seq: 1_000_000 };
+    let future = KnownHistory { epoch: back.welcome.epoch.clone(), last_seq: 1_000_000 };
     let back = Client::connect(&server.process.address, "main", "ada", Some(future)).expect("welcome");
     assert!(matches!(back.welcome.state, State::Snapshot(_)));
 }

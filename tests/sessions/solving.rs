@@ -6,7 +6,7 @@ use std::process::Command as Program;
 use std::thread;
 use std::time::Duration;
 
-use bench::Address;
+use bench::ServerAddress;
 use protocol::{
     Action, ClientMessage, Command, DragKind, DragRadii, EditResults, ErrorCode, GestureStatus, Record,
     Scope, ServerMessage, parse_body,
@@ -283,7 +283,7 @@ fn what_nobody_waits_for_is_not_solved() {
     drop(ada);
     let left = edits_until_none_is_under_way(&server, &mut ben);
     let ended = |path: &str, body: Value| {
-        let Address { host, token } = &server.process.address;
+        let ServerAddress { host, token } = &server.process.address;
         let mut stream = TcpStream::connect(host).expect("connected");
         let body = body.to_string();
         let head = format!(
@@ -312,7 +312,7 @@ fn what_nobody_waits_for_is_not_solved() {
 ///
 /// Rules: GEST-8
 #[test]
-fn a_full_line_stops_nobody_else() {
+fn a_full_message_queue_blocks_only_its_client() {
     let (_server, mut ada, mut ben, drag) = two_and_a_slow_drag();
     let (light, first) = (ada.light(), ada.edit(drag));
     let last = (0..200).map(|n| ada.edit(rename(light, &format!("name {n}")))).last().expect("an edit");
@@ -347,7 +347,7 @@ fn a_drag_that_is_cancelled_is_not_waited_for() {
 ///
 /// Rules: GEST-7
 #[test]
-fn updates_that_wait_are_outrun_by_later_ones() {
+fn later_updates_supersede_waiting_ones() {
     let server = Server::start();
     let mut ada = server.connect("ada");
     let drag = slow_drag(&server, &mut ada);

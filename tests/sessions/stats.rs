@@ -31,7 +31,7 @@ fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {
 }
 
 /// The next frame whose stats are `wanted`. Each frame has its own, directly behind it.
-fn told(
+fn next_stats(
     mirror: &mut Mirror,
     mut wanted: impl FnMut(&FrameStats) -> bool,
 ) -> (FrameHeader, Tiles, FrameStats) {
@@ -57,9 +57,9 @@ fn told(
 }
 
 /// What the next moving frame came to; then waits until all is at rest.
-fn ran(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
-    let (.., stats) = told(mirror, |stats| stats.quality == FrameQuality::Moving);
-    let (.., at_rest) = told(mirror, |stats| stats.quality == FrameQuality::Settled);
+fn passes_run(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
+    let (.., stats) = next_stats(mirror, |stats| stats.quality == FrameQuality::Moving);
+    let (.., at_rest) = next_stats(mirror, |stats| stats.quality == FrameQuality::Settled);
     let draws_map = |run: &PassRun| run.pass == Pass::ShadowMap;
     assert!(!at_rest.passes.iter().any(draws_map), "maps are kept: {at_rest:?}");
     stats.passes.iter().map(|run| (run.pass, run.light, run.cause)).collect()
@@ -81,7 +81,7 @@ fn stats_name_what_an_edit_had_drawn() {
     assert!(lamp > 2 && key < lamp);
     open(&mut ada, None, true);
 
-    let (header, tiles, stats) = told(&mut ada, |_| true);
+    let (header, tiles, stats) = next_stats(&mut ada, |_| true);
     let first = |pass, light| PassRun { pass, light: Some(light), cause: Cause::First, runs: 1 };
     for light in [key, lamp] {
         assert!(stats.passes.contains(&first(Pass::ShadowMap, light)), "{stats:?}");
@@ -89,11 +89,11 @@ fn stats_name_what_an_edit_had_drawn() {
     }
     let of_header = [header.wait_us, header.render_us, header.encode_us];
     assert_eq!([stats.wait_us, stats.render_us, stats.encode_us], of_header);
-    let count = tiles.places().count();
+    let count = tiles.tiles().count();
     assert_eq!((stats.tiles as usize, stats.size, stats.shadow_map_divisor), (count, [160, 90], 1));
     assert_eq!(stats.bytes as usize, tiles.byte_count() + count * HEADER_BYTES);
-    let (_, tiles, stats) = told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
-    assert_eq!((stats.tiles as usize, stats.size), (tiles.places().count(), [160, 90]));
+    let (_, tiles, stats) = next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    assert_eq!((stats.tiles as usize, stats.size), (tiles.tiles().count(), [160, 90]));
     assert!(stats.bytes as usize > tiles.byte_count());
     let gbuffers = stats.passes.iter().filter(|run| run.pass == Pass::Gbuffer);
     assert!(gbuffers.map(|run| run.runs).sum::<u32>() >= 4, "four samples: {stats:?}");
@@ -102,16 +102,16 @@ fn stats_name_what_an_edit_had_drawn() {
     let of_light =
         |light| [(Pass::ShadowMap, Some(light), Cause::Light), (Pass::Layer, Some(light), Cause::Light)];
     ada.edit(move_point(key, 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
-    assert_eq!(ran(&mut ada), [&of_light(key)[..], &[shown]].concat());
+    assert_eq!(passes_run(&mut ada), [&of_light(key)[..], &[shown]].concat());
     ada.edit(Command::PlaceLight {
         light: lamp,
         translation: Some([0.1, 3.0, 4.0]),
         rotation: None,
         scale: None,
     });
-    assert_eq!(ran(&mut ada), [&of_light(lamp)[..], &[shown]].concat());
+    assert_eq!(passes_run(&mut ada), [&of_light(lamp)[..], &[shown]].concat());
     ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(10.0).into() });
-    let runs = ran(&mut ada);
+    let runs = passes_run(&mut ada);
     assert!(
         !runs.is_empty() && runs.iter().all(|run| matches!(run.0, Pass::Sum | Pass::Display)),
         "{runs:?}"
@@ -119,7 +119,7 @@ fn stats_name_what_an_edit_had_drawn() {
     let mut camera = ada.client.welcome.camera.clone();
     camera.translation = moved(camera.translation, [0.1, 0.0, 0.0]);
     ada.send(&ClientMessage::SetCamera { camera, camera_revision: 2 });
-    let runs = ran(&mut ada);
+    let runs = passes_run(&mut ada);
     assert!(runs.contains(&(Pass::Gbuffer, None, Cause::Camera)), "{runs:?}");
     assert!(!runs.iter().any(|run| run.0 == Pass::ShadowMap), "{runs:?}");
     let layer = |light| (Pass::Layer, Some(light), Cause::Gbuffer);
@@ -128,11 +128,11 @@ fn stats_name_what_an_edit_had_drawn() {
     // The same picture once more had nothing to draw.
     let (header, ..) = {
         ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
-        told(&mut ada, |stats| stats.quality == FrameQuality::Settled)
+        next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled)
     };
     ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
-    let (again, _, stats) = told(&mut ada, |_| true);
-    assert_eq!((again.frame, again.flags.key, stats.passes), (header.frame + 1, true, Vec::new()));
+    let (again, _, stats) = next_stats(&mut ada, |_| true);
+    assert_eq!((again.frame, again.flags.is_key, stats.passes), (header.frame + 1, true, Vec::new()));
 }
 
 /// How many frames and how many stats come until all is at rest, and for half a second more.
@@ -141,7 +141,7 @@ fn counted(mirror: &mut Mirror) -> (u64, u64) {
     let mut count = |incoming: &Incoming| match incoming {
         Incoming::Frame(header, _) => {
             frames += 1;
-            header.flags.settle.then_some(())
+            header.flags.is_settled.then_some(())
         }
         Incoming::Message(message) => {
             stats += u64::from(matches!(**message, ServerMessage::Stats(_)));
@@ -176,10 +176,10 @@ fn only_who_asks_is_told() {
     assert_eq!(counts.map(|(_, stats)| stats), [0, counts[1].0, 0]);
 
     ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(true), camera_revision: 2 });
-    told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
     // Left out, it stays as it is.
     ada.send(&ClientMessage::SetView { settings: settings(), stats: None, camera_revision: 3 });
-    told(&mut ada, |stats| stats.quality == FrameQuality::Settled);
+    next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
     ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(false), camera_revision: 4 });
     let (frames, stats) = counted(&mut ada);
     assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
@@ -203,7 +203,7 @@ fn who_does_not_read_has_no_more_stats_than_frames() {
     open(&mut slow, None, true);
     open(&mut fast, None, false);
     // From its first frame on `slow` neither reads nor acknowledges.
-    told(&mut slow, |_| true);
+    next_stats(&mut slow, |_| true);
     let (light, start) = (fast.light(), fast.point(2));
     let until = Instant::now() + Duration::from_secs(5);
     for step in 0.. {

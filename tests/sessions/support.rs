@@ -160,7 +160,7 @@ impl Mirror {
         let Self { client, document, seq, .. } = self;
         let found = client.wait_for(what, |incoming| {
             if let Incoming::Message(message) = &incoming {
-                hear(message, document, seq);
+                apply_message(message, document, seq);
             }
             wanted(&incoming)
         });
@@ -202,7 +202,7 @@ impl Mirror {
     /// The pixels of the next lossless frame that shows record `log_seq`.
     pub fn settled(&mut self, log_seq: u64) -> Vec<u8> {
         let (header, payload) = self.receive_until("a lossless frame", |incoming| match incoming {
-            Incoming::Frame(header, payload) if header.flags.settle && header.log_seq >= log_seq => {
+            Incoming::Frame(header, payload) if header.flags.is_settled && header.log_seq >= log_seq => {
                 Some((*header, payload.clone()))
             }
             _ => None,
@@ -220,7 +220,7 @@ pub fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bo
 }
 
 /// Follows the session's history by one message.
-fn hear(message: &ServerMessage, document: &mut document::Document, seq: &mut u64) {
+fn apply_message(message: &ServerMessage, document: &mut document::Document, seq: &mut u64) {
     let hash = match message {
         ServerMessage::Log { record, hash, .. } => {
             assert_eq!(record.seq, *seq + 1, "records come in order, without gaps");

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use bench::{Incoming, Tiles};
 use image::RgbImage;
 use protocol::{ClientMessage, Command, Interaction, Reduction};
-use stream::{FrameHeader, Tile};
+use stream::{FrameHeader, FrameTile};
 
 use crate::support::{Mirror, Server, committed, move_point, moved};
 
@@ -15,7 +15,7 @@ const SIZE: [u16; 2] = [640, 360];
 fn open(mirror: &mut Mirror) -> (FrameHeader, Tiles) {
     let full = Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full };
     mirror.open_view_of(SIZE.map(u32::from), Some(full));
-    settled(mirror, 1)
+    settled_frame(mirror, 1)
 }
 
 fn next(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (FrameHeader, Tiles) {
@@ -25,12 +25,12 @@ fn next(mirror: &mut Mirror, mut wanted: impl FnMut(&FrameHeader) -> bool) -> (F
     })
 }
 
-fn settled(mirror: &mut Mirror, seq: u64) -> (FrameHeader, Tiles) {
-    next(mirror, |header| header.flags.settle && header.log_seq >= seq)
+fn settled_frame(mirror: &mut Mirror, seq: u64) -> (FrameHeader, Tiles) {
+    next(mirror, |header| header.flags.is_settled && header.log_seq >= seq)
 }
 
 fn area(tiles: &Tiles) -> u32 {
-    tiles.places().map(|tile| u32::from(tile.width) * u32::from(tile.height)).sum()
+    tiles.tiles().map(|tile| u32::from(tile.width) * u32::from(tile.height)).sum()
 }
 
 const ALL: u32 = SIZE[0] as u32 * SIZE[1] as u32;
@@ -55,10 +55,10 @@ fn what_changes_little_is_little_to_send() {
     let mut ada = server.connect("ada");
     let lamp = add_lamp(&mut ada);
     let (header, tiles) = open(&mut ada);
-    assert!(tiles.places().count() > 1 && area(&tiles) == ALL, "bands");
+    assert!(tiles.tiles().count() > 1 && area(&tiles) == ALL, "bands");
     let mut canvas = RgbImage::new(SIZE[0].into(), SIZE[1].into());
     tiles.draw_on(&mut canvas).expect("pictures");
-    assert!(header.flags.last_tile && !header.flags.key);
+    assert!(header.flags.is_last_tile && !header.flags.is_key);
 
     let (base_seq, gesture) = (ada.seq, "dim".to_owned());
     ada.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light: lamp, base_seq });
@@ -67,7 +67,7 @@ fn what_changes_little_is_little_to_send() {
         let parameter = light::parameters::EXPOSURE.to(-(update as f64) / 4.0).into();
         let command = Command::SetLight { light: lamp, parameter };
         ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        let (_, tiles) = next(&mut ada, |header| !header.flags.settle);
+        let (_, tiles) = next(&mut ada, |header| !header.flags.is_settled);
         tiles.draw_on(&mut canvas).expect("pictures");
         parts.push(area(&tiles));
     }
@@ -78,9 +78,9 @@ fn what_changes_little_is_little_to_send() {
     let mut late = server.connect("late");
     late.follow(&ada);
     let (first, tiles) = next(&mut late, |_| true);
-    assert_eq!((area(&tiles), first.flags.key), (ALL, true), "who comes late is sent the whole");
+    assert_eq!((area(&tiles), first.flags.is_key), (ALL, true), "who comes late is sent the whole");
     ada.send(&ClientMessage::GestureCommit { gesture, op_id: "dimmed".into() });
-    let (_, lossless) = settled(&mut ada, base_seq + 1);
+    let (_, lossless) = settled_frame(&mut ada, base_seq + 1);
     let mut truth = canvas.clone();
     lossless.draw_on(&mut truth).expect("pictures");
     let wrong = canvas.pixels().zip(truth.pixels()).filter(|(a, b)| {
@@ -91,7 +91,7 @@ fn what_changes_little_is_little_to_send() {
     assert!(wrong < ALL as usize / 200, "{wrong} pixels are others");
     // The comparison sees a tile that never came.
     let mut torn = truth.clone();
-    let tile = Tile { x: 256, y: 128, width: 64, height: 64 };
+    let tile = FrameTile { x: 256, y: 128, width: 64, height: 64 };
     for (x, y) in (tile.y..tile.y + 64).flat_map(|y| (tile.x..tile.x + 64).map(move |x| (x, y))) {
         torn.get_pixel_mut(x.into(), y.into()).0 = [255, 0, 255];
     }
@@ -117,27 +117,29 @@ fn who_asks_for_a_key_frame_is_sent_the_whole() {
             parameter: light::parameters::EXPOSURE.to(-(update as f64) / 4.0).into(),
         };
         ada.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update, command });
-        next(ada, |header| !header.flags.settle)
+        next(ada, |header| !header.flags.is_settled)
     };
     let mut torn = 0;
     for update in 1..=4 {
         let (header, tiles) = dim(&mut ada, update);
-        assert!(update == 1 || area(&tiles) < ALL && !header.flags.key, "a part");
+        assert!(update == 1 || area(&tiles) < ALL && !header.flags.is_key, "a part");
         torn = header.frame;
     }
     ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
-    let (whole, tiles) = next(&mut ada, |header| header.flags.key);
+    let (whole, tiles) = next(&mut ada, |header| header.flags.is_key);
     assert!(whole.frame > torn && area(&tiles) == ALL);
     // It is of what came before.
     ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
     let (header, tiles) = dim(&mut ada, 5);
-    assert!(area(&tiles) < ALL && !header.flags.key, "parts go on");
+    assert!(area(&tiles) < ALL && !header.flags.is_key, "parts go on");
 
     ada.send(&ClientMessage::GestureCancel { gesture: gesture.clone() });
-    let (header, at_rest) = next(&mut ada, |header| header.flags.settle && header.live_revision > 5);
+    let (header, at_rest) = next(&mut ada, |header| header.flags.is_settled && header.live_revision > 5);
     ada.send(&ClientMessage::RequestKeyFrame { frame: header.frame });
     let (again, tiles) = next(&mut ada, |_| true);
-    assert!(again.frame == header.frame + 1 && again.flags.key && again.flags.settle && tiles == at_rest);
+    assert!(
+        again.frame == header.frame + 1 && again.flags.is_key && again.flags.is_settled && tiles == at_rest
+    );
     for frame in [torn, header.frame, again.frame + 1, u64::MAX] {
         ada.send(&ClientMessage::RequestKeyFrame { frame });
     }
@@ -170,12 +172,15 @@ fn an_edit_interrupts_the_lossless_frame() {
             if let Some(Incoming::Frame(header, tiles)) = ada.client.receive(left).expect("received") {
                 ada.client.ack(&header).expect("sent");
                 revisions.push(header.log_seq);
-                assert!(!header.flags.settle || area(&tiles) == ALL, "a lossless frame that ends is whole");
+                assert!(
+                    !header.flags.is_settled || area(&tiles) == ALL,
+                    "a lossless frame that ends is whole"
+                );
             }
         }
     }
     assert!(revisions.is_sorted(), "nothing of an earlier state comes after a later one: {revisions:?}");
     let seq = ada.seq;
-    let (header, tiles) = settled(&mut ada, seq);
+    let (header, tiles) = settled_frame(&mut ada, seq);
     assert_eq!((header.log_seq, area(&tiles)), (seq, ALL));
 }

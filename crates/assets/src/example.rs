@@ -22,7 +22,7 @@ pub fn example_glb() -> Vec<u8> {
     let loaded = demo("vases").expect("a demo scene");
     let key = demo_key(&loaded.contents);
     let lamp = Light::spot()
-        .placed(Transform {
+        .with_transform(Transform {
             translation: key.transform().translation,
             rotation: toward(key.transform().translation, DVec3::new(0.0, 0.3, 0.0)),
             scale: 1.0,
@@ -50,7 +50,7 @@ fn toward(from: DVec3, to: DVec3) -> DQuat {
 
 /// A scene without textures, whose nodes stand where they are drawn, with its cameras and a spotlight.
 fn glb(scene: &Scene, cameras: &[Camera], lamp: &Light) -> Vec<u8> {
-    let mut file = File::default();
+    let mut file = GlbBuilder::default();
     let meshes: Vec<Value> =
         scene.meshes.iter().map(|mesh| file.mesh(&mesh.name, &mesh.primitives)).collect();
     let materials: Vec<Value> = (scene.materials.iter())
@@ -68,18 +68,18 @@ fn glb(scene: &Scene, cameras: &[Camera], lamp: &Light) -> Vec<u8> {
     let mut nodes: Vec<Value> = (scene.nodes.iter())
         .map(|node| {
             let (_, rotation, translation) = node.parent_from_local.to_scale_rotation_translation();
-            let mut placed = placed(&node.name, translation, rotation);
+            let mut placed = node_json(&node.name, translation, rotation);
             placed["mesh"] = json!(node.mesh);
             placed
         })
         .collect();
     for (index, camera) in cameras.iter().enumerate() {
-        let mut placed = placed(&camera.name, camera.translation, camera.rotation);
+        let mut placed = node_json(&camera.name, camera.translation, camera.rotation);
         placed["camera"] = json!(index);
         nodes.push(placed);
     }
     let transform = lamp.transform();
-    let mut placed = placed(lamp.name(), transform.translation, transform.rotation);
+    let mut placed = node_json(lamp.name(), transform.translation, transform.rotation);
     placed["extensions"] = json!({"KHR_lights_punctual": {"light": 0}});
     nodes.push(placed);
     let cone = lamp.get(CONE_ANGLE).to_radians();
@@ -105,7 +105,7 @@ fn glb(scene: &Scene, cameras: &[Camera], lamp: &Light) -> Vec<u8> {
     container(document.to_string().into_bytes(), file.bytes)
 }
 
-fn placed(name: &str, translation: DVec3, rotation: DQuat) -> Value {
+fn node_json(name: &str, translation: DVec3, rotation: DQuat) -> Value {
     json!({"name": name, "translation": translation.to_array(), "rotation": rotation.to_array()})
 }
 
@@ -124,13 +124,13 @@ fn written_camera(camera: &Camera) -> Value {
 
 /// The file's binary part, and what its JSON says of it.
 #[derive(Default)]
-struct File {
+struct GlbBuilder {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
-impl File {
+impl GlbBuilder {
     fn mesh(&mut self, name: &str, primitives: &[Primitive]) -> Value {
         let primitives: Vec<Value> = (primitives.iter())
             .map(|primitive| {

@@ -5,7 +5,7 @@ use std::io;
 use scene::SceneError;
 use thiserror::Error;
 
-use crate::Limit;
+use crate::ImportLimit;
 
 /// Why a scene file was not loaded. Reads as one sentence that names the file and the fix.
 #[derive(Debug, Error)]
@@ -15,12 +15,12 @@ pub struct AssetError {
     pub file: String,
     /// What is wrong with it.
     #[source]
-    pub fault: Fault,
+    pub fault: AssetFault,
 }
 
 /// What is wrong with a scene file.
 #[derive(Debug, Error)]
-pub enum Fault {
+pub enum AssetFault {
     /// The system would not read it.
     #[error("cannot be read ({0}); check the name and that you may read it")]
     Unreadable(#[from] io::Error),
@@ -29,15 +29,15 @@ pub enum Fault {
     NotAFile,
     /// It is not what the glTF 2.0 specification says a file is.
     #[error("is not valid glTF 2.0: {0}; export or copy it again")]
-    Broken(String),
+    InvalidGltf(String),
     /// It cannot be drawn without something that this program does not know.
     #[error("{0} is required but not supported: export the scene without it")]
     RequiredExtension(String),
     /// It is larger than is safe to load.
-    #[error("{found} {} is over the limit of {}: {}", limit.what(), limit.most(), limit.fix())]
+    #[error("{found} {} is over the limit of {}: {}", limit.quantity(), limit.max_value(), limit.fix())]
     Limit {
         /// Which limit.
-        limit: Limit,
+        limit: ImportLimit,
         /// What the file has, at least.
         found: u64,
     },
@@ -64,12 +64,12 @@ pub enum Fault {
     UnknownDemo(String),
     /// The result breaks a promise of the scene document.
     #[error("does not make a sound scene: {0}; export it again")]
-    Unsound(#[from] SceneError),
+    InvalidScene(#[from] SceneError),
 }
 
-/// [`Fault::Broken`] for `why`.
-pub fn broken(why: impl Into<String>) -> Fault {
-    Fault::Broken(why.into())
+/// [`AssetFault::InvalidGltf`] for `why`.
+pub fn invalid_gltf(why: impl Into<String>) -> AssetFault {
+    AssetFault::InvalidGltf(why.into())
 }
 
 /// The beginning of a stranger's text, fit to be printed: one line, at most `most` characters.

@@ -18,13 +18,13 @@ use std::path::Path;
 pub use demo::{DEMO_NAMES, demo, demo_bytes};
 use document::SceneContents;
 pub use example::{example_glb, example_light};
-pub use fault::{AssetError, Fault};
-pub use limits::Limit;
+pub use fault::{AssetError, AssetFault};
+pub use limits::ImportLimit;
 use scene::Scene;
 
 /// A scene read from a file.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct LoadedScene {
     /// The scene; [`Scene::check`] has passed.
     pub scene: Scene,
     /// The lights and cameras that came with it.
@@ -39,16 +39,16 @@ pub struct Loaded {
 /// Reads a `.gltf` or `.glb` file and the files beside it that it refers to.
 ///
 /// Units and axes are glTF's: metres, +Y up. Animations, skins and morph targets are left at rest.
-pub fn load(path: &Path) -> Result<Loaded, AssetError> {
-    import::file(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
+pub fn load(path: &Path) -> Result<LoadedScene, AssetError> {
+    import::import_file(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
 }
 
 /// Reads a scene from bytes that hold all of it: those of [`pack`], of a `.glb` or self-contained `.gltf`
 /// file, or of [`demo_bytes`]. No file is read.
-pub fn load_bytes(bytes: &[u8]) -> Result<Loaded, AssetError> {
-    let loaded = match demo::named_by(bytes) {
+pub fn load_bytes(bytes: &[u8]) -> Result<LoadedScene, AssetError> {
+    let loaded = match demo::demo_from_bytes(bytes) {
         Some(demo) => demo,
-        None => import::bytes(bytes),
+        None => import::import_bytes(bytes),
     };
     loaded.map_err(|fault| AssetError { file: "the scene".into(), fault })
 }

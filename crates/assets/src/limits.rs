@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::Fault;
+use crate::AssetFault;
 
 /// Bytes of the scene file and of all files it refers to. Large scenes ship 100 to 300 MB; twice that is room.
 pub const MAX_BYTES_READ: u64 = 512 << 20;
@@ -33,7 +33,7 @@ pub const MAX_MESSAGE_CHARS: usize = 80;
 
 /// The closed set of limits that a file can break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Limit {
+pub enum ImportLimit {
     /// [`MAX_BYTES_READ`]
     BytesRead,
     /// [`MAX_JSON_DEPTH`]
@@ -56,9 +56,9 @@ pub enum Limit {
     Coordinate,
 }
 
-impl Limit {
+impl ImportLimit {
     /// The largest value allowed.
-    pub fn most(self) -> u64 {
+    pub fn max_value(self) -> u64 {
         match self {
             Self::BytesRead => MAX_BYTES_READ,
             Self::JsonDepth => MAX_JSON_DEPTH,
@@ -74,7 +74,7 @@ impl Limit {
     }
 
     /// What is counted.
-    pub fn what(self) -> &'static str {
+    pub fn quantity(self) -> &'static str {
         match self {
             Self::BytesRead => "bytes in the scene's files",
             Self::JsonDepth => "levels of nested JSON",
@@ -102,18 +102,18 @@ impl Limit {
     }
 
     /// Refuses `found` where it is over the limit.
-    pub fn check(self, found: u64) -> Result<(), Fault> {
-        if found > self.most() { Err(Fault::Limit { limit: self, found }) } else { Ok(()) }
+    pub fn check(self, found: u64) -> Result<(), AssetFault> {
+        if found > self.max_value() { Err(AssetFault::Limit { limit: self, found }) } else { Ok(()) }
     }
 }
 
 /// What one load has used so far.
 #[derive(Debug, Default)]
-pub struct Budget(BTreeMap<Limit, u64>);
+pub struct Budget(BTreeMap<ImportLimit, u64>);
 
 impl Budget {
-    /// Adds `amount` to what counts against `limit`; call it before taking the memory.
-    pub fn spend(&mut self, limit: Limit, amount: u64) -> Result<(), Fault> {
+    /// Adds `amount` to what counts against `most`; call it before taking the memory.
+    pub fn spend(&mut self, limit: ImportLimit, amount: u64) -> Result<(), AssetFault> {
         let spent = self.0.entry(limit).or_default();
         *spent = spent.saturating_add(amount);
         limit.check(*spent)

@@ -5,7 +5,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use assets::Fault;
+use assets::AssetFault;
 use document::SceneContents;
 use serde_json::Value;
 
@@ -46,9 +46,9 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
             }
             Err(error) => {
                 println!("{error}");
-                let incomplete =
-                    matches!(error.fault, Fault::Address { .. }) && name.ends_with("assimp-Cameras.gltf");
-                assert!(matches!(error.fault, Fault::RequiredExtension(_)) || incomplete, "{error}");
+                let incomplete = matches!(error.fault, AssetFault::Address { .. })
+                    && name.ends_with("assimp-Cameras.gltf");
+                assert!(matches!(error.fault, AssetFault::RequiredExtension(_)) || incomplete, "{error}");
                 refused.push(path.file_stem().unwrap().to_string_lossy().into_owned());
             }
         }
@@ -178,7 +178,7 @@ fn no_light_of_shared_assets_is_dropped() {
         let read = loaded.contents.lights.len();
         assert_eq!(read + left_out(&loaded.notes), there, "{name}");
         let triangles = scene::pose(loaded.scene.clone()).triangle_count();
-        let lit = loaded.lit();
+        let lit = loaded.with_default_light();
         let is_key = |note: &String| note.ends_with("default key");
         let gets_key = read == 0 && triangles > 0;
         assert_eq!(lit.contents.lights.len(), read + usize::from(gets_key), "{name}");

@@ -1,13 +1,13 @@
 //! What lights a scene: the lights of its file, all of them and as glTF has them, or a key where it has none.
 
-use assets::Loaded;
+use assets::LoadedScene;
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, ROTATION};
-use light::{Light, Profile, Reach, Shape};
+use light::{CrossFalloff, Light, LightShape, SceneBounds};
 use scene::{DEFAULT_ASPECT, framing_camera};
 
 /// A file whose mesh 0 is one triangle, 2 units wide in the plane z = 0, with more `members`.
-fn triangle(members: &str) -> Loaded {
+fn triangle(members: &str) -> LoadedScene {
     let file = format!(
         r#"{{"asset": {{"version": "2.0"}}, {members},
         "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
@@ -21,7 +21,7 @@ fn triangle(members: &str) -> Loaded {
 }
 
 /// The `extensions` of a file and of a node that has its one light.
-fn with_light(light: &str) -> Loaded {
+fn with_light(light: &str) -> LoadedScene {
     triangle(&format!(
         r#""extensions": {{"KHR_lights_punctual": {{"lights": [{light}]}}}},
         "nodes": [{{"mesh": 0, "extensions": {{"KHR_lights_punctual": {{"light": 0}}}}}}]"#
@@ -40,7 +40,7 @@ fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
         assert_eq!(spot.get(CONE_ANGLE), outer.to_degrees());
         let softness = 1.0 - inner / outer;
         let default = Light::spot().with(CONE_ANGLE, outer.to_degrees()).with(CONE_SOFTNESS, softness);
-        let (penumbra, planted) = (Profile::of(spot), Profile::of(&default));
+        let (penumbra, planted) = (CrossFalloff::of(spot), CrossFalloff::of(&default));
         let scale = 1.0 / (libm::cos(inner) - libm::cos(outer));
         let (mut most, mut most_planted) = (0.0_f64, 0.0_f64);
         for k in 0..=10_000 {
@@ -64,10 +64,10 @@ fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
 fn a_scene_without_lights_gets_a_key() {
     let file = triangle(r#""nodes": [{"mesh": 0}]"#);
     assert!(file.contents.lights.is_empty() && file.notes.is_empty(), "for who brings lights");
-    let reach = Reach::from(&file.scene);
-    let lit = file.lit();
+    let reach = SceneBounds::from(&file.scene);
+    let lit = file.with_default_light();
     let [key] = &lit.contents.lights[..] else { panic!("{:?}", lit.contents.lights) };
-    assert_eq!((key.light().shape(), key.light().name()), (&Shape::Directional, "default key"));
+    assert_eq!((key.light().shape(), key.light().name()), (&LightShape::Directional, "default key"));
     assert_eq!(lit.notes.len(), 1);
     assert!(lit.notes[0].ends_with("can be removed: default key"), "{:?}", lit.notes);
     let from_beside = |key: &Light, camera: DQuat| {
@@ -84,14 +84,14 @@ fn a_scene_without_lights_gets_a_key() {
     // The file's own camera goes before: this one looks down.
     let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]"#;
     let at = r#""camera": 0, "translation": [0, 9, 0], "rotation": [-0.7071067811865476, 0, 0, 0.7071067811865476]"#;
-    let lit = triangle(&format!(r#"{camera}, "nodes": [{{"mesh": 0}}, {{{at}}}]"#)).lit();
+    let lit = triangle(&format!(r#"{camera}, "nodes": [{{"mesh": 0}}, {{{at}}}]"#)).with_default_light();
     assert!(from_beside(lit.contents.lights[0].light(), down));
 
     // Twice is once.
-    assert_eq!(lit.clone().lit().contents.lights.len(), 1);
-    let lamp = with_light(r#"{"type": "point"}"#).lit();
-    assert_eq!((lamp.contents.lights.len(), lamp.contents.lights[0].light().shape()), (1, &Shape::Omni));
+    assert_eq!(lit.clone().with_default_light().contents.lights.len(), 1);
+    let lamp = with_light(r#"{"type": "point"}"#).with_default_light();
+    assert_eq!((lamp.contents.lights.len(), lamp.contents.lights[0].light().shape()), (1, &LightShape::Omni));
     assert!(lamp.notes.is_empty(), "{:?}", lamp.notes);
-    let nothing = triangle(r#""nodes": [{}]"#).lit();
+    let nothing = triangle(r#""nodes": [{}]"#).with_default_light();
     assert!(nothing.contents.lights.is_empty() && nothing.notes.is_empty(), "{:?}", nothing.notes);
 }

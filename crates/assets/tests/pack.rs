@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use assets::{Fault, Loaded};
+use assets::{AssetFault, LoadedScene};
 
 /// All of a scene as text: its pictures' bytes, too.
-fn all_of(loaded: &Loaded) -> String {
-    let Loaded { scene, contents, .. } = loaded;
+fn all_of(loaded: &LoadedScene) -> String {
+    let LoadedScene { scene, contents, .. } = loaded;
     let pixels: Vec<_> = scene.images.iter().map(|image| &image.rgba8).collect();
     format!("{scene:?} {contents:?} {pixels:?}")
 }
@@ -63,14 +63,14 @@ fn several_files_become_one() {
 fn what_cannot_be_packed_is_refused() {
     for address in ["../a%20b.bin", "/etc/hostname", "http://example.org/a.bin", "none.bin", ""] {
         let fault = packed(|json| json.replace("a%20b.bin", address)).0.unwrap_err().fault;
-        assert!(matches!(fault, Fault::Address { .. }), "{address}: {fault}");
+        assert!(matches!(fault, AssetFault::Address { .. }), "{address}: {fault}");
     }
     let unused = packed(|json| json.replace(r#"{"uri": "skin.png"}"#, r#"{"uri": "none.png"}"#));
     assert!(!unused.1.is_empty(), "it can be loaded");
-    assert!(matches!(unused.0.unwrap_err().fault, Fault::Address { .. }));
+    assert!(matches!(unused.0.unwrap_err().fault, AssetFault::Address { .. }));
     let broken = packed(|json| json.replace("[0]}]", "[7]}]")).0.unwrap_err().fault;
-    assert!(matches!(broken, Fault::Broken(_)), "{broken}");
-    assert!(matches!(assets::pack(Path::new(".")).unwrap_err().fault, Fault::NotAFile));
+    assert!(matches!(broken, AssetFault::InvalidGltf(_)), "{broken}");
+    assert!(matches!(assets::pack(Path::new(".")).unwrap_err().fault, AssetFault::NotAFile));
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn bytes_refer_to_no_file() {
     for address in ["skin.png", "/etc/hostname", "../skin.png", "Cargo.toml"] {
         let error = assets::load_bytes(format!("{}{address}{}", &text[..start], &text[end..]).as_bytes())
             .unwrap_err();
-        assert!(matches!(error.fault, Fault::Address { .. }), "{error}");
+        assert!(matches!(error.fault, AssetFault::Address { .. }), "{error}");
         assert!(error.to_string().starts_with("the scene: refers to"), "{error}");
     }
     for bytes in [&b""[..], b"{", b"glTF", &[0xff; 64]] {
@@ -100,7 +100,7 @@ fn a_demo_is_named_by_a_line() {
     assert!(assets::demo_bytes("no such scene").is_none());
     for line in ["bendylights demo vases 0\n", "bendylights demo vases 1", "bendylights demo cups 1\n"] {
         let error = assets::load_bytes(line.as_bytes()).unwrap_err();
-        assert!(matches!(error.fault, Fault::UnknownDemo(_)), "{error}");
+        assert!(matches!(error.fault, AssetFault::UnknownDemo(_)), "{error}");
         assert!(!error.to_string().contains('\n'));
     }
 }

@@ -3,11 +3,11 @@
 use std::f64::consts::FRAC_PI_3;
 use std::path::Path;
 
-use assets::{AssetError, Fault, Limit, Loaded};
+use assets::{AssetError, AssetFault, ImportLimit, LoadedScene};
 use document::SceneContents;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, INTENSITY, RANGE};
-use light::{Decay, Shape};
+use light::{Decay, LightShape};
 use scene::{Primitive, Projection, Sampler, Wrap};
 
 /// A file in the making: JSON members as text, and one buffer.
@@ -53,7 +53,7 @@ impl File {
         format!(r#"{{"asset":{{"version":"2.0"}},{}}}"#, members.join(","))
     }
 
-    fn load(&self) -> Result<Loaded, AssetError> {
+    fn load(&self) -> Result<LoadedScene, AssetError> {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("a b.bin"), &self.bytes).unwrap();
         std::fs::write(folder.path().join("scene.gltf"), self.json()).unwrap();
@@ -69,7 +69,7 @@ fn one(primitive: &str) -> String {
     format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{{primitive}}}]}}]"#)
 }
 
-fn only_primitive(loaded: &Loaded) -> &Primitive {
+fn only_primitive(loaded: &LoadedScene) -> &Primitive {
     assert_eq!((loaded.scene.meshes.len(), loaded.scene.meshes[0].primitives.len()), (1, 1));
     &loaded.scene.meshes[0].primitives[0]
 }
@@ -279,7 +279,7 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         .unwrap();
     let SceneContents { lights, cameras } = loaded.contents;
     let spot = lights[0].light();
-    assert_eq!((lights.len(), spot.shape(), spot.name()), (4, &Shape::Spot, "rig"));
+    assert_eq!((lights.len(), spot.shape(), spot.name()), (4, &LightShape::Spot, "rig"));
     assert!((spot.get(CONE_ANGLE) - 0.5_f64.to_degrees()).abs() < 1e-5);
     assert!((spot.get(CONE_SOFTNESS) - 0.2).abs() < 1e-6);
     assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (Some(9.0), 40.0));
@@ -289,13 +289,16 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
         "a quarter turn about Y takes -Z to -X: {shines_along}"
     );
     let [bulb, broken, sun] = [1, 2, 3].map(|index| lights[index].light());
-    assert_eq!((bulb.shape(), bulb.name(), bulb.get(DECAY)), (&Shape::Omni, "bulb", Decay::InverseSquare));
+    assert_eq!(
+        (bulb.shape(), bulb.name(), bulb.get(DECAY)),
+        (&LightShape::Omni, "bulb", Decay::InverseSquare)
+    );
     assert_eq!((bulb.get(RANGE), bulb.get(INTENSITY)), (Some(4.0), 60.0));
-    assert_eq!((sun.shape(), sun.name(), sun.get(INTENSITY)), (&Shape::Directional, "sun", 3.0));
+    assert_eq!((sun.shape(), sun.name(), sun.get(INTENSITY)), (&LightShape::Directional, "sun", 3.0));
     assert_eq!(sun.get(COLOR), DVec3::new(1.0, 0.0, 0.5));
     assert!((sun.transform().rotation * DVec3::NEG_Z - DVec3::NEG_Y).length() < 1e-6);
     // What makes no light is repaired, so that whoever put it there finds it.
-    assert_eq!((broken.shape(), broken.get(INTENSITY)), (&Shape::Spot, 0.0));
+    assert_eq!((broken.shape(), broken.get(INTENSITY)), (&LightShape::Spot, 0.0));
     assert_eq!(broken.get(CONE_ANGLE), 45.0);
     let looks_along = cameras[0].rotation * DVec3::NEG_Z;
     assert!((looks_along - DVec3::NEG_X).length() < 1e-6, "{looks_along}");
@@ -366,21 +369,21 @@ fn instances_stand_where_their_accessors_say() {
 fn limits_name_themselves() {
     let many = vec!["{}"; 600_000].join(",");
     let fault = File::default().with(format!(r#""nodes":[{many}]"#)).load().unwrap_err().fault;
-    assert!(matches!(fault, Fault::Limit { limit: Limit::JsonValues, .. }), "{fault}");
+    assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::JsonValues, .. }), "{fault}");
 
     let mut file = File::default();
     let positions = file.floats(&QUAD[..3]);
     file.accessors[positions] = r#"{"componentType":5126,"type":"VEC3","count":900000000}"#.into();
     let fault =
         file.with(one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))).load().unwrap_err().fault;
-    assert!(matches!(fault, Fault::Limit { limit: Limit::Vertices, .. }), "{fault}");
+    assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::Vertices, .. }), "{fault}");
 
     let mut file = File::default();
     let positions = file.floats(&QUAD[..3]);
     let far = one(&format!(r#""attributes":{{"POSITION":{positions}}}"#))
         .replace(r#"{"mesh":0}"#, r#"{"mesh":0,"scale":[2e9,1,1]}"#);
     let fault = file.with(far).load().unwrap_err().fault;
-    assert!(matches!(fault, Fault::Limit { limit: Limit::Coordinate, .. }), "{fault}");
+    assert!(matches!(fault, AssetFault::Limit { limit: ImportLimit::Coordinate, .. }), "{fault}");
 }
 
 #[test]

@@ -20,7 +20,7 @@ const VIEWERS: [usize; 2] = [1, 4];
 /// A drag, and what came of it.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Case {
+pub struct SessionCase {
     /// Pixels of each view.
     pub width: u32,
     /// Pixels of each view.
@@ -40,7 +40,7 @@ pub struct Case {
 }
 
 /// Measures each case on `server`.
-pub(crate) fn measure(server: &ServerProcess, updates: u64) -> Result<Vec<Case>, BenchError> {
+pub(crate) fn measure(server: &ServerProcess, updates: u64) -> Result<Vec<SessionCase>, BenchError> {
     let cases = SIZES.iter().flat_map(|size| VIEWERS.iter().map(move |viewers| (*size, *viewers)));
     cases.map(|(size, viewers)| measure_one(server, size, viewers, updates)).collect()
 }
@@ -50,7 +50,7 @@ fn measure_one(
     size: [u32; 2],
     viewers: usize,
     updates: u64,
-) -> Result<Case, BenchError> {
+) -> Result<SessionCase, BenchError> {
     let mut clients = (0..viewers)
         .map(|_| {
             let mut client = Client::connect(&server.address, "main", "bench", None)?;
@@ -76,7 +76,7 @@ fn measure_one(
     let watched_frames_per_second =
         (!watched.is_empty()).then(|| watched.iter().sum::<f64>() / watched.len() as f64);
     let bytes = drag.frame_bytes();
-    Ok(Case {
+    Ok(SessionCase {
         width: size[0],
         height: size[1],
         viewers,
@@ -102,7 +102,7 @@ fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
 }
 
 /// Two bars a case, p50 and p95, with the frames a second above.
-pub(crate) fn draw(area: &Area, cases: &[Case]) -> ChartResult {
+pub(crate) fn draw(area: &Area, cases: &[SessionCase]) -> ChartResult {
     const BARS: [(&str, RGBColor, f64); 2] = [("p50", BLUE, 0.1), ("p95", GREY, 0.5)];
     let top = cases.iter().map(|case| case.edit_to_decoded_ms.p95).fold(1.0, f64::max) * 1.25;
     let mut plot = ChartBuilder::on(area)
@@ -113,17 +113,17 @@ pub(crate) fn draw(area: &Area, cases: &[Case]) -> ChartResult {
         .build_cartesian_2d(0.0..cases.len().max(1) as f64, 0.0..top)?;
     plot.configure_mesh().y_desc("ms").disable_x_mesh().disable_x_axis().draw()?;
     for (name, color, from) in BARS {
-        let ms = |case: &Case| {
+        let ms = |case: &SessionCase| {
             if name == "p50" { case.edit_to_decoded_ms.p50 } else { case.edit_to_decoded_ms.p95 }
         };
-        let bar = |(k, case): (usize, &Case)| {
+        let bar = |(k, case): (usize, &SessionCase)| {
             let x = k as f64 + from;
             Rectangle::new([(x, 0.0), (x + 0.35, ms(case))], color.filled())
         };
         plot.draw_series(cases.iter().enumerate().map(bar))?.label(name).legend(chart::swatch(color));
     }
-    let label = |(k, case): (usize, &Case)| {
-        let Case { width, height, viewers, frames_per_second, .. } = case;
+    let label = |(k, case): (usize, &SessionCase)| {
+        let SessionCase { width, height, viewers, frames_per_second, .. } = case;
         let of = if *viewers == 1 { "viewer" } else { "viewers" };
         let text = format!("{width}x{height}, {viewers} {of}, {frames_per_second:.0}/s");
         Text::new(text, (k as f64 + 0.06, case.edit_to_decoded_ms.p95 + 0.06 * top), ("sans-serif", 14))

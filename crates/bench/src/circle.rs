@@ -8,7 +8,7 @@ use protocol::{Camera, ClientMessage, ServerMessage, ViewSource};
 use serde::Serialize;
 use stream::FrameHeader;
 
-use crate::dragged::Circle;
+use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Quantiles, Tiles};
 
 /// A page sends at most one update an animation frame.
@@ -19,7 +19,7 @@ pub(crate) const GESTURE: &str = "bench";
 
 /// The way of an update to the screen.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Stages<T> {
+pub struct LatencyStages<T> {
     /// From the change in the session to the start of the render: the render before, and the open slot.
     pub wait: T,
     /// Of the render, with its read-back.
@@ -34,20 +34,20 @@ pub struct Stages<T> {
 
 /// A frame of the drag.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shown {
+pub(crate) struct ShownFrame {
     /// Milliseconds.
-    pub stages: Stages<f64>,
+    pub stages: LatencyStages<f64>,
     pub bytes: usize,
 }
 
 /// Drags a control point in a circle, an update an animation frame, until the last is on the screen. What became of it,
 /// and the seconds.
-pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(Drag, f64), BenchError> {
-    let circle = Circle::of(client)?;
+pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(CircleDrag, f64), BenchError> {
+    let circle = DragCircle::of(client)?;
     let light = circle.light;
     let (gesture, base_seq) = (GESTURE.to_owned(), client.welcome.seq);
     client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
-    let mut drag = Drag::default();
+    let mut drag = CircleDrag::default();
     let began = Instant::now();
     for update in 1..=updates {
         let angle = std::f64::consts::TAU * update as f64 / updates as f64;
@@ -81,13 +81,13 @@ pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Resul
         stats: false,
     })?;
     client.wait_for("a first lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
     })
 }
 
 /// What is known of a drag while it goes on.
 #[derive(Debug, Default)]
-pub(crate) struct Drag {
+pub(crate) struct CircleDrag {
     /// When each update was sent.
     sent: BTreeMap<u64, Instant>,
     /// The update that each live revision shows.
@@ -97,12 +97,12 @@ pub(crate) struct Drag {
     /// Milliseconds from each update to its picture.
     latencies_ms: Vec<f64>,
     /// Its frames.
-    pub shown: Vec<Shown>,
+    pub shown: Vec<ShownFrame>,
     /// What is on the screen.
     pub picture: RgbImage,
 }
 
-impl Drag {
+impl CircleDrag {
     /// Receives for at most `timeout`.
     fn take(&mut self, client: &mut Client, timeout: Duration) -> Result<(), BenchError> {
         match client.receive(timeout)? {
@@ -147,7 +147,7 @@ impl Drag {
         // what its way leaves of it.
         let wait = wait.min((ms(decoded - *sent) - render - encode - decode).max(0.0));
         let send = (ms(decoded - *sent) - wait - render - encode - decode).max(0.0);
-        self.shown.push(Shown { stages: Stages { wait, render, encode, send, decode }, bytes });
+        self.shown.push(ShownFrame { stages: LatencyStages { wait, render, encode, send, decode }, bytes });
     }
 
     /// From each update to its picture.

@@ -6,17 +6,17 @@ use std::time::{Duration, Instant};
 
 use image::RgbImage;
 use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
-use stream::{FrameHeader, HEADER_BYTES, Tile};
+use stream::{FrameHeader, FrameTile, HEADER_BYTES};
 use tungstenite::{Message, WebSocket};
 
-use crate::{Address, BenchError};
+use crate::{BenchError, ServerAddress};
 
 /// How long a server may take to answer.
 const ANSWER_WITHIN: Duration = Duration::from_mins(1);
 
 /// What a client that comes back knows.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Known {
+pub struct KnownHistory {
     /// The history.
     pub epoch: String,
     /// Its latest record that the client has.
@@ -34,7 +34,7 @@ pub enum Incoming {
 
 /// What a frame holds: parts of a picture, each a file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tiles(Vec<(Tile, Vec<u8>)>);
+pub struct Tiles(Vec<(FrameTile, Vec<u8>)>);
 
 impl Tiles {
     /// Bytes of all files.
@@ -43,7 +43,7 @@ impl Tiles {
     }
 
     /// Where they are in the picture.
-    pub fn places(&self) -> impl Iterator<Item = Tile> {
+    pub fn tiles(&self) -> impl Iterator<Item = FrameTile> {
         self.0.iter().map(|(tile, _)| *tile)
     }
 
@@ -62,7 +62,7 @@ impl Tiles {
 pub struct Client {
     socket: WebSocket<TcpStream>,
     /// The tiles of the frame whose last has not come yet, and its number.
-    coming: (u64, Tiles),
+    partial_frame: (u64, Tiles),
     /// The answer to its hello.
     pub welcome: Welcome,
 }
@@ -70,10 +70,10 @@ pub struct Client {
 impl Client {
     /// Connects and says hello.
     pub fn connect(
-        address: &Address,
+        address: &ServerAddress,
         session: &str,
         actor: &str,
-        known: Option<Known>,
+        known: Option<KnownHistory>,
     ) -> Result<Self, BenchError> {
         Self::connect_over(TcpStream::connect(&address.host)?, address, session, actor, known)
     }
@@ -81,10 +81,10 @@ impl Client {
     /// Says hello on a connection to `address`.
     pub(crate) fn connect_over(
         tcp: TcpStream,
-        address: &Address,
+        address: &ServerAddress,
         session: &str,
         actor: &str,
-        known: Option<Known>,
+        known: Option<KnownHistory>,
     ) -> Result<Self, BenchError> {
         let mut socket = say_hello(tcp, address, session, actor, known)?;
         let until = Instant::now() + ANSWER_WITHIN;
@@ -93,7 +93,7 @@ impl Client {
                 Some(Received::Text(message)) => match *message {
                     ServerMessage::Welcome(welcome) => {
                         let coming = (0, Tiles::default());
-                        return Ok(Self { socket, coming, welcome: *welcome });
+                        return Ok(Self { socket, partial_frame: coming, welcome: *welcome });
                     }
                     ServerMessage::Error { message, .. } => return Err(BenchError::Refused(message)),
                     _ => {}
@@ -117,7 +117,7 @@ impl Client {
             match receive(&mut self.socket, left)? {
                 Some(Received::Text(message)) => return Ok(Some(Incoming::Message(message))),
                 Some(Received::Tile(header, file)) => {
-                    if let Some(tiles) = self.put_together(&header, file) {
+                    if let Some(tiles) = self.assemble_frame(&header, file) {
                         return Ok(Some(Incoming::Frame(header, tiles)));
                     }
                 }
@@ -128,12 +128,12 @@ impl Client {
     }
 
     /// Keeps a tile; all of its frame where it is the last. What was left out of an earlier frame never comes.
-    fn put_together(&mut self, header: &FrameHeader, file: Vec<u8>) -> Option<Tiles> {
-        if self.coming.0 != header.frame {
-            self.coming = (header.frame, Tiles::default());
+    fn assemble_frame(&mut self, header: &FrameHeader, file: Vec<u8>) -> Option<Tiles> {
+        if self.partial_frame.0 != header.frame {
+            self.partial_frame = (header.frame, Tiles::default());
         }
-        self.coming.1.0.push((header.tile, file));
-        header.flags.last_tile.then(|| std::mem::take(&mut self.coming.1))
+        self.partial_frame.1.0.push((header.tile, file));
+        header.flags.is_last_tile.then(|| std::mem::take(&mut self.partial_frame.1))
     }
 
     /// Says that a frame has been shown.
@@ -165,10 +165,10 @@ impl Client {
 /// Sends a hello, whose answer is still to be read.
 pub(crate) fn say_hello(
     tcp: TcpStream,
-    address: &Address,
+    address: &ServerAddress,
     session: &str,
     actor: &str,
-    known: Option<Known>,
+    known: Option<KnownHistory>,
 ) -> Result<WebSocket<TcpStream>, BenchError> {
     tcp.set_nodelay(true)?;
     let url = format!("ws://{}/socket", address.host);

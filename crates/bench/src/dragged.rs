@@ -1,24 +1,24 @@
 //! What the drags of sessions take hold of: a control point of a BendyLight, on its way around a circle.
 
 use glam::DVec3;
-use light::{CheckedLight, Light, Owner, Reach};
+use light::{CheckedLight, Light, ParameterOwner, SceneBounds};
 use protocol::{Bounds, ClientMessage, Command, Document, PointParameter, ServerMessage, State};
 
 use crate::bent::bent_and_spot;
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
 /// The control point of a BendyLight that is dragged: each has a third.
-const POINT: usize = 2;
+const DRAGGED_POINT: usize = 2;
 /// Radius of the circle as a share of half the scene's diagonal: a quarter of a unit in `demo:vases`.
-const SHARE: f64 = 0.028_513_76;
+const RADIUS_SHARE: f64 = 0.028_513_76;
 /// By how much the circle is made smaller; the first by which the light folds nowhere on it is taken.
-const SMALLER: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
+const RADIUS_FACTORS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
 /// Places on the circle at which that is looked at.
-const PLACES: u32 = 240;
+const CHECKED_ANGLES: u32 = 240;
 
 /// A control point and the circle that it is dragged in, which begins where it lies.
 #[derive(Clone, Debug)]
-pub(crate) struct Circle {
+pub(crate) struct DragCircle {
     /// Id of its light.
     pub light: u64,
     /// Name of its light.
@@ -31,39 +31,43 @@ pub(crate) struct Circle {
     scale: f64,
 }
 
-impl Circle {
+impl DragCircle {
     /// Around the third control point of the first BendyLight in the client's session.
     pub fn of(client: &Client) -> Result<Self, BenchError> {
         let document = document(client)?;
         let found = document.lights.iter().find_map(|placed| {
             let light = CheckedLight::try_from(placed.light.clone()).ok()?;
-            (light.light().owner() == Owner::Bendy).then_some((placed.id, light))
+            (light.light().owner() == ParameterOwner::Bendy).then_some((placed.id, light))
         });
         let (id, light) = found.ok_or_else(|| BenchError::Refused("its scene has no BendyLight".into()))?;
         Ok(Self::in_light(id, light.light(), reach_of(client.welcome.bounds)))
     }
 
-    fn in_light(id: u64, light: &Light, reach: Reach) -> Self {
-        let start = light.points()[POINT].position;
+    fn in_light(id: u64, light: &Light, reach: SceneBounds) -> Self {
+        let start = light.points()[DRAGGED_POINT].position;
         let scale = light.transform().scale;
         let of_share = |smaller: f64| Self {
             light: id,
             name: light.name().into(),
             start,
-            radius: smaller * SHARE * reach.half_extent.length() / scale,
+            radius: smaller * RADIUS_SHARE * reach.half_extent.length() / scale,
             scale,
         };
-        let [.., least] = SMALLER;
+        let [.., least] = RADIUS_FACTORS;
         // Where every circle folds the server says why it refuses the least.
-        SMALLER.map(of_share).into_iter().find(|circle| circle.is_open_to(light)).unwrap_or(of_share(least))
+        RADIUS_FACTORS
+            .map(of_share)
+            .into_iter()
+            .find(|circle| circle.is_fold_free_for(light))
+            .unwrap_or(of_share(least))
     }
 
     /// Whether `light` folds nowhere on it.
-    fn is_open_to(&self, light: &Light) -> bool {
-        (0..PLACES).all(|place| {
-            let angle = std::f64::consts::TAU * f64::from(place) / f64::from(PLACES);
-            let moved = light.clone().with_points(|index, point| {
-                if index == POINT {
+    fn is_fold_free_for(&self, light: &Light) -> bool {
+        (0..CHECKED_ANGLES).all(|place| {
+            let angle = std::f64::consts::TAU * f64::from(place) / f64::from(CHECKED_ANGLES);
+            let moved = light.clone().map_points(|index, point| {
+                if index == DRAGGED_POINT {
                     point.position = self.at(angle);
                 }
             });
@@ -79,7 +83,7 @@ impl Circle {
     /// Moves the control point there.
     pub fn command(&self, angle: f64) -> Command {
         let parameter: PointParameter = light::parameters::POSITION.to(self.at(angle)).into();
-        Command::SetPoint { light: self.light, point: POINT, parameter }
+        Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter }
     }
 
     /// Says what is dragged, and how.
@@ -87,21 +91,21 @@ impl Circle {
         let Self { name, radius, scale, .. } = self;
         let world = radius * scale;
         format!(
-            "control point {POINT} of `{name}` in {scene}, dragged in a circle of radius {world:.3}, on loopback"
+            "control point {DRAGGED_POINT} of `{name}` in {scene}, dragged in a circle of radius {world:.3}, on loopback"
         )
     }
 }
 
 /// Sees to it that the session `main` has a BendyLight. Where its scene brings none, its first light is bent as frames
 /// are measured by it, and alone, too. Whether that was done.
-pub(crate) fn bend_where_all_is_straight(server: &ServerProcess) -> Result<bool, BenchError> {
+pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     let document = document(&client)?.clone();
     let mut lights = Vec::new();
     for placed in document.lights {
         let light =
             CheckedLight::try_from(placed.light).map_err(|why| BenchError::Refused(why.to_string()))?;
-        if light.light().owner() == Owner::Bendy {
+        if light.light().owner() == ParameterOwner::Bendy {
             return Ok(false);
         }
         lights.push((placed.id, light));
@@ -141,9 +145,9 @@ fn document(client: &Client) -> Result<&Document, BenchError> {
 }
 
 /// The scene's box, but for the roundings of its corners.
-fn reach_of(Bounds { min, max }: Bounds) -> Reach {
+fn reach_of(Bounds { min, max }: Bounds) -> SceneBounds {
     let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
-    Reach { middle: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }
+    SceneBounds { center: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }
 }
 
 #[cfg(test)]
@@ -158,11 +162,11 @@ mod tests {
         (loaded.contents.lights[0].light().clone(), scene::pose(loaded.scene))
     }
 
-    /// [`SHARE`] has seven digits.
+    /// [`RADIUS_SHARE`] has seven digits.
     #[test]
     fn in_the_vases_the_circle_has_a_radius_of_a_quarter() {
         let (key, posed) = vases();
-        let circle = Circle::in_light(1, &key, posed.reach());
+        let circle = DragCircle::in_light(1, &key, posed.bounds());
         assert!(
             (circle.radius - 0.25).abs() < 0.25 * 1e-6,
             "{} {}",
@@ -178,22 +182,22 @@ mod tests {
     #[test]
     fn the_circle_is_the_same_share_of_every_scene() {
         let (key, posed) = vases();
-        let circle = Circle::in_light(1, &key, posed.reach());
-        let twice = Reach { half_extent: 2.0 * posed.half_extent, ..posed.reach() };
-        let grown = Circle::in_light(1, &key.with(SCALE, 4.0), twice);
+        let circle = DragCircle::in_light(1, &key, posed.bounds());
+        let twice = SceneBounds { half_extent: 2.0 * posed.half_extent, ..posed.bounds() };
+        let grown = DragCircle::in_light(1, &key.with(SCALE, 4.0), twice);
         assert!((grown.radius * 4.0 - 2.0 * circle.radius).abs() < 1e-12, "{grown:?}");
     }
 
     #[test]
     fn where_the_light_would_fold_the_circle_is_smaller() {
         let (key, posed) = vases();
-        let whole = Circle::in_light(1, &key, posed.reach());
-        assert!(whole.is_open_to(&key));
-        let tight = key.with_points(|_, point| point.radius *= 1.25);
+        let whole = DragCircle::in_light(1, &key, posed.bounds());
+        assert!(whole.is_fold_free_for(&key));
+        let tight = key.map_points(|_, point| point.radius *= 1.25);
         assert!(CheckedLight::new(tight.clone()).is_ok());
-        assert!(!whole.is_open_to(&tight), "the planted fault is none");
-        let found = Circle::in_light(1, &tight, posed.reach());
-        assert!(found.radius < whole.radius && found.is_open_to(&tight), "{found:?}");
+        assert!(!whole.is_fold_free_for(&tight), "the planted fault is none");
+        let found = DragCircle::in_light(1, &tight, posed.bounds());
+        assert!(found.radius < whole.radius && found.is_fold_free_for(&tight), "{found:?}");
     }
 
     /// The box that a client is told is that of the scene but for roundings, so the bent light is that of frames.
@@ -205,9 +209,9 @@ mod tests {
             .with(RANGE, Some(9.0));
         let (_, posed) = vases();
         let told = reach_of(Bounds::of(&posed));
-        let off = |told: Reach| {
+        let off = |told: SceneBounds| {
             let bent = |reach| bent_and_spot(&spot, reach).expect("it bends").0;
-            let (ours, frames) = (bent(told), bent(posed.reach()));
+            let (ours, frames) = (bent(told), bent(posed.bounds()));
             assert_eq!(ours.points().len(), 5, "three segments");
             ours.points()
                 .iter()
@@ -216,7 +220,7 @@ mod tests {
                 .fold(0.0, f64::max)
         };
         assert!(off(told) < 1e-12, "{}", off(told));
-        let planted = Reach { middle: told.middle + 0.01, ..told };
+        let planted = SceneBounds { center: told.center + 0.01, ..told };
         assert!(off(planted) > 1e-12, "{}", off(planted));
     }
 }

@@ -28,10 +28,10 @@ pub mod solver;
 pub mod stills;
 pub mod sweep;
 
-pub use cases::Case;
-pub use client::{Client, Incoming, Known, Tiles};
+pub use cases::SessionCase;
+pub use client::{Client, Incoming, KnownHistory, Tiles};
 pub use error::BenchError;
 pub use peers::Peers;
-pub use process::{Address, Response, ServerProcess};
+pub use process::{Response, ServerAddress, ServerProcess};
 pub use progress::Progress;
 pub use quantiles::Quantiles;

@@ -23,7 +23,7 @@ pub struct Peers {
 
 /// A line that a script prints: frames of which the light moved in each, read back.
 #[derive(Clone, Debug, Deserialize)]
-pub(crate) struct Line {
+pub(crate) struct PeerTiming {
     pub name: String,
     pub version: String,
     pub ms_median: f64,
@@ -41,9 +41,9 @@ pub(crate) struct Peer {
 
 impl Peer {
     /// Of the lines of all runs, by their names in the order of the first.
-    pub(crate) fn all(lines: &[Line]) -> Vec<Self> {
+    pub(crate) fn all(lines: &[PeerTiming]) -> Vec<Self> {
         let mut peers: Vec<Self> = Vec::new();
-        for Line { name, version, .. } in lines {
+        for PeerTiming { name, version, .. } in lines {
             if peers.iter().all(|peer| peer.name != *name) {
                 let of_it = lines.iter().filter(|line| line.name == *name);
                 let wall_ms = Quantiles::of(of_it.map(|line| line.ms_median));
@@ -82,7 +82,7 @@ impl Peers {
     }
 
     /// Has script `index` draw so many frames in a process of its own.
-    pub(crate) fn run(&self, index: usize, frames: usize) -> Result<Vec<Line>, BenchError> {
+    pub(crate) fn run(&self, index: usize, frames: usize) -> Result<Vec<PeerTiming>, BenchError> {
         let script = &self.scripts[index];
         let failed =
             |reason: String| BenchError::Peer { script: script.clone(), python: self.python.clone(), reason };
@@ -101,7 +101,8 @@ impl Peers {
             return Err(failed(said.lines().last().unwrap_or("it says nothing").trim().to_owned()));
         }
         let said = String::from_utf8_lossy(&done.stdout);
-        let lines: Vec<Line> = said.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
+        let lines: Vec<PeerTiming> =
+            said.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
         if lines.is_empty() {
             return Err(failed("it printed no line of JSON with `name`, `version` and `ms_median`".into()));
         }
@@ -135,7 +136,7 @@ mod tests {
 
     #[test]
     fn a_peer_has_the_least_and_the_middle_of_its_runs() {
-        let line = |name: &str, ms_median| Line { name: name.into(), version: "1".into(), ms_median };
+        let line = |name: &str, ms_median| PeerTiming { name: name.into(), version: "1".into(), ms_median };
         let lines = [line("b", 9.0), line("a", 2.0), line("b", 7.0), line("a", 5.0), line("b", 8.0)];
         let found: Vec<_> = Peer::all(&lines)
             .into_iter()

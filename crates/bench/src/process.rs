@@ -14,14 +14,14 @@ const READY_WITHIN: Duration = Duration::from_mins(3);
 
 /// Where a server is and what lets one in.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Address {
+pub struct ServerAddress {
     /// Host and port.
     pub host: String,
     /// The token.
     pub token: String,
 }
 
-impl FromStr for Address {
+impl FromStr for ServerAddress {
     type Err = BenchError;
 
     /// Reads what `bendylights serve` prints: `http://HOST:PORT/#token=TOKEN`, and a session behind it or none.
@@ -33,7 +33,7 @@ impl FromStr for Address {
     }
 }
 
-impl Address {
+impl ServerAddress {
     /// Asks for `path`, with the token.
     pub fn get(&self, path: &str) -> Result<Response, BenchError> {
         let request = agent().get(self.url(path)).header("Authorization", self.bearer());
@@ -60,7 +60,7 @@ impl Address {
 pub struct ServerProcess {
     child: Child,
     /// Where it listens.
-    pub address: Address,
+    pub address: ServerAddress,
 }
 
 /// What a server answers to a request.

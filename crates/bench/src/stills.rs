@@ -10,12 +10,12 @@ use render::Backend;
 use serde::Serialize;
 
 use crate::circle::{ANIMATION_FRAME, decode, ms, open_view};
-use crate::dragged::Circle;
+use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct StillsBenchOptions {
     /// Width and height of the view in pixels.
     pub view: [u32; 2],
     /// How long each drag goes on.
@@ -33,7 +33,7 @@ pub struct Options {
 /// How the frames of a drag came.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Pace {
+pub struct FramePace {
     /// Frames decoded in a second.
     pub frames_per_second: f64,
     /// Between two frames: half of all gaps are shorter.
@@ -45,11 +45,11 @@ pub struct Pace {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct StillsBenchReport {
     /// The drag with nothing else going on: before, and after all stills are finished.
-    pub alone: [Pace; 2],
+    pub alone: [FramePace; 2],
     /// The drag beside the stills.
-    pub beside: Pace,
+    pub beside: FramePace,
     /// Frame rate beside the stills, of the mean of those alone.
     pub rate_kept: f64,
     /// Longest gap beside the stills, of the mean of the usual gaps alone.
@@ -63,7 +63,7 @@ pub struct Report {
 }
 
 /// Starts `program serve` on data of its own, drags in one session, and again while stills are rendered, each of a session of its own.
-pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
+pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchReport, BenchError> {
     let folder = tempfile::tempdir()?;
     // Made by the server, nobody else may look into it.
     let data = folder.path().join("data");
@@ -90,8 +90,8 @@ pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
     let all_finished_s = asked.elapsed().as_secs_f64();
     let after = drag(&mut viewer(&server, options)?, "after", options.drag)?;
 
-    let mean = |of: fn(&Pace) -> f64| f64::midpoint(of(&before), of(&after));
-    Ok(Report {
+    let mean = |of: fn(&FramePace) -> f64| f64::midpoint(of(&before), of(&after));
+    Ok(StillsBenchReport {
         alone: [before, after],
         beside,
         rate_kept: beside.frames_per_second / mean(|pace| pace.frames_per_second),
@@ -103,7 +103,7 @@ pub fn run(program: &Path, options: &Options) -> Result<Report, BenchError> {
 }
 
 /// A client whose view is at rest.
-fn viewer(server: &ServerProcess, options: &Options) -> Result<Client, BenchError> {
+fn viewer(server: &ServerProcess, options: &StillsBenchOptions) -> Result<Client, BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     open_view(&mut client, options.view)?;
     Ok(client)
@@ -115,7 +115,7 @@ fn session_of(still: usize) -> String {
 }
 
 /// Asks for all stills at once, each on a connection of its own.
-fn ask(server: &ServerProcess, options: &Options) -> Vec<JoinHandle<Result<(), BenchError>>> {
+fn ask(server: &ServerProcess, options: &StillsBenchOptions) -> Vec<JoinHandle<Result<(), BenchError>>> {
     let ([width, height], samples) = (options.still, options.samples);
     let still = |still| {
         let server = server.address.clone();
@@ -143,8 +143,8 @@ fn created(response: &Response) -> Result<(), BenchError> {
 }
 
 /// Drags the demo's control point in circles for so long; how its frames came.
-fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, BenchError> {
-    let circle = Circle::of(client)?;
+fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<FramePace, BenchError> {
+    let circle = DragCircle::of(client)?;
     let light = circle.light;
     let base_seq = client.welcome.seq;
     let gesture = gesture.to_owned();
@@ -167,7 +167,7 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
     client.send(&ClientMessage::GestureCancel { gesture })?;
     // The next drag begins from a view at rest.
     client.wait_for("the lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
     })?;
     let until = began + time;
     // A gap that was still open at the end counts as far as it went.
@@ -178,7 +178,7 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<Pace, Benc
     let (Some(usual), Some(longest)) = (gaps.get(gaps.len() / 2), gaps.last()) else {
         return Err(BenchError::Silent { what: "a frame of the drag", within: time });
     };
-    Ok(Pace {
+    Ok(FramePace {
         frames_per_second: shown.len() as f64 / time.as_secs_f64(),
         usual_gap_ms: *usual,
         longest_gap_ms: *longest,

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::{answer, progress};
+use cli::{print_answer, progress};
 use serde_json::json;
 use store::{Backup, back_up};
 
@@ -38,7 +38,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     });
     bar.finish_and_clear();
     let Backup { sessions, records, files, bytes } = backed_up?;
-    Ok(answer(
+    Ok(print_answer(
         &json!({"sessions": sessions, "records": records, "files": files, "bytes": bytes}).to_string(),
     )?)
 }

@@ -3,18 +3,18 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use assets::Loaded;
-use cli::{answer, say};
-use document::{BENT_SEGMENTS, Bending};
+use assets::LoadedScene;
+use cli::{print_answer, print_note};
+use document::{BendRequest, DEFAULT_BEND_SEGMENTS};
 use glam::DVec3;
-use light::{CheckedLight, MAX_SEGMENTS, Owner};
+use light::{CheckedLight, MAX_SEGMENTS, ParameterOwner};
 use protocol::light_file;
 use raycast::Bvh;
 
 use crate::error::{Error, no_such_light};
 use crate::files;
 use crate::render::open_scene;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -45,7 +45,7 @@ pub struct Args {
     #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "light_file")]
     light: Option<String>,
     /// Number of curve segments; a light of N segments has N + 2 control points
-    #[arg(long, value_name = "N", default_value_t = BENT_SEGMENTS, value_parser = whole(1..=MAX_SEGMENTS))]
+    #[arg(long, value_name = "N", default_value_t = DEFAULT_BEND_SEGMENTS, value_parser = whole_number_parser(1..=MAX_SEGMENTS))]
     segments: usize,
     /// Half angle of the cone in which an omni or directional light is bent, in degrees, less than 90 [default: 45]
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true)]
@@ -63,26 +63,27 @@ pub fn run(args: &Args) -> Result<(), Error> {
             (file.display().to_string(), light, loaded.map(|loaded| loaded.scene))
         }
         (None, Some(loaded)) => {
-            let (name, loaded) = (args.scene.clone().unwrap_or_default(), loaded.lit());
+            let (name, loaded) = (args.scene.clone().unwrap_or_default(), loaded.with_default_light());
             let light = of_scene(&name, &loaded, args.light.as_deref())?;
-            loaded.notes.iter().for_each(|note| say(&format!("note: {note}")));
+            loaded.notes.iter().for_each(|note| print_note(&format!("note: {note}")));
             (name, light, Some(loaded.scene))
         }
         (None, None) => unreachable!("one of them is required"),
     };
     let light = light.light();
     match light.owner() {
-        Owner::Bendy => return Err(Error::BendOfBendy { file }),
-        Owner::Spot if args.cone_angle.is_some() || args.toward.is_some() => {
+        ParameterOwner::Bendy => return Err(Error::BendOfBendy { file }),
+        ParameterOwner::Spot if args.cone_angle.is_some() || args.toward.is_some() => {
             return Err(Error::HasCone { file });
         }
         _ => {}
     }
     let Args { segments, cone_angle, toward, .. } = *args;
-    let asked = Bending { segments, range: None, cone_angle, toward };
-    let bending = scene.map_or(asked, |scene| asked.in_scene(light, &Bvh::new(scene::pose(scene))));
-    let bendy = bending.bent(light).map_err(|reason| Error::BadLight { file, reason })?;
-    Ok(answer(&light_file::to_json(&bendy))?)
+    let asked = BendRequest { segments, range: None, cone_angle, toward };
+    let bending =
+        scene.map_or(asked, |scene| asked.filled_in_from_scene(light, &Bvh::new(scene::pose(scene))));
+    let bendy = bending.bend(light).map_err(|reason| Error::BadLight { file, reason })?;
+    Ok(print_answer(&light_file::to_json(&bendy))?)
 }
 
 /// A world position on the command line.
@@ -95,12 +96,12 @@ fn position(text: &str) -> Result<DVec3, String> {
 }
 
 /// The light of that name; without one the first spotlight or, where there is none, the first straight light.
-fn of_scene(scene: &str, loaded: &Loaded, name: Option<&str>) -> Result<Arc<CheckedLight>, Error> {
+fn of_scene(scene: &str, loaded: &LoadedScene, name: Option<&str>) -> Result<Arc<CheckedLight>, Error> {
     let lights = &loaded.contents.lights;
     let first = |wanted: &dyn Fn(&CheckedLight) -> bool| lights.iter().find(|light| wanted(light)).cloned();
     let Some(name) = name else {
-        let spot = first(&|light| light.light().owner() == Owner::Spot);
-        let straight = || first(&|light| light.light().owner() != Owner::Bendy);
+        let spot = first(&|light| light.light().owner() == ParameterOwner::Spot);
+        let straight = || first(&|light| light.light().owner() != ParameterOwner::Bendy);
         return spot.or_else(straight).ok_or_else(|| Error::NoneToBend { scene: scene.into() });
     };
     let names = lights.iter().map(|light| light.light().name());

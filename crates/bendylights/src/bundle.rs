@@ -73,7 +73,7 @@ pub fn import(path: &Path, data: &Path, name: Option<&str>) -> Result<SessionRow
     let wrong = |reason: ZipError| Error::BadBundle { file: file.clone(), reason: reason.to_string() };
     let opened = File::open(path).map_err(|reason| Error::Unreadable { file: file.clone(), reason })?;
     let mut zip = ZipArchive::new(BufReader::new(opened)).map_err(wrong)?;
-    let assets = Assets::of(data);
+    let assets = Assets::in_folder(data);
     let held: BTreeSet<String> =
         zip.file_names().map(|name| Ok(name?.into_owned())).collect::<Result<_, _>>().map_err(wrong)?;
     let needed = RefCell::new(BTreeSet::new());
@@ -82,7 +82,7 @@ pub fn import(path: &Path, data: &Path, name: Option<&str>) -> Result<SessionRow
         if is_held {
             needed.borrow_mut().insert(*asset);
         }
-        is_held || known_scenes::is_here(&assets, asset)
+        is_held || known_scenes::is_available(&assets, asset)
     };
     let refused = |reason| replay::refused(path, reason);
     let (log, bar) = open_log(&mut zip).map_err(wrong)?;
@@ -102,11 +102,11 @@ pub fn import(path: &Path, data: &Path, name: Option<&str>) -> Result<SessionRow
         store.assets.put(&read(&mut zip, &entry(asset), MAX_ASSET_BYTES).map_err(wrong)?)?;
         if held.contains(&name_entry(asset)) && store.assets.name_of(asset)?.is_none() {
             let name = read(&mut zip, &name_entry(asset), MOST_NAME_BYTES).map_err(wrong)?;
-            store.assets.name(asset, &String::from_utf8_lossy(&name)).map_err(refused)?;
+            store.assets.set_name(asset, &String::from_utf8_lossy(&name)).map_err(refused)?;
         }
     }
     let (log, bar) = open_log(&mut zip).map_err(wrong)?;
-    let imported = store.import(log, name, &|asset| known_scenes::is_here(&assets, asset));
+    let imported = store.import(log, name, &|asset| known_scenes::is_available(&assets, asset));
     bar.finish_and_clear();
     imported.map_err(refused)
 }

@@ -4,16 +4,16 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use ::drag::{Viewport, drag};
-use assets::Loaded;
-use cli::{LIMITS, answer, say};
+use assets::LoadedScene;
+use cli::{LIMITS, print_answer, print_note};
 use light::CheckedLight;
-use protocol::drag_file::{Drag, Dragged, NameOrIndex};
+use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
 use raycast::Bvh;
 use scene::{Camera, framing_camera};
 
 use crate::error::{Error, choices, no_such_light};
 use crate::files;
-use crate::render::open_lit;
+use crate::render::open_scene_with_lights;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -56,9 +56,10 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let drags = files::read_drags(&args.drags)?;
-    let Loaded { scene, contents, notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
+    let LoadedScene { scene, contents, notes, .. } =
+        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
     for note in &notes {
-        say(&format!("note: {note}"));
+        print_note(&format!("note: {note}"));
     }
     let whose_lights = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
     let lights = contents.lights;
@@ -83,7 +84,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             Ok(answered(&bvh, &view, &lights[light], asked, is_dragged))
         })
         .collect();
-    Ok(answer(&format!("[{}]", objects?.join(",\n ")))?)
+    Ok(print_answer(&format!("[{}]", objects?.join(",\n ")))?)
 }
 
 /// Drags, and says what came of it.
@@ -91,7 +92,7 @@ fn answered(
     bvh: &Bvh,
     view: &Viewport,
     light: &CheckedLight,
-    asked: &Drag,
+    asked: &FileDrag,
     is_dragged: impl Fn(&NameOrIndex) -> bool,
 ) -> String {
     let began = Instant::now();
@@ -104,19 +105,19 @@ fn answered(
 }
 
 /// The picture that is dragged in; `None` where there can be no such picture.
-fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &Drag) -> Result<Option<Viewport>, Error> {
+fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Option<Viewport>, Error> {
     let [width, height] = drag.size;
     let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);
     if !(is_within(width) && is_within(height)) {
         return Ok(None);
     }
-    let framing = || framing_camera(&bvh.posed.subject(), f64::from(width) / f64::from(height));
+    let framing = || framing_camera(&bvh.posed.subject_bounds(), f64::from(width) / f64::from(height));
     let camera = match &drag.camera {
         None => cameras.first().cloned().unwrap_or_else(framing),
         Some(wanted) => {
             let names = || cameras.iter().map(|camera| camera.name.as_str());
             let found = wanted.place_in(names()).map(|index| cameras[index].clone());
-            found.ok_or_else(|| Error::NoSuch {
+            found.ok_or_else(|| Error::UnknownName {
                 whose: scene.into(),
                 what: "camera",
                 name: wanted.to_string(),

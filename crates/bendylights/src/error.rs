@@ -22,7 +22,7 @@ pub enum Error {
     Unreadable { file: String, reason: io::Error },
     /// A file that would be overwritten.
     #[error("{}: is there already; name another folder, or remove it", file.display())]
-    IsThere { file: PathBuf },
+    FileExists { file: PathBuf },
     /// A scene where a light file is wanted.
     #[error(
         "{file}: is a scene, and a light file is wanted: `bendylights bend --scene {file} > light.json` writes one, of \
@@ -50,15 +50,15 @@ pub enum Error {
     /// `eval` was given a light of another shape.
     #[error("{file}: is no BendyLight and has no tube: turn it into one with `bendylights bend` first")]
     EvalWithoutTube { file: String },
-    /// `bend` was given a scene without a light that it could bend.
+    /// `bent` was given a scene without a light that it could bend.
     #[error("{scene}: has no straight light to bend: name a light file")]
     NoneToBend { scene: String },
-    /// `bend` was given a BendyLight.
+    /// `bent` was given a BendyLight.
     #[error(
         "{file}: is a BendyLight already: `bendylights bend` takes a light of type `spot`, `omni` or `directional`"
     )]
     BendOfBendy { file: String },
-    /// `bend` was told a cone for a light that has one.
+    /// `bent` was told a cone for a light that has one.
     #[error("{file}: a spotlight keeps its own cone and direction: leave out --cone-angle and --toward")]
     HasCone { file: String },
     /// A drag in a picture that there cannot be.
@@ -69,7 +69,7 @@ pub enum Error {
     Scene(#[from] AssetError),
     /// A name given on the command line is not among those there are.
     #[error("{whose} has no {what} `{name}`: {choices}")]
-    NoSuch { whose: String, what: &'static str, name: String, choices: String },
+    UnknownName { whose: String, what: &'static str, name: String, choices: String },
     /// Options of a picture that is not asked for.
     #[error(
         "--camera, --size, --samples and the like are of a picture: name one with --render, as PNG or EXR"
@@ -151,7 +151,7 @@ pub enum Error {
     #[error(
         "{rows}: bounds are missed; `missed` of each row says which, and `alone` beside `with` by how much"
     )]
-    Missed { rows: String },
+    BoundsMissed { rows: String },
     /// An answer or a file could not be written.
     #[error(transparent)]
     Cli(#[from] CliError),
@@ -163,7 +163,7 @@ impl Error {
         match self {
             Self::Cli(error) => error.exit_code(),
             Self::Server(ServerError::Store(StoreError::NotAFolder(_))) => 2,
-            Self::Missed { .. }
+            Self::BoundsMissed { .. }
             | Self::SolverWrong { .. }
             | Self::Store(StoreError::Io { .. } | StoreError::Database(_) | StoreError::Unwritable(_))
             | Self::NoRuntime(_)
@@ -181,7 +181,7 @@ impl Error {
 
 /// That a scene or a file has no light of that name, and which it has.
 pub fn no_such_light<'a>(whose: String, name: &str, names: impl Iterator<Item = &'a str>) -> Error {
-    Error::NoSuch { whose, what: "light", name: name.into(), choices: choices(names) }
+    Error::UnknownName { whose, what: "light", name: name.into(), choices: choices(names) }
 }
 
 /// What there is to choose from, as the end of a sentence.

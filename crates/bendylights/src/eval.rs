@@ -3,12 +3,12 @@
 use std::path::PathBuf;
 
 use clap::ValueEnum;
-use cli::answer;
+use cli::print_answer;
 use glam::DVec3;
-use light::{CheckedLight, Location, Tube};
+use light::{CheckedLight, Tube, TubeLocation};
 use protocol::point_file::WrittenPoint;
 use protocol::{Evaluation, Visibility};
-use reference::{Linked, Reference};
+use reference::{LinkedNodes, Reference};
 use scene::Scene;
 
 use crate::error::Error;
@@ -55,11 +55,11 @@ pub struct Args {
     precision: Option<f64>,
     /// What computes the answer; shadows are always found in double precision
     #[arg(long, value_enum, default_value = "f64")]
-    on: On,
+    on: EvalDevice,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum On {
+enum EvalDevice {
     /// The CPU in double precision
     F64,
     /// The CPU in single precision
@@ -69,23 +69,23 @@ enum On {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    if matches!(args.on, On::Gpu) {
-        cli::without_window_system();
+    if matches!(args.on, EvalDevice::Gpu) {
+        cli::restart_without_window_system();
     }
     let file = args.light.display().to_string();
     let light = files::read_one_light(&args.light)?;
     let Some(tube) = light.tube() else { return Err(Error::EvalWithoutTube { file }) };
     let written = files::read_points(&args.points)?;
     let points: Vec<DVec3> = written.iter().map(|point| point.position).collect();
-    let locations: Vec<Location> = match args.on {
-        On::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
-        On::F32 => {
+    let locations: Vec<TubeLocation> = match args.on {
+        EvalDevice::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
+        EvalDevice::F32 => {
             // As the renderer does, single precision is given the part of the light in which the points lie.
             let part = tube.part_near_points(&points);
             let tube = Tube::<f32>::from(&part.tube);
-            points.iter().map(|&point| part.in_whole(&tube.locate(point))).collect()
+            points.iter().map(|&point| part.to_whole_light(&tube.locate(point))).collect()
         }
-        On::Gpu => render::locate(&*gpu::open()?, tube, &points)?,
+        EvalDevice::Gpu => render::locate(&*gpu::open()?, tube, &points)?,
     };
     let scene = args.scene.as_deref().map(open_scene).transpose()?.map(|loaded| loaded.scene);
     let shadows = scene.map(|scene| Shadows::new(scene, &light, args.precision));
@@ -98,7 +98,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
             serde_json::to_string(&evaluation).expect("finite numbers and string keys")
         })
         .collect();
-    Ok(answer(&format!("[{}]", objects.join(",\n ")))?)
+    Ok(print_answer(&format!("[{}]", objects.join(",\n ")))?)
 }
 
 /// A length on the command line.
@@ -111,34 +111,39 @@ fn length(text: &str) -> Result<f64, String> {
 struct Shadows {
     reference: Reference,
     /// What of the scene throws shadows.
-    linked: Linked,
+    linked: LinkedNodes,
     /// Of every point, where it is given.
     precision: Option<f64>,
     /// The most that is taken from a point's decimals: coarser ones were typed, not read.
-    coarsest: f64,
+    max_precision: f64,
 }
 
 /// Share of the scene's size that a precision taken from decimals may have.
-const COARSEST: f64 = 0.01;
+const MAX_PRECISION_SHARE: f64 = 0.01;
 
 impl Shadows {
     fn new(scene: Scene, light: &CheckedLight, precision: Option<f64>) -> Self {
         let posed = scene::pose(scene);
-        let coarsest = COARSEST * 2.0 * posed.half_extent.length();
-        Self { linked: Linked::new(&posed, light), reference: Reference::new(posed), precision, coarsest }
+        let max_precision = MAX_PRECISION_SHARE * 2.0 * posed.half_extent.length();
+        Self {
+            linked: LinkedNodes::new(&posed, light),
+            reference: Reference::new(posed),
+            precision,
+            max_precision,
+        }
     }
 
     /// How far `point` may lie from the surface that it was read from: half a unit of the last digit along each axis.
     fn precision(&self, point: &WrittenPoint) -> f64 {
         let rounding = 3.0_f64.sqrt() * point.last_digit / 2.0;
-        self.precision.unwrap_or(rounding.min(self.coarsest))
+        self.precision.unwrap_or(rounding.min(self.max_precision))
     }
 
     /// Whether light gets to a point through the scene; `None` outside the light.
     fn visibility(
         &self,
         tube: &Tube<f64>,
-        location: &Location,
+        location: &TubeLocation,
         written: &WrittenPoint,
     ) -> Option<Visibility> {
         let inside = location.point.as_ref()?;
@@ -146,7 +151,8 @@ impl Shadows {
         let point = surface.unwrap_or(written.position);
         // Always in double precision. At the light's rim the surface may lie just outside.
         let place = tube.locate(point).point;
-        let node = self.reference.occluder((tube, &self.linked), place.as_ref().unwrap_or(inside), point);
+        let node =
+            self.reference.occluding_node((tube, &self.linked), place.as_ref().unwrap_or(inside), point);
         let occluder = node.map(|node| self.reference.bvh.posed.scene.nodes[node].name.clone());
         Some(Visibility { visible: occluder.is_none(), occluder })
     }

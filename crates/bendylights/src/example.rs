@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::{Output, answer, make_folder};
+use cli::{OutputFile, make_folder, print_answer};
 use protocol::light_file;
 
 use crate::error::Error;
@@ -29,10 +29,10 @@ pub fn run(args: &Args) -> Result<(), Error> {
     for (name, bytes) in [("room.glb", assets::example_glb()), ("lights.json", light.into_bytes())] {
         let path = args.folder.join(name);
         if path.exists() {
-            return Err(Error::IsThere { file: path });
+            return Err(Error::FileExists { file: path });
         }
-        Output::create(&path)?.write(&bytes)?;
-        answer(&path.display().to_string())?;
+        OutputFile::create(&path)?.write(&bytes)?;
+        print_answer(&path.display().to_string())?;
     }
     Ok(())
 }

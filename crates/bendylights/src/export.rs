@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::Output;
+use cli::OutputFile;
 use store::Store;
 
 use crate::bundle;
@@ -31,7 +31,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let store = Store::open(&args.data)?;
-    let output = Output::create(&args.output)?;
+    let output = OutputFile::create(&args.output)?;
     output.write_with(|file| {
         if bundle::is_wanted(&args.output) {
             return bundle::write(&store, &args.session, &args.output, file);

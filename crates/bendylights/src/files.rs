@@ -8,7 +8,7 @@ use std::sync::Arc;
 use cli::progress;
 use indicatif::ProgressBar;
 use light::CheckedLight;
-use protocol::drag_file::{self, Drag};
+use protocol::drag_file::{self, FileDrag};
 use protocol::point_file::WrittenPoint;
 use protocol::{FileError, light_file, point_file};
 
@@ -56,7 +56,7 @@ pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
 }
 
 /// The drags of a drag file, or of standard input where `path` is `-`.
-pub fn read_drags(path: &Path) -> Result<Vec<Drag>, Error> {
+pub fn read_drags(path: &Path) -> Result<Vec<FileDrag>, Error> {
     if path.as_os_str() == STDIN {
         return parsed("standard input".into(), read_limited(io::stdin().lock()), drag_file::parse);
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use cli::say;
+use cli::print_note;
 use render::{Backend, Gpu, MemoryBudget, RenderError};
 
 /// Who draws shadows and lights.
@@ -11,11 +11,11 @@ use render::{Backend, Gpu, MemoryBudget, RenderError};
 pub struct BackendArgs {
     /// Who draws shadows and lights of pictures
     #[arg(long, value_enum, default_value = "auto", value_name = "WHO")]
-    backend: Choice,
+    backend: BackendChoice,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Choice {
+enum BackendChoice {
     /// Native where the graphics driver draws on the processor anyway, wgpu elsewhere
     Auto,
     /// The processor, on all cores, for machines without a GPU; the driver still finds what each pixel sees
@@ -28,9 +28,9 @@ impl BackendArgs {
     /// Who was asked for; `None` where that follows from the device.
     pub fn wanted(&self) -> Option<Backend> {
         match self.backend {
-            Choice::Auto => None,
-            Choice::Native => Some(Backend::Native),
-            Choice::Wgpu => Some(Backend::Wgpu),
+            BackendChoice::Auto => None,
+            BackendChoice::Native => Some(Backend::Native),
+            BackendChoice::Wgpu => Some(Backend::Wgpu),
         }
     }
 }
@@ -39,7 +39,7 @@ impl BackendArgs {
 pub fn open() -> Result<Arc<Gpu>, RenderError> {
     let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu))?;
     if let Some(advice) = gpu.advice() {
-        say(&format!("note: {advice}"));
+        print_note(&format!("note: {advice}"));
     }
     Ok(Arc::new(gpu))
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::answer;
+use cli::print_answer;
 use document::AssetHash;
 use store::{Assets, SessionRow, Store};
 
@@ -36,12 +36,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
     } else {
         import_log(args)?
     };
-    Ok(answer(&format!("{}: {} records", row.name, row.seq))?)
+    Ok(print_answer(&format!("{}: {} records", row.name, row.seq))?)
 }
 
 fn import_log(args: &Args) -> Result<SessionRow, Error> {
-    let assets = Assets::of(&args.data);
-    let is_here = |asset: &AssetHash| known_scenes::is_here(&assets, asset);
+    let assets = Assets::in_folder(&args.data);
+    let is_here = |asset: &AssetHash| known_scenes::is_available(&assets, asset);
     if Store::open(&args.data).is_err() {
         // A log that is refused makes no folder.
         let (log, bar) = files::open_log(&args.log)?;

@@ -1,12 +1,12 @@
 //! The scenes that a log can load: the demos, and those in a data folder.
 
-use cli::say;
+use cli::print_note;
 use document::AssetHash;
 use scene::Scene;
 use store::Assets;
 
 /// Whether there is a scene of those bytes, whatever it holds.
-pub fn is_here(assets: &Assets, asset: &AssetHash) -> bool {
+pub fn is_available(assets: &Assets, asset: &AssetHash) -> bool {
     bytes_of(Some(assets), asset).is_some()
 }
 
@@ -18,14 +18,15 @@ pub fn is_demo(asset: &AssetHash) -> bool {
 /// The scene of those bytes. What stands in the way of one that is there is said on standard error.
 pub fn load(assets: Option<&Assets>, asset: &AssetHash) -> Option<Scene> {
     let bytes = bytes_of(assets, asset)?;
-    let loaded = ::assets::load_bytes(&bytes).inspect_err(|error| say(&format!("note: {asset}: {error}")));
+    let loaded =
+        ::assets::load_bytes(&bytes).inspect_err(|error| print_note(&format!("note: {asset}: {error}")));
     Some(loaded.ok()?.scene)
 }
 
 fn bytes_of(assets: Option<&Assets>, asset: &AssetHash) -> Option<Vec<u8>> {
     let stored = assets.map_or(Ok(None), |assets| assets.bytes(asset));
     let stored = stored.unwrap_or_else(|error| {
-        say(&format!("note: {error}"));
+        print_note(&format!("note: {error}"));
         None
     });
     stored.or_else(|| demo_bytes(asset))

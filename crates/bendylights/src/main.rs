@@ -98,7 +98,7 @@ Examples:
 fn main() -> ExitCode {
     let Cli { command, quiet, json } = usage::parse();
     if quiet {
-        cli::be_quiet();
+        cli::set_quiet();
     }
     let done = match command {
         Command::Render(args) => render::run(&args),
@@ -120,7 +120,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            usage::complain_of(&error.to_string(), error.exit_code(), json);
+            usage::print_failure(&error.to_string(), error.exit_code(), json);
             ExitCode::from(error.exit_code())
         }
     }

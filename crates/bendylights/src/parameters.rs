@@ -1,6 +1,6 @@
 //! `bendylights parameters`: all that can be set.
 
-use cli::answer;
+use cli::print_answer;
 use protocol::{Parameter, ParameterKind, parameter_table};
 
 use crate::error::Error;
@@ -25,7 +25,9 @@ pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
         table.parameters.retain(|row| row.address.contains_key(owner));
     }
     if as_json {
-        return Ok(answer(&serde_json::to_string_pretty(&table).expect("plain data with string keys"))?);
+        return Ok(print_answer(
+            &serde_json::to_string_pretty(&table).expect("plain data with string keys"),
+        )?);
     }
     let rows: Vec<[String; 5]> = table.parameters.iter().map(line).collect();
     let head = ["of", "name", "values", "default", "touches"].map(String::from);
@@ -38,7 +40,7 @@ pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
         cells.join("  ").trim_end().to_owned()
     };
     let lines: Vec<String> = [&head].into_iter().chain(&rows).map(text).collect();
-    Ok(answer(&lines.join("\n"))?)
+    Ok(print_answer(&lines.join("\n"))?)
 }
 
 fn line(row: &Parameter) -> [String; 5] {

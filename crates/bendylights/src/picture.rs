@@ -4,14 +4,14 @@ use std::path::PathBuf;
 
 use clap::ValueEnum;
 use cli::{LIMITS, Size};
-use light::{LightInstance, Reach};
+use light::{LightInstance, SceneBounds};
 use protocol::{Aovs, CameraChoice, RenderRequest};
-use render::{Background, Wanted, wanted};
+use render::{Background, WantedPicture, wanted_pictures};
 use scene::{Camera, framing_camera};
 
 use crate::error::{Error, choices, no_such_light};
-use crate::picture_files::PictureFiles;
-use crate::usage::whole;
+use crate::picture_files::OutputPictures;
+use crate::usage::whole_number_parser;
 
 /// The options.
 #[derive(clap::Args)]
@@ -23,7 +23,7 @@ pub struct PictureArgs {
     #[arg(long, value_name = "WxH")]
     size: Option<Size>,
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(1..=LIMITS.max_samples))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole_number_parser(1..=LIMITS.max_samples))]
     samples: u32,
     /// What the picture shows: beauty, depth, normal, position, t, vw, direction, visibility or wireframe. An EXR holds several, with
     /// commas between, or all of them
@@ -74,7 +74,7 @@ impl PictureArgs {
 
     /// What is taken in place of what was asked for.
     pub fn warning(&self) -> Option<String> {
-        let single = self.aov.each().iter().filter(|aov| !aov.takes_samples()).map(|aov| aov.name());
+        let single = self.aov.each().iter().filter(|aov| !aov.can_be_multisampled()).map(|aov| aov.name());
         let single: Vec<&str> = single.filter(|_| self.samples > 1).collect();
         (!single.is_empty()).then(|| {
             let aovs = single.join(", ");
@@ -83,25 +83,25 @@ impl PictureArgs {
     }
 
     /// Files that such pictures can be written to.
-    pub fn files(&self, paths: &[PathBuf]) -> Result<PictureFiles, Error> {
+    pub fn files(&self, paths: &[PathBuf]) -> Result<OutputPictures, Error> {
         let background = match self.background {
             BackgroundArg::Black => Background::Black,
             BackgroundArg::Transparent => Background::Transparent,
         };
-        PictureFiles::create(paths, &self.aov, background)
+        OutputPictures::create(paths, &self.aov, background)
     }
 
     /// The pictures that it takes under these lights, of which `light` is chosen.
-    pub fn wanted(&self, light: usize, lights: &[LightInstance]) -> Vec<Wanted> {
+    pub fn wanted(&self, light: usize, lights: &[LightInstance]) -> Vec<WantedPicture> {
         let of_each = self.aov == Aovs::All && self.light.is_none();
-        wanted(self.aov.each(), (!of_each).then_some(light), lights)
+        wanted_pictures(self.aov.each(), (!of_each).then_some(light), lights)
     }
 
     /// The index of the light that the picture is of, among those of `whose`. `scene` is what has none.
     pub fn choose_light(&self, scene: &str, whose: &str, lights: &[LightInstance]) -> Result<usize, Error> {
         RenderRequest::from(self).check_quantities()?;
         if let (Aovs::Listed(aovs), []) = (&self.aov, lights)
-            && let Some(aov) = aovs.iter().find(|aov| aov.is_of_light())
+            && let Some(aov) = aovs.iter().find(|aov| aov.is_per_light())
         {
             return Err(Error::NothingToShow { scene: scene.into(), aov: aov.name() });
         }
@@ -118,7 +118,7 @@ pub fn choose_camera(
     scene: &str,
     wanted: Option<&CameraChoice>,
     aspect: f64,
-    (reach, cameras): (&Reach, &[Camera]),
+    (reach, cameras): (&SceneBounds, &[Camera]),
 ) -> Result<Camera, Error> {
     let wanted = match wanted {
         None => return Ok(cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, aspect))),
@@ -127,7 +127,7 @@ pub fn choose_camera(
     };
     let named = cameras.iter().find(|camera| camera.name == *wanted);
     let indexed = || cameras.get(wanted.parse::<usize>().ok()?);
-    named.or_else(indexed).cloned().ok_or_else(|| Error::NoSuch {
+    named.or_else(indexed).cloned().ok_or_else(|| Error::UnknownName {
         whose: scene.into(),
         what: "camera",
         name: wanted.into(),

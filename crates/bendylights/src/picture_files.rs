@@ -2,32 +2,32 @@
 
 use std::path::PathBuf;
 
-use cli::Output;
+use cli::OutputFile;
 use light::LightInstance;
 use protocol::{Aovs, RenderFormat};
-use render::{Background, ExrFile, FileNeeds, Origin, Pixels, View, Wanted};
+use render::{Background, ExrFile, FileNeeds, PictureOrigin, Pixels, View, WantedPicture};
 
 use crate::error::Error;
 
 /// Where pictures go.
-pub struct PictureFiles {
-    files: Vec<(RenderFormat, Output)>,
+pub struct OutputPictures {
+    files: Vec<(RenderFormat, OutputFile)>,
     background: Background,
 }
 
 /// The pictures of one view, and what they are of.
-pub struct Pictures<'a> {
+pub struct PictureJob<'a> {
     /// The view but for its quantity.
     pub view: View,
     /// The lights that shine.
     pub lights: &'a [LightInstance],
     /// What of it is drawn.
-    pub wanted: Vec<Wanted>,
+    pub wanted: Vec<WantedPicture>,
     /// What the header of an EXR says.
-    pub origin: Origin,
+    pub origin: PictureOrigin,
 }
 
-impl PictureFiles {
+impl OutputPictures {
     /// Refuses what cannot become such files.
     pub fn create(paths: &[PathBuf], aovs: &Aovs, background: Background) -> Result<Self, Error> {
         let mut files = Vec::new();
@@ -40,7 +40,7 @@ impl PictureFiles {
             if format == RenderFormat::Png && aovs.each().len() > 1 {
                 return Err(Error::OneInPng(path.clone()));
             }
-            files.push((format, Output::create(path)?));
+            files.push((format, OutputFile::create(path)?));
         }
         Ok(Self { files, background })
     }
@@ -48,14 +48,14 @@ impl PictureFiles {
     /// Has each quantity drawn by `draw`, once, and writes all files of it.
     pub fn write(
         &self,
-        pictures: &Pictures,
+        pictures: &PictureJob,
         mut draw: impl FnMut(&View, FileNeeds) -> Result<Pixels, Error>,
     ) -> Result<(), Error> {
-        let Pictures { view, lights, wanted, origin } = pictures;
+        let PictureJob { view, lights, wanted, origin } = pictures;
         let wants = |format| self.files.iter().any(|(of, _)| *of == format);
         let mut exr = wants(RenderFormat::Exr).then(|| ExrFile::new([view.width, view.height]));
         let mut png = Vec::new();
-        for Wanted { aov, light, name } in wanted {
+        for WantedPicture { aov, light, name } in wanted {
             let view = View { aov: *aov, light: *light, ..view.clone() };
             let background = wants(RenderFormat::Png).then_some(self.background);
             let pixels = draw(&view, FileNeeds::of(*aov, background, exr.is_some()))?;

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use assets::Loaded;
-use cli::{Size, answer, say};
+use assets::LoadedScene;
+use cli::{Size, print_answer, print_note};
 use glam::DVec2;
 use protocol::{CameraChoice, ProbeState, Probed, ProbedLight, Vec3};
 use raycast::Bvh;
@@ -14,7 +14,7 @@ use scene::View;
 
 use crate::error::Error;
 use crate::picture::choose_camera;
-use crate::render::{instances, open_lit};
+use crate::render::{instances, open_scene_with_lights};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -62,18 +62,19 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    let Loaded { scene, contents, notes, .. } = open_lit(&args.scene, args.lights.as_deref())?;
+    let LoadedScene { scene, contents, notes, .. } =
+        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
     for note in &notes {
-        say(&format!("note: {note}"));
+        print_note(&format!("note: {note}"));
     }
     let lights = instances(contents.lights);
     let posed = scene::pose(scene);
     let Size { width, height } = args.size;
     let aspect = f64::from(width) / f64::from(height);
-    let places = (&posed.subject(), contents.cameras.as_slice());
+    let places = (&posed.subject_bounds(), contents.cameras.as_slice());
     let wanted = args.camera.clone().map(CameraChoice::Named);
     let camera = choose_camera(&args.scene, wanted.as_ref(), aspect, places)?;
-    let reference = Reference::for_points(Arc::new(Bvh::new(posed)));
+    let reference = Reference::for_point_queries(Arc::new(Bvh::new(posed)));
     let view = View::beauty(camera, [width, height]);
     let probe = reference.probe(&view, DVec2::new(args.x, args.y), &lights, &BTreeSet::new())?;
     let probed = Probed::new(&probe, &reference.bvh.posed, |_| None);
@@ -82,7 +83,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     } else {
         serde_json::to_string(&probed).expect("finite numbers and string keys")
     };
-    Ok(answer(&text)?)
+    Ok(print_answer(&text)?)
 }
 
 /// A line for what is seen, and one for each light.

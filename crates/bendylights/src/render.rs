@@ -3,20 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use assets::Loaded;
+use assets::LoadedScene;
 use clap::ValueEnum;
-use cli::{LIMITS, progress, say};
+use cli::{LIMITS, print_note, progress};
 use document::SceneContents;
-use light::{CheckedLight, LightId, LightInstance, Reach, Tube};
+use light::{CheckedLight, LightId, LightInstance, SceneBounds, Tube};
 use protocol::RenderRequest;
 use reference::Reference;
-use render::{Origin, Picture, Pixels, Renderer, ShadowSettings, View, ViewSlot};
+use render::{Picture, PictureOrigin, Pixels, Renderer, ShadowSettings, View, ViewSlot};
 use scene::PosedScene;
 
 use crate::error::{Error, choices};
 use crate::picture::{PictureArgs, choose_camera};
-use crate::picture_files::{PictureFiles, Pictures};
-use crate::usage::whole;
+use crate::picture_files::{OutputPictures, PictureJob};
+use crate::usage::whole_number_parser;
 use crate::{files, gpu};
 
 #[derive(clap::Args)]
@@ -55,9 +55,9 @@ pub struct Args {
     picture: PictureArgs,
     /// What draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
-    backend: Backend,
+    backend: PictureBackend,
     /// Texels along each side of a shadow map, 16 or more; backend gpu only [default: 2048]
-    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
+    #[arg(long, value_name = "N", value_parser = whole_number_parser(0..=u32::MAX))]
     shadow_resolution: Option<u32>,
     /// How far what casts shadows may stray from the scene, in world units, to be fewer triangles; backend gpu only [default: 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
@@ -68,7 +68,7 @@ pub struct Args {
 }
 
 #[derive(Clone, Copy, ValueEnum)]
-enum Backend {
+enum PictureBackend {
     /// The graphics device, in single precision, with shadow maps
     Gpu,
     /// The processor, in double precision, following light along its curve: slow, and what the GPU is measured against
@@ -76,12 +76,13 @@ enum Backend {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    if let Backend::Gpu = args.backend {
-        cli::without_window_system();
+    if let PictureBackend::Gpu = args.backend {
+        cli::restart_without_window_system();
     }
     let shadows = shadow_settings(args)?;
     let files = args.picture.files(&args.output)?;
-    let Loaded { scene, contents, mut notes, name } = open_lit(&args.scene, args.lights.as_deref())?;
+    let LoadedScene { scene, contents, mut notes, name } =
+        open_scene_with_lights(&args.scene, args.lights.as_deref())?;
     let lights = instances(contents.lights);
     let request = RenderRequest::from(&args.picture);
     let lights_of = args.lights.as_ref().map_or(args.scene.clone(), |file| file.display().to_string());
@@ -93,20 +94,21 @@ pub fn run(args: &Args) -> Result<(), Error> {
     notes.extend(args.picture.warning());
     notes.extend(lights.iter().flat_map(warnings));
     let posed = scene::pose(scene);
-    if matches!(args.backend, Backend::Gpu) {
-        notes.extend(left_out(&posed.reach(), &lights));
+    if matches!(args.backend, PictureBackend::Gpu) {
+        notes.extend(left_out(&posed.bounds(), &lights));
     }
     let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
-    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.subject(), &contents.cameras))?;
+    let camera = choose_camera(&args.scene, wanted, aspect, (&posed.subject_bounds(), &contents.cameras))?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
     for note in &notes {
-        say(&format!("note: {note}"));
+        print_note(&format!("note: {note}"));
     }
-    let origin = Origin { scene: name.or_else(|| Some(args.scene.clone())), ..Origin::default() };
-    let pictures = Pictures { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
+    let origin =
+        PictureOrigin { scene: name.or_else(|| Some(args.scene.clone())), ..PictureOrigin::default() };
+    let pictures = PictureJob { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
     match args.backend {
-        Backend::Gpu => draw(&posed, &pictures, shadows, &files),
-        Backend::Reference => {
+        PictureBackend::Gpu => draw(&posed, &pictures, shadows, &files),
+        PictureBackend::Reference => {
             let reference = Reference::new(posed);
             files.write(&pictures, |view, _| trace(&reference, view, &lights).map(Pixels::Raw))
         }
@@ -122,10 +124,10 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
         ..default
     };
     match args.backend {
-        Backend::Reference if args.shadow_resolution.is_some() => {
+        PictureBackend::Reference if args.shadow_resolution.is_some() => {
             Err(Error::NoShadowMaps("--shadow-resolution"))
         }
-        Backend::Reference if args.shadow_mesh_error.is_some() => {
+        PictureBackend::Reference if args.shadow_mesh_error.is_some() => {
             Err(Error::NoShadowMaps("--shadow-mesh-error"))
         }
         _ => Ok(settings),
@@ -135,9 +137,9 @@ fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
 /// Draws pictures of a scene into files.
 pub fn draw(
     scene: &Arc<PosedScene>,
-    pictures: &Pictures,
+    pictures: &PictureJob,
     shadows: ShadowSettings,
-    files: &PictureFiles,
+    files: &OutputPictures,
 ) -> Result<(), Error> {
     let mut renderer = Renderer::new(gpu::open()?)?;
     renderer.set_shadow_settings(shadows)?;
@@ -145,7 +147,7 @@ pub fn draw(
     files.write(pictures, |view, needs| {
         let bar = progress(0);
         let pixels = renderer.render_for_files(view, pictures.lights, needs, |progress| {
-            bar.set_length(progress.of);
+            bar.set_length(progress.total);
             bar.set_position(progress.done);
         });
         bar.finish_and_clear();
@@ -164,9 +166,9 @@ fn trace(reference: &Reference, view: &View, lights: &[LightInstance]) -> Result
 }
 
 /// The lights that a picture is made without.
-pub fn left_out(reach: &Reach, lights: &[LightInstance]) -> Vec<String> {
+pub fn left_out(reach: &SceneBounds, lights: &[LightInstance]) -> Vec<String> {
     reach
-        .left_out(lights.iter().map(|instance| &*instance.light))
+        .undrawable_of(lights.iter().map(|instance| &*instance.light))
         .iter()
         .map(|why| format!("a light is left out: {why}"))
         .collect()
@@ -180,12 +182,12 @@ fn warnings(instance: &LightInstance) -> Vec<String> {
 }
 
 /// The scene of a file, or the demo of that name, with notes of what was left out.
-pub fn open_scene(name: &str) -> Result<Loaded, Error> {
+pub fn open_scene(name: &str) -> Result<LoadedScene, Error> {
     if name.starts_with("http://") || name.starts_with("https://") {
         return Err(Error::RemoteScene { address: name.into() });
     }
     let Some(demo) = name.strip_prefix("demo:") else { return Ok(assets::load(Path::new(name))?) };
-    let no_such = || Error::NoSuch {
+    let no_such = || Error::UnknownName {
         whose: "bendylights".into(),
         what: "demo scene",
         name: demo.into(),
@@ -195,11 +197,11 @@ pub fn open_scene(name: &str) -> Result<Loaded, Error> {
 }
 
 /// The same with the lights of a file in place of its own, or with its own or the key that a scene without any gets.
-pub fn open_lit(name: &str, lights: Option<&Path>) -> Result<Loaded, Error> {
+pub fn open_scene_with_lights(name: &str, lights: Option<&Path>) -> Result<LoadedScene, Error> {
     let loaded = open_scene(name)?;
-    let Some(file) = lights else { return Ok(loaded.lit()) };
+    let Some(file) = lights else { return Ok(loaded.with_default_light()) };
     let lights = files::read_lights(file)?;
-    Ok(Loaded { contents: SceneContents { lights, ..loaded.contents }, ..loaded })
+    Ok(LoadedScene { contents: SceneContents { lights, ..loaded.contents }, ..loaded })
 }
 
 /// Lights as pictures take them, by their index.

@@ -3,20 +3,20 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use cli::{LIMITS, answer, say};
+use cli::{LIMITS, print_answer, print_note};
 use document::{AssetHash, Document, EditError};
 use edit::ReplayError;
 use protocol::RenderRequest;
-use render::{Origin, ShadowSettings, ViewSlot};
+use render::{PictureOrigin, ShadowSettings, ViewSlot};
 use scene::Scene;
 use store::{Assets, StoreError, visit_log};
 
 use crate::error::Error;
 use crate::picture::{PictureArgs, choose_camera};
-use crate::picture_files::{PictureFiles, Pictures};
+use crate::picture_files::{OutputPictures, PictureJob};
 use crate::render::{draw, left_out};
 use crate::resolve::Resolver;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 use crate::{files, known_scenes};
 
 #[derive(clap::Args)]
@@ -43,7 +43,7 @@ pub struct Args {
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
     /// Last record to replay [default: the last there is]
-    #[arg(long, value_name = "N", value_parser = whole(0..=u64::MAX))]
+    #[arg(long, value_name = "N", value_parser = whole_number_parser(0..=u64::MAX))]
     to: Option<u64>,
     /// Solve every drag again, beside what the log has of it
     #[arg(long)]
@@ -57,7 +57,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     if args.render.is_some() {
-        cli::without_window_system();
+        cli::restart_without_window_system();
     }
     if args.render.is_none() && !args.picture.is_default() {
         return Err(Error::NoPicture);
@@ -76,13 +76,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     bar.finish_and_clear();
     let replayed = replayed.map_err(|reason| refused(&args.log, reason))?;
     let document = replayed.session.document();
-    let resolved = resolver.map(Resolver::answer).transpose();
+    let resolved = resolver.map(Resolver::into_json).transpose();
     let resolved = resolved.map_err(|(seq, asset)| no_scene(&args.log, seq, asset))?;
-    answer(&format!(
+    print_answer(&format!(
         r#"{{"records": {}, "hash": "{}", "checkpoints_ok": {}, "seconds": {:.3}{}}}"#,
         replayed.session.seq(),
         document.hash(),
-        replayed.differs.is_none(),
+        replayed.first_difference.is_none(),
         start.elapsed().as_secs_f64(),
         resolved.map_or_else(String::new, |resolved| format!(r#", "resolved": {resolved}"#)),
     ))?;
@@ -96,7 +96,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         };
         draw_document(args, (document, replayed.session.seq()), scene, &files)?;
     }
-    match replayed.differs {
+    match replayed.first_difference {
         Some(how) => Err(Error::Differs { file: args.log.display().to_string(), how }),
         None => Ok(()),
     }
@@ -123,26 +123,26 @@ fn draw_document(
     args: &Args,
     (document, seq): (&Document, u64),
     scene: Scene,
-    files: &PictureFiles,
+    files: &OutputPictures,
 ) -> Result<(), Error> {
     let posed = scene::pose(scene);
-    let (log, lights) = (args.log.display().to_string(), document.instances());
+    let (log, lights) = (args.log.display().to_string(), document.light_instances());
     let request = RenderRequest::from(&args.picture);
     let cameras: Vec<_> = document.cameras().values().cloned().collect();
     let (wanted, aspect) = (request.camera.as_ref(), request.framing_aspect());
-    let camera = choose_camera(&log, wanted, aspect, (&posed.subject(), &cameras))?;
+    let camera = choose_camera(&log, wanted, aspect, (&posed.subject_bounds(), &cameras))?;
     let light = args.picture.choose_light(&log, &log, &lights)?;
     let view = request.view(camera, light, LIMITS, ViewSlot::default());
-    for note in left_out(&posed.reach(), &lights).into_iter().chain(args.picture.warning()) {
-        say(&format!("note: {note}"));
+    for note in left_out(&posed.bounds(), &lights).into_iter().chain(args.picture.warning()) {
+        print_note(&format!("note: {note}"));
     }
-    let origin = Origin {
+    let origin = PictureOrigin {
         name: Some(log),
         seq: Some(seq),
         document_hash: Some(document.hash().to_string()),
         scene: document.scene().map(|scene| scene.asset.to_string()),
-        ..Origin::default()
+        ..PictureOrigin::default()
     };
-    let pictures = Pictures { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
+    let pictures = PictureJob { view, lights: &lights, wanted: args.picture.wanted(light, &lights), origin };
     draw(&posed, &pictures, ShadowSettings::default(), files)
 }

@@ -4,7 +4,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use document::{
-    AssetHash, Command, Context, Document, DragOutcome, EditError, SolvedDrag, edited, solve_drag,
+    AssetHash, Command, CommandContext, Document, DragOutcome, EditError, SolvedDrag, execute_command,
+    solve_drag,
 };
 use drag::SOLVER;
 use edit::Session;
@@ -19,7 +20,7 @@ use crate::known_scenes;
 
 /// What came of solving again.
 #[derive(Clone, Copy, Debug, Default)]
-struct Resolved {
+struct ResolvedCounts {
     /// Drags in the log, of features and of control points; those of a light in a group are one.
     drags: usize,
     /// Those that came to the log's light to the last bit.
@@ -39,7 +40,7 @@ pub struct Resolver<'a> {
     assets: Option<&'a Assets>,
     /// The latest scene, ready for rays.
     scene: Option<(AssetHash, Arc<Bvh>)>,
-    resolved: Resolved,
+    resolved: ResolvedCounts,
     /// The first record whose scene is not to be found, and the scene.
     missing: Option<(u64, AssetHash)>,
 }
@@ -47,10 +48,10 @@ pub struct Resolver<'a> {
 impl<'a> Resolver<'a> {
     /// Scenes are looked for in `assets` and among the demos.
     pub fn new(assets: Option<&'a Assets>) -> Self {
-        Self { assets, scene: None, resolved: Resolved::default(), missing: None }
+        Self { assets, scene: None, resolved: ResolvedCounts::default(), missing: None }
     }
 
-    /// Takes in a record, after which the session is as `after`.
+    /// Takes in a record, after which the session is as `to`.
     pub fn visit(&mut self, record: &Record, after: &Session) {
         if !holds_drag(&record.action) {
             return;
@@ -73,7 +74,7 @@ impl<'a> Resolver<'a> {
         };
         self.resolved.other_solver += commands.iter().filter(|command| is_of_other(command)).count();
         for (command, _) in commands {
-            match self.again(&before, command, record.seq) {
+            match self.solve_again(&before, command, record.seq) {
                 Some(Ok(again)) => before = again,
                 Some(Err(_)) => {
                     self.resolved.refused += dragged.len();
@@ -88,7 +89,7 @@ impl<'a> Resolver<'a> {
     }
 
     /// The document after `command`, solved now; `None` where its scene is not to be found.
-    fn again(
+    fn solve_again(
         &mut self,
         before: &Document,
         command: &Command,
@@ -111,8 +112,8 @@ impl<'a> Resolver<'a> {
             Ok(solved) => solved,
             Err(error) => return Some(Err(error)),
         };
-        let context = Context { solved: solved.as_ref(), ..Context::default() };
-        Some(edited(before, command, context).map(|edited| edited.document))
+        let context = CommandContext { solved: solved.as_ref(), ..CommandContext::default() };
+        Some(execute_command(before, command, context).map(|edited| edited.document))
     }
 
     fn bvh(&mut self, asset: AssetHash) -> Option<Arc<Bvh>> {
@@ -141,8 +142,8 @@ impl<'a> Resolver<'a> {
     }
 
     /// In JSON; or the first record whose scene is not to be found, and the scene.
-    pub fn answer(self) -> Result<String, (u64, AssetHash)> {
-        let Resolved { drags, same, drift, drift_seq, refused, other_solver } = self.resolved;
+    pub fn into_json(self) -> Result<String, (u64, AssetHash)> {
+        let ResolvedCounts { drags, same, drift, drift_seq, refused, other_solver } = self.resolved;
         let answer = json!({
             "drags": drags,
             "same": same,

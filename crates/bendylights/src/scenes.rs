@@ -1,11 +1,11 @@
 //! `bendylights scenes`: the demo scenes there are.
 
-use cli::answer;
+use cli::print_answer;
 
 use crate::error::Error;
 
 pub fn run() -> Result<(), Error> {
     let lines: Vec<String> =
         assets::DEMO_NAMES.iter().map(|(name, description)| format!("demo:{name}  {description}")).collect();
-    Ok(answer(&lines.join("\n"))?)
+    Ok(print_answer(&lines.join("\n"))?)
 }

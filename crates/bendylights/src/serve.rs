@@ -4,8 +4,8 @@ use std::io::{self, IsTerminal};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 
-use cli::{answer, say};
-use server::{Config, PublicUrl, Server, StartSession};
+use cli::{print_answer, print_note};
+use server::{PublicUrl, Server, ServerConfig, StartSession};
 use tokio::runtime::Runtime;
 use tokio::signal::unix::{SignalKind, signal};
 use tracing_subscriber::EnvFilter;
@@ -56,7 +56,7 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    cli::without_window_system();
+    cli::restart_without_window_system();
     let filter = EnvFilter::try_from_default_env()
         .unwrap_or_else(|_| EnvFilter::new(if cli::is_quiet() { "error" } else { "info,wgpu=warn" }));
     let colors = io::stderr().is_terminal();
@@ -69,12 +69,12 @@ pub fn run(args: &Args) -> Result<(), Error> {
         Error::CannotListen { address, reason }
     })?;
     if !address.ip().is_loopback() {
-        say(&format!(
+        print_note(&format!(
             "note: {address} can be reached from other machines, and what is sent is not encrypted: put a proxy with TLS in \
              front, or listen on 127.0.0.1"
         ));
     }
-    let config = Config {
+    let config = ServerConfig {
         data: args.data.clone(),
         session: SESSION.into(),
         scene: args.scene.clone(),
@@ -88,14 +88,16 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .public_url
         .first()
         .map_or_else(|| format!("http://{}", reachable(address)), PublicUrl::to_string);
-    let StartSession { name, kept } = server.session();
+    let StartSession { name, scene_already_there: kept } = server.session();
     let mut page = vec![];
     if args.token_file.is_none() {
         page.push(format!("token={}", server.token().digits()));
     }
     if let Some(scene) = &args.scene {
         if let Some(kept) = kept {
-            say(&format!("note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"));
+            print_note(&format!(
+                "note: session `{SESSION}` keeps {kept}; {scene} is served as session `{name}`"
+            ));
         }
         page.push(format!("session={name}"));
     }
@@ -105,8 +107,8 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let served = runtime.block_on(async {
         let stop = stop_signal().map_err(Error::NoRuntime)?;
         let listener = tokio::net::TcpListener::from_std(listener).map_err(Error::NoRuntime)?;
-        answer(&page)?;
-        let is_warm = server.is_warm();
+        print_answer(&page)?;
+        let is_warm = server.wait_until_warm();
         runtime.spawn(async move {
             // The last line of a service's journal, without the token.
             if is_warm.await {

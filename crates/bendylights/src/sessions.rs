@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use cli::answer;
+use cli::print_answer;
 use serde_json::json;
 use store::{SessionSummary, Store, StoreError};
 
@@ -35,7 +35,7 @@ pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
     };
     let wanted = store.sessions()?.into_iter().filter(|session| args.archived || !session.is_archived);
     let sessions: Vec<Listed> = wanted.map(listed).collect();
-    Ok(answer(&if as_json { to_json(&sessions) } else { to_table(&sessions) })?)
+    Ok(print_answer(&if as_json { to_json(&sessions) } else { to_table(&sessions) })?)
 }
 
 /// A session with the hash of its document, or why it has none.

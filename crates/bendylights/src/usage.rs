@@ -8,7 +8,7 @@ use std::str::FromStr;
 use clap::Parser;
 use clap::builder::TypedValueParser;
 use clap::error::ContextKind;
-use cli::complain;
+use cli::print_to_stderr;
 use serde_json::json;
 
 /// The folder of `bendylights serve`, and of the commands that look into it.
@@ -17,7 +17,7 @@ pub const DATA: &str = "./bendylights-data";
 /// The exit code of a command line that cannot be read.
 const USAGE: u8 = 2;
 /// Digits of the largest number that means something to people.
-const MOST_DIGITS: usize = 9;
+const MAX_SHOWN_DIGITS: usize = 9;
 
 /// What is on the command line, or the end of the program with a sentence.
 ///
@@ -28,7 +28,7 @@ pub fn parse<T: Parser>() -> T {
         // What is on the command line cannot be read, so it is looked for.
         let as_json = std::env::args_os().any(|word| word == "--json");
         if as_json && error.use_stderr() {
-            complain_of(&sentence(&error.to_string()), USAGE, true);
+            print_failure(&sentence(&error.to_string()), USAGE, true);
             process::exit(USAGE.into());
         }
         error.exit()
@@ -37,11 +37,11 @@ pub fn parse<T: Parser>() -> T {
 
 /// Why a command fails, on standard error: a line for people, or for programs
 /// `{"error": {"message": "...", "exitCode": 2}}`.
-pub fn complain_of(why: &str, exit_code: u8, as_json: bool) {
+pub fn print_failure(why: &str, exit_code: u8, as_json: bool) {
     if as_json {
-        complain(&json!({"error": {"message": why, "exitCode": exit_code}}).to_string());
+        print_to_stderr(&json!({"error": {"message": why, "exitCode": exit_code}}).to_string());
     } else {
-        complain(&format!("error: {why}"));
+        print_to_stderr(&format!("error: {why}"));
     }
 }
 
@@ -53,14 +53,14 @@ fn sentence(error: &str) -> String {
 }
 
 /// Takes a whole number of `range`.
-pub fn whole<N>(range: RangeInclusive<N>) -> impl TypedValueParser<Value = N>
+pub fn whole_number_parser<N>(range: RangeInclusive<N>) -> impl TypedValueParser<Value = N>
 where
     N: FromStr + PartialOrd + fmt::Display + Clone + Send + Sync + 'static,
 {
     clap::builder::StringValueParser::new().try_map(move |text| {
         let number = text.parse().ok().filter(|number| range.contains(number));
         number.ok_or_else(|| match range.end().to_string() {
-            last if last.len() <= MOST_DIGITS => {
+            last if last.len() <= MAX_SHOWN_DIGITS => {
                 format!("write a whole number from {} to {last}", range.start())
             }
             _ => format!("write a whole number from {} up", range.start()),

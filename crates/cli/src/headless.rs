@@ -13,7 +13,7 @@ const NO_DEVICE_SELECT: &str = "NODEVICE_SELECT";
 /// Mesa's Vulkan layer that selects a device asks the window system which one it draws with. Where none runs,
 /// libwayland writes an error about `XDG_RUNTIME_DIR` at each question. The layer goes by the environment,
 /// and a running process cannot change its own safely; a new one can be given another.
-pub fn without_window_system() {
+pub fn restart_without_window_system() {
     if env::var_os("XDG_RUNTIME_DIR").is_some() || env::var_os(NO_DEVICE_SELECT).is_some() {
         return;
     }

@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use crate::CliError;
 
 /// A file to be written.
-pub struct Output {
+pub struct OutputFile {
     path: PathBuf,
 }
 
-impl Output {
+impl OutputFile {
     /// Refuses, before any work is done, a place that cannot take a file.
     pub fn create(path: &Path) -> Result<Self, CliError> {
         let output = Self { path: path.into() };

@@ -3,19 +3,19 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use drag::Radii;
-use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, Owner, Reach, Setting};
+use drag::RadiusMode;
+use light::{CheckedLight, Light, LightId, MAX_NAME_BYTES, ParameterOwner, SceneBounds, Setting};
 use scene::Camera;
 
-use crate::bending::{Bending, reshaped};
+use crate::bending::{BendRequest, reshape_change};
 use crate::camera::{camera_parameter, set_camera};
-use crate::features::dragged_feature;
+use crate::features::feature_drag_changes;
 use crate::naming::quoted;
-use crate::pins::{MAX_PINS, added_pin, changed_pin, check_pin, removed_pins};
-use crate::points::{moved_points, renumbered};
+use crate::pins::{MAX_PINS, check_pin, pin_addition, pin_change, pin_removals};
+use crate::points::{point_move_changes, renumbering_change};
 use crate::{
-    AssetHash, CameraId, CameraParameter, Change, Command, Document, DragOutcome, EditError, Layout,
-    PlacedLight, SceneContents, SceneRef, SolvedDrag,
+    AssetHash, CameraId, CameraParameter, Change, Command, Document, DragOutcome, EditError, NumberedLight,
+    PointNumbering, SceneContents, SceneRef, SolvedDrag,
 };
 
 /// Lights that a document holds at most; each has a shadow map.
@@ -27,9 +27,9 @@ const MAX_NUMBER: u64 = (1 << 53) - 1;
 
 /// What commands need to know of geometry, which a document does not hold.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Context<'a> {
+pub struct CommandContext<'a> {
     /// The box of the document's scene, against which its lights are measured.
-    pub reach: Reach,
+    pub scene_bounds: SceneBounds,
     /// What comes with the scene that a command loads; `None` where that is not at hand.
     pub loaded: Option<&'a SceneContents>,
     /// Where the drag of a feature leads, as [`crate::solve_drag`] found for this command and document; `None` where that is not
@@ -39,7 +39,7 @@ pub struct Context<'a> {
 
 /// What a command comes to.
 #[derive(Clone, Debug)]
-pub struct Edited {
+pub struct CommandResult {
     /// What changes; empty where everything is so already.
     pub changes: Vec<Change>,
     /// The document after that, valid.
@@ -52,26 +52,34 @@ pub struct Edited {
 ///
 /// A function of its arguments alone: ids of what is added are the document's next numbers. The document
 /// after the changes is valid: lights can be evaluated, cameras make pictures, limits hold.
-pub fn edited(document: &Document, command: &Command, context: Context) -> Result<Edited, EditError> {
+pub fn execute_command(
+    document: &Document,
+    command: &Command,
+    context: CommandContext,
+) -> Result<CommandResult, EditError> {
     let changes = changes_of(document, command, context)?;
     let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
     let mut after = document.clone();
     after.apply(&changes)?;
     // A scene brings its lights as they are.
     if !matches!(command, Command::LoadScene { .. }) {
-        stays_in_reach(document, &after, &changes, context.reach)?;
+        check_lights_are_drawable(document, &after, &changes, context.scene_bounds)?;
     }
     let outcome = context.solved.filter(|_| matches!(command, Command::DragFeature { .. }));
-    Ok(Edited { changes, document: after, outcome: outcome.map(|solved| solved.outcome.clone()) })
+    Ok(CommandResult { changes, document: after, outcome: outcome.map(|solved| solved.outcome.clone()) })
 }
 
-fn changes_of(document: &Document, command: &Command, context: Context) -> Result<Vec<Change>, EditError> {
+fn changes_of(
+    document: &Document,
+    command: &Command,
+    context: CommandContext,
+) -> Result<Vec<Change>, EditError> {
     Ok(match command {
         Command::LoadScene { asset, name } => load_scene(document, *asset, name, context.loaded)?,
         Command::AddLight(light) => vec![added_light(document.next_number(), light)],
         Command::RemoveLight(id) => {
             let gone = Change::Light { light: *id, old: Some(light(document, *id)?.clone()), new: None };
-            [vec![gone], removed_pins(document, |pin| pin.light == *id)].concat()
+            [vec![gone], pin_removals(document, |pin| pin.light == *id)].concat()
         }
         Command::PlaceLight { light: id, translation, rotation, scale } => {
             light(document, *id)?;
@@ -90,12 +98,12 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
         Command::DragPoint { light: id, point, position, radii_follow } => {
             // What setting the position refuses, and what it does where there is nothing to solve, as for NaN.
             let set = point_change(document, *id, *point, light::parameters::POSITION.to(*position))?;
-            let radii = if *radii_follow { Radii::Follow } else { Radii::Keep };
+            let radii = if *radii_follow { RadiusMode::Follow } else { RadiusMode::Keep };
             let placed = light(document, *id)?;
-            match drag::glide(&placed.light, *point, *position, radii) {
+            match drag::slide_point(&placed.light, *point, *position, radii) {
                 // The one by which people call it comes first.
                 Some(glided) => {
-                    let moved = moved_points((*id, placed), glided.light.light().points());
+                    let moved = point_move_changes((*id, placed), glided.light.light().points());
                     let (dragged, others): (Vec<_>, Vec<_>) =
                         moved.into_iter().partition(|change| change.overrides(&set));
                     [dragged, others].concat()
@@ -105,25 +113,25 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
         }
         Command::DragFeature { light: id, .. } => {
             let placed = light(document, *id)?;
-            let solved = context.solved.ok_or_else(|| EditError::NotSolved(document.light_name(*id)))?;
-            dragged_feature(document, (*id, placed), solved)?
+            let solved = context.solved.ok_or_else(|| EditError::DragNotSolved(document.light_name(*id)))?;
+            feature_drag_changes(document, (*id, placed), solved)?
         }
-        Command::AddPin(pin) => vec![added_pin(document, pin)?],
-        Command::RemovePin(id) => vec![changed_pin(document, *id, |_| None)?],
-        Command::SetPin { pin, is_hard } => vec![changed_pin(document, *pin, |mut held| {
+        Command::AddPin(pin) => vec![pin_addition(document, pin)?],
+        Command::RemovePin(id) => vec![pin_change(document, *id, |_| None)?],
+        Command::SetPin { pin, is_hard } => vec![pin_change(document, *pin, |mut held| {
             held.pin.is_hard = *is_hard;
             Some(held)
         })?],
         Command::InsertPoint { light, .. } | Command::RemovePoint { light, .. } => {
-            vec![renumbered(document, *light, bendy(document, *light)?, command)?]
+            vec![renumbering_change(document, *light, bendy_light(document, *light)?, command)?]
         }
         Command::BendLight { light: id, segments, range, cone_angle, toward } => {
             let bending =
-                Bending { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
-            vec![reshaped(document, (*id, light(document, *id)?), |straight| bending.bent(straight))?]
+                BendRequest { segments: *segments, range: *range, cone_angle: *cone_angle, toward: *toward };
+            vec![reshape_change(document, (*id, light(document, *id)?), |straight| bending.bend(straight))?]
         }
         Command::StraightenLight(id) => {
-            vec![reshaped(document, (*id, light(document, *id)?), light::straighten)?]
+            vec![reshape_change(document, (*id, light(document, *id)?), light::straighten)?]
         }
         Command::AddCamera(camera) => {
             let id = CameraId(document.next_number());
@@ -146,11 +154,11 @@ fn changes_of(document: &Document, command: &Command, context: Context) -> Resul
 
 /// Refuses to take a light out of where pictures can show it. One that is there already, by an old record or with its
 /// scene, may be changed in steps until it is back.
-fn stays_in_reach(
+fn check_lights_are_drawable(
     before: &Document,
     after: &Document,
     changes: &[Change],
-    reach: Reach,
+    reach: SceneBounds,
 ) -> Result<(), EditError> {
     for id in changes.iter().filter_map(Change::light) {
         let was_in_reach = || before.lights.get(&id).is_none_or(|was| reach.check(&was.light).is_ok());
@@ -177,21 +185,21 @@ impl Document {
     /// that leave something invalid.
     pub fn apply(&mut self, changes: &[Change]) -> Result<(), EditError> {
         let mut draft = Draft { after: self.clone(), unchecked: BTreeMap::new() };
-        changes.iter().try_for_each(|change| draft.make(change))?;
-        let after = draft.checked()?;
+        changes.iter().try_for_each(|change| draft.apply_change(change))?;
+        let after = draft.into_checked()?;
         changes.iter().try_for_each(|change| after.check(change))?;
         *self = after;
         Ok(())
     }
 
     /// Whether the document holds what `change` starts from.
-    pub fn holds_old_of(&self, change: &Change) -> bool {
+    pub fn holds_old_value_of(&self, change: &Change) -> bool {
         let light = change.light().and_then(|id| self.lights.get(&id));
-        self.holds(change, light.map(|placed| placed.light.light()))
+        self.holds_old_value_with(change, light.map(|placed| placed.light.light()))
     }
 
     /// The same, where the light that `change` is of is `light` by now.
-    fn holds(&self, change: &Change, light: Option<&Light>) -> bool {
+    fn holds_old_value_with(&self, change: &Change, light: Option<&Light>) -> bool {
         let layout = || change.light().and_then(|id| self.lights.get(&id)).map(|placed| placed.layout);
         match change {
             Change::Scene { old, .. } => self.scene == *old,
@@ -247,10 +255,13 @@ impl Document {
 }
 
 impl Draft {
-    fn make(&mut self, change: &Change) -> Result<(), EditError> {
+    fn apply_change(&mut self, change: &Change) -> Result<(), EditError> {
         let conflict = |draft: &Self| Err(EditError::Conflict(change.subject(&draft.after)));
         let light = change.light().and_then(|id| self.light(id));
-        if !self.after.holds(change, light) || !change.is_of_one_property() || change.number() > MAX_NUMBER {
+        if !self.after.holds_old_value_with(change, light)
+            || !change.is_of_one_property()
+            || change.largest_new_number() > MAX_NUMBER
+        {
             return conflict(self);
         }
         match change {
@@ -298,7 +309,7 @@ impl Draft {
                 None => return conflict(self),
             },
         }
-        self.after.take_number(change.number());
+        self.after.take_number(change.largest_new_number());
         Ok(())
     }
 
@@ -314,7 +325,7 @@ impl Draft {
     }
 
     /// The document, every light of which can be evaluated.
-    fn checked(mut self) -> Result<Document, EditError> {
+    fn into_checked(mut self) -> Result<Document, EditError> {
         for (id, light) in self.unchecked {
             let name = quoted(light.name()).unwrap_or_else(|| format!("light {id}"));
             let invalid = |reason| EditError::InvalidLight { light: name, reason };
@@ -332,7 +343,7 @@ fn check_name(name: &str) -> Result<(), EditError> {
     if name.len() <= MAX_NAME_BYTES { Ok(()) } else { Err(too_long) }
 }
 
-fn light(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
+fn light(document: &Document, id: LightId) -> Result<&NumberedLight, EditError> {
     document.lights.get(&id).ok_or(EditError::NoLight(id))
 }
 
@@ -341,9 +352,9 @@ fn camera(document: &Document, id: CameraId) -> Result<&Camera, EditError> {
 }
 
 /// A light that has control points.
-fn bendy(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
+fn bendy_light(document: &Document, id: LightId) -> Result<&NumberedLight, EditError> {
     let placed = light(document, id)?;
-    if placed.light.light().owner() == Owner::Bendy {
+    if placed.light.light().owner() == ParameterOwner::Bendy {
         Ok(placed)
     } else {
         wrong_shape(document, id, "control points")
@@ -352,16 +363,16 @@ fn bendy(document: &Document, id: LightId) -> Result<&PlacedLight, EditError> {
 
 fn wrong_shape<T>(document: &Document, id: LightId, what: &'static str) -> Result<T, EditError> {
     let kind = match light(document, id)?.light.light().owner() {
-        Owner::Spot => "spotlight",
-        Owner::Directional => "directional light",
-        Owner::Omni => "omni light",
+        ParameterOwner::Spot => "spotlight",
+        ParameterOwner::Directional => "directional light",
+        ParameterOwner::Omni => "omni light",
         _ => "BendyLight",
     };
     Err(EditError::WrongKind { light: document.light_name(id), kind, what })
 }
 
 fn added_light(number: u64, light: &Arc<CheckedLight>) -> Change {
-    let placed = PlacedLight { layout: Layout(number), light: Arc::clone(light) };
+    let placed = NumberedLight { layout: PointNumbering(number), light: Arc::clone(light) };
     Change::Light { light: LightId(number), old: None, new: Some(placed) }
 }
 
@@ -378,7 +389,7 @@ fn load_scene(
         gone.map(|(&light, old)| Change::Light { light, old: Some(old.clone()), new: None }).collect();
     let gone = document.cameras.iter();
     changes.extend(gone.map(|(&camera, old)| Change::Camera { camera, old: Some(old.clone()), new: None }));
-    changes.extend(removed_pins(document, |_| true));
+    changes.extend(pin_removals(document, |_| true));
     let new = Some(SceneRef { asset, name: name.into() });
     changes.push(Change::Scene { old: document.scene.clone(), new });
     let mut numbers = document.next_number()..;
@@ -406,7 +417,7 @@ fn point_change(
     setting: Setting,
 ) -> Result<Change, EditError> {
     let Setting { parameter, value: new } = setting;
-    let placed = bendy(document, id)?;
+    let placed = bendy_light(document, id)?;
     if point == 0 && *parameter == *light::parameters::POSITION {
         return Err(EditError::Source);
     }

@@ -2,12 +2,13 @@
 
 use std::mem::discriminant;
 
-use drag::Refusal;
-use light::{LightError, LightId, OutOfReach, Parameter, Touches, Value};
+use drag::DragRefusal;
+use light::{LightError, LightId, Parameter, ParameterTouches, UndrawableLight, Value};
 use thiserror::Error;
 
 use crate::{
-    AssetHash, CameraId, CameraParameter, ControlPoints, Layout, LightPin, PinId, PlacedLight, SceneRef,
+    AssetHash, CameraId, CameraParameter, ControlPoints, LightPin, NumberedLight, PinId, PointNumbering,
+    SceneRef,
 };
 
 use scene::Camera;
@@ -28,9 +29,9 @@ pub enum Change {
         /// Its id.
         light: LightId,
         /// The light that was there.
-        old: Option<PlacedLight>,
+        old: Option<NumberedLight>,
         /// The light that is there now.
-        new: Option<PlacedLight>,
+        new: Option<NumberedLight>,
     },
     /// A parameter of a light.
     LightParameter {
@@ -48,7 +49,7 @@ pub enum Change {
         /// The light.
         light: LightId,
         /// The numbering that `point` counts in.
-        layout: Layout,
+        layout: PointNumbering,
         /// The control point's index.
         point: usize,
         /// The row of the table.
@@ -110,7 +111,7 @@ pub enum EditError {
     NoPin(PinId),
     /// Nothing of that id or name.
     #[error("there is no {what} {name}: give the id or the name of one of the document's")]
-    NoneCalled {
+    UnknownName {
         /// A light or a camera.
         what: &'static str,
         /// In quotes, as it was called.
@@ -118,7 +119,7 @@ pub enum EditError {
     },
     /// A name that several have.
     #[error("{name} is the name of more than one {what}, with ids {ids}: give one of these")]
-    SeveralCalled {
+    AmbiguousName {
         /// A light or a camera.
         what: &'static str,
         /// In quotes.
@@ -131,17 +132,17 @@ pub enum EditError {
     InvalidPin,
     /// A picture without pixels, or a place in none.
     #[error("a drag is made in a picture: give its size, 1 or more each way, and where it begins and ends")]
-    NoPicture,
+    EmptyViewport,
     /// A drag of a feature whose scene is not at hand.
     #[error("the scene is not at hand, and where {0} lies in it unknown: send the drag again")]
-    NotSolved(String),
+    DragNotSolved(String),
     /// A feature that cannot be dragged.
     #[error("{light}: {}", sentence(*reason))]
-    NotDragged {
+    DragRefused {
         /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
         light: String,
         /// Why, other than for a pin.
-        reason: Refusal,
+        reason: DragRefusal,
     },
     /// A pin that holds what is not so, which no drag can keep.
     #[error("{light}: its pin {pin} does not hold before anything moves: remove it, or make it soft")]
@@ -187,7 +188,7 @@ pub enum EditError {
     },
     /// No picture could show the light.
     #[error("{0}")]
-    OutOfReach(#[from] OutOfReach),
+    Undrawable(#[from] UndrawableLight),
     /// The camera makes no picture.
     #[error("the camera's {0}: correct it")]
     InvalidCamera(&'static str),
@@ -246,7 +247,7 @@ impl Change {
     }
 
     /// Leads to where `later`, a change of the same property of a light or camera, does.
-    pub(crate) fn go_on_to(&mut self, later: &Self) {
+    pub(crate) fn extend_with(&mut self, later: &Self) {
         match (self, later) {
             (Self::LightParameter { new, .. }, Self::LightParameter { new: later, .. })
             | (Self::Point { new, .. }, Self::Point { new: later, .. }) => new.clone_from(later),
@@ -261,7 +262,7 @@ impl Change {
     pub(crate) fn is_of_one_property(&self) -> bool {
         match self {
             Self::LightParameter { parameter, new, .. } | Self::Point { parameter, new, .. } => {
-                parameter.takes(new)
+                parameter.accepts_type_of(new)
             }
             Self::CameraParameter { old, new, .. } => discriminant(old) == discriminant(new),
             Self::Scene { .. }
@@ -273,7 +274,7 @@ impl Change {
     }
 
     /// The largest number that it brings into the document as an id or a layout, 0 where it brings none.
-    pub(crate) fn number(&self) -> u64 {
+    pub(crate) fn largest_new_number(&self) -> u64 {
         match self {
             Self::Light { light, new: Some(new), .. } => light.0.max(new.layout.0),
             Self::ControlPoints { new, .. } => new.layout.0,
@@ -312,42 +313,46 @@ impl Change {
 
     /// What it makes stale of what is kept from picture to picture. A camera never shows: views have cameras of their own, and a pin
     /// holds only what is dragged later.
-    pub fn touches(&self) -> Touches {
+    pub fn touches(&self) -> ParameterTouches {
         match self {
-            Self::Scene { .. } => Touches::Scene,
-            Self::Light { .. } | Self::ControlPoints { .. } => Touches::ShadowMap,
+            Self::Scene { .. } => ParameterTouches::Scene,
+            Self::Light { .. } | Self::ControlPoints { .. } => ParameterTouches::ShadowMap,
             Self::LightParameter { parameter, .. } | Self::Point { parameter, .. } => parameter.touches(),
-            Self::Camera { .. } | Self::CameraParameter { .. } | Self::Pin { .. } => Touches::Nothing,
+            Self::Camera { .. } | Self::CameraParameter { .. } | Self::Pin { .. } => {
+                ParameterTouches::Nothing
+            }
         }
     }
 
     /// Whether a picture can show it.
     pub fn changes_picture(&self) -> bool {
-        self.touches() > Touches::Nothing
+        self.touches() > ParameterTouches::Nothing
     }
 }
 
 /// Why a feature is not dragged, and what to do.
-fn sentence(reason: Refusal) -> String {
+fn sentence(reason: DragRefusal) -> String {
     match reason {
-        Refusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
-        Refusal::NothingAtEnd => {
+        DragRefusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
+        DragRefusal::NothingAtEnd => {
             "there is no surface under the cursor, or its links leave that out: go to one that it lights"
                 .into()
         }
-        Refusal::OutsideTheLight => {
+        DragRefusal::OutsideTheLight => {
             "the surface where the drag begins is not in its light or left out by its links: begin on another"
                 .into()
         }
-        Refusal::NoShadow => "it throws no shadow where the drag begins: begin in one of its shadows".into(),
-        Refusal::NotBendy => "it has no control points: drag it as a whole, or bend it first".into(),
-        Refusal::NoSuchPoint => {
+        DragRefusal::NoShadow => {
+            "it throws no shadow where the drag begins: begin in one of its shadows".into()
+        }
+        DragRefusal::NotBendy => "it has no control points: drag it as a whole, or bend it first".into(),
+        DragRefusal::NoSuchPoint => {
             "control points that can be dragged are 1 to the last: choose of those".into()
         }
-        Refusal::NoWeight => {
+        DragRefusal::NoWeight => {
             "no control point that is chosen does anything where the drag begins: choose one that does".into()
         }
-        Refusal::PinDoesNotHold(_) => {
+        DragRefusal::PinDoesNotHold(_) => {
             "a pin of it does not hold before anything moves: remove it, or make it soft".into()
         }
     }

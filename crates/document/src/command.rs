@@ -8,7 +8,7 @@ use light::{CheckedLight, LightId, Setting};
 use crate::{AssetHash, CameraId, FeatureDrag, LightPin, PinId};
 use scene::{Camera, Projection};
 
-/// One request. [`crate::edited`] turns it into changes, or says why not.
+/// One request. [`crate::execute_command`] turns it into changes, or says why not.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Replaces geometry, cameras and lights by those of a scene.
@@ -62,7 +62,7 @@ pub enum Command {
         radii_follow: bool,
     },
     /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture. The light goes as
-    /// near as it can; [`crate::solve_drag`] says how, in [`crate::Context::solved`].
+    /// near as it can; [`crate::solve_drag`] says how, in [`crate::CommandContext::solved`].
     DragFeature {
         /// The light that it moves or bends.
         light: LightId,
@@ -108,19 +108,19 @@ pub enum Command {
         point: usize,
     },
     /// Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did; an omni
-    /// or directional light is bent as the spotlight that [`light::with_cone`] has of it.
+    /// or directional light is bent as the spotlight that [`light::as_spotlight`] has of it.
     BendLight {
         /// Which.
         light: LightId,
         /// Its quadratic segments: two control points fewer than it gets.
         segments: usize,
         /// How far its control points reach along its axis, in world units. A light that has a range of its own ends there;
-        /// another goes on past its last control point. `None` is for [`crate::resolved`] to fill in, and otherwise a
+        /// another goes on past its last control point. `None` is for [`crate::fill_in_from_scene`] to fill in, and otherwise a
         /// unit of the light.
         range: Option<f64>,
         /// Half angle of the cone that an omni or directional light is given, in degrees; 45 unless said.
         cone_angle: Option<f64>,
-        /// World position at which such a light shines then; `None` is for [`crate::resolved`] to fill in, and otherwise
+        /// World position at which such a light shines then; `None` is for [`crate::fill_in_from_scene`] to fill in, and otherwise
         /// along its own -Z.
         toward: Option<DVec3>,
     },
@@ -188,7 +188,7 @@ impl Command {
     }
 
     /// Whether it refers to a control point by its index, and so to a numbering.
-    pub fn counts_points(&self) -> bool {
+    pub fn uses_point_indices(&self) -> bool {
         match self {
             Self::SetPoint { .. }
             | Self::DragPoint { .. }

@@ -18,7 +18,7 @@ pub struct CameraId(pub u64);
 /// Names one numbering of a light's control points: another one after each insertion or removal, the earlier
 /// one again when that is undone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Layout(pub u64);
+pub struct PointNumbering(pub u64);
 
 /// SHA-256 of an asset's bytes, what `sha256sum` prints; written `sha256:` and 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -35,14 +35,14 @@ pub struct SceneRef {
 
 /// A light and how its control points are numbered.
 #[derive(Clone, Debug)]
-pub struct PlacedLight {
+pub struct NumberedLight {
     /// The numbering.
-    pub layout: Layout,
+    pub layout: PointNumbering,
     /// The light, which can be evaluated.
     pub light: Arc<CheckedLight>,
 }
 
-impl PartialEq for PlacedLight {
+impl PartialEq for NumberedLight {
     fn eq(&self, other: &Self) -> bool {
         self.layout == other.layout && (Arc::ptr_eq(&self.light, &other.light) || self.light == other.light)
     }
@@ -53,7 +53,7 @@ impl PartialEq for PlacedLight {
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     pub(crate) scene: Option<SceneRef>,
-    pub(crate) lights: BTreeMap<LightId, PlacedLight>,
+    pub(crate) lights: BTreeMap<LightId, NumberedLight>,
     pub(crate) cameras: BTreeMap<CameraId, Camera>,
     pub(crate) pins: BTreeMap<PinId, LightPin>,
     /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
@@ -77,13 +77,13 @@ impl Document {
     }
 
     /// The lights, in the order of their ids.
-    pub fn lights(&self) -> &BTreeMap<LightId, PlacedLight> {
+    pub fn lights(&self) -> &BTreeMap<LightId, NumberedLight> {
         &self.lights
     }
 
     /// The lights as a renderer takes them, in the order of their ids.
-    pub fn instances(&self) -> Vec<LightInstance> {
-        let instance = |(id, placed): (&LightId, &PlacedLight)| LightInstance {
+    pub fn light_instances(&self) -> Vec<LightInstance> {
+        let instance = |(id, placed): (&LightId, &NumberedLight)| LightInstance {
             id: *id,
             light: Arc::clone(&placed.light),
         };
@@ -113,7 +113,7 @@ impl Document {
     /// largest number ever given out; the ids and layouts here count too.
     pub fn restore(
         scene: Option<SceneRef>,
-        lights: BTreeMap<LightId, PlacedLight>,
+        lights: BTreeMap<LightId, NumberedLight>,
         cameras: BTreeMap<CameraId, Camera>,
         pins: BTreeMap<PinId, LightPin>,
         last_number: u64,
@@ -130,7 +130,7 @@ impl Document {
     }
 
     /// The same document with a light as it is while it is dragged. Nothing changes where it is not there.
-    pub fn show(&mut self, id: LightId, placed: &PlacedLight) {
+    pub fn set_live_light(&mut self, id: LightId, placed: &NumberedLight) {
         if let Some(shown) = self.lights.get_mut(&id) {
             *shown = placed.clone();
         }
@@ -141,7 +141,7 @@ impl Document {
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlPoints {
     /// Their numbering.
-    pub layout: Layout,
+    pub layout: PointNumbering,
     /// The source first.
     pub points: Vec<ControlPoint>,
 }
@@ -182,18 +182,18 @@ impl fmt::Debug for AssetHash {
 #[error(
     "an asset's name is `sha256:` and 64 hexadecimal digits: copy it from where the asset was made known"
 )]
-pub struct NotAnAssetHash;
+pub struct InvalidAssetHash;
 
 impl FromStr for AssetHash {
-    type Err = NotAnAssetHash;
+    type Err = InvalidAssetHash;
 
-    fn from_str(text: &str) -> Result<Self, NotAnAssetHash> {
+    fn from_str(text: &str) -> Result<Self, InvalidAssetHash> {
         let digits = text.strip_prefix("sha256:").map(str::as_bytes).filter(|d| d.len() == 64);
-        let digits = digits.ok_or(NotAnAssetHash)?;
+        let digits = digits.ok_or(InvalidAssetHash)?;
         let value = |digit: u8| char::from(digit).to_digit(16).filter(|_| !digit.is_ascii_uppercase());
         let mut bytes = [0; 32];
         for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-            let (high, low) = value(pair[0]).zip(value(pair[1])).ok_or(NotAnAssetHash)?;
+            let (high, low) = value(pair[0]).zip(value(pair[1])).ok_or(InvalidAssetHash)?;
             *byte = (high * 16 + low) as u8;
         }
         Ok(Self(bytes))

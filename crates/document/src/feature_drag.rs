@@ -1,6 +1,6 @@
 //! A drag of a shadow, a hotspot, a highlight or diffuse light: what is asked, and how it ended.
 
-use drag::{Feature, Radii, Status, Viewport};
+use drag::{DragStatus, Feature, RadiusMode, Viewport};
 use glam::{DVec2, DVec3};
 
 /// A feature of a light that is dragged in a picture, as [`drag::Drag`]. What is to stay are the document's pins of the light.
@@ -11,7 +11,7 @@ pub struct FeatureDrag {
     /// The control points that take part, by their indices; `None` moves the light as a whole.
     pub points: Option<Vec<usize>>,
     /// What becomes of radii where control points take part.
-    pub radii: Radii,
+    pub radii: RadiusMode,
     /// The picture that is dragged in.
     pub view: Viewport,
     /// Where the feature is taken, in pixels from the picture's top left corner.
@@ -30,7 +30,7 @@ pub struct DragOutcome {
     /// Of the solver: another one may give another light.
     pub version: u32,
     /// Whether the feature lies under the cursor. A pin is named by the number of its [`PinId`](crate::PinId), not by an index.
-    pub status: Status,
+    pub status: DragStatus,
     /// On the screen, from the cursor to where the feature lies, in pixels; infinite where it is not in the picture.
     pub residual_px: f64,
     /// The node that shadows the surface under the cursor besides the one whose shadow was dragged, by its name.

@@ -1,12 +1,12 @@
 //! Drags of features solved in a scene, and what a document makes of the answer.
 
-use drag::{Drag, Landing, Limit, Refusal, SOLVER, Status, Work};
+use drag::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, SOLVER, WorkBudget};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{Light, LightId, MAX_NAME_BYTES};
 use raycast::Bvh;
 
-use crate::points::moved_points;
-use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, PinId, PlacedLight};
+use crate::points::point_move_changes;
+use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, NumberedLight, PinId};
 
 /// Control points that can be chosen for a drag. With more hardly any drag lands within the bound of its work.
 pub const MAX_CHOSEN_POINTS: usize = 128;
@@ -28,16 +28,16 @@ pub fn solve_drag(
     asked: &FeatureDrag,
     bvh: &Bvh,
 ) -> Result<SolvedDrag, EditError> {
-    solve_drag_within(document, id, asked, bvh, &Work::new(&|_| true))
+    solve_drag_budgeted(document, id, asked, bvh, &WorkBudget::new(&|_| true))
 }
 
 /// The same with its steps counted by `work`. Where it is given up what comes of it means nothing.
-pub fn solve_drag_within(
+pub fn solve_drag_budgeted(
     document: &Document,
     id: LightId,
     asked: &FeatureDrag,
     bvh: &Bvh,
-    work: &Work,
+    work: &WorkBudget,
 ) -> Result<SolvedDrag, EditError> {
     let placed = document.lights.get(&id).ok_or(EditError::NoLight(id))?;
     let FeatureDrag { feature, points, radii, view, from, to, source_outside } = asked.clone();
@@ -49,18 +49,20 @@ pub fn solve_drag_within(
         return Err(EditError::TooManyChosen { what: "control points", limit: MAX_CHOSEN_POINTS });
     }
     if view.size.contains(&0) || !(from.is_finite() && to.is_finite()) {
-        return Err(EditError::NoPicture);
+        return Err(EditError::EmptyViewport);
     }
     let (ids, pins): (Vec<_>, Vec<_>) = document.pins_of(id).map(|(id, pin)| (id, pin.clone())).unzip();
     let drag = Drag { feature, points, radii, from, to, pins, source_outside };
-    let landing = drag::drag_within(bvh, &view, &placed.light, &drag, work);
+    let landing = drag::drag_budgeted(bvh, &view, &placed.light, &drag, work);
     let name = |pin: usize| ids.get(pin).map_or(pin, |id| id.0 as usize);
     let status = match landing.status {
-        Status::Limited(Limit::Pin(pin)) => Status::Limited(Limit::Pin(name(pin))),
-        Status::Refused(Refusal::PinDoesNotHold(pin)) => Status::Refused(Refusal::PinDoesNotHold(name(pin))),
+        DragStatus::Limited(DragLimit::Pin(pin)) => DragStatus::Limited(DragLimit::Pin(name(pin))),
+        DragStatus::Refused(DragRefusal::PinDoesNotHold(pin)) => {
+            DragStatus::Refused(DragRefusal::PinDoesNotHold(name(pin)))
+        }
         status => status,
     };
-    let Landing { light, residual_px, iterations, from_world, to_world, pivot_world, .. } = landing;
+    let DragResult { light, residual_px, iterations, from_world, to_world, pivot_world, .. } = landing;
     let shadowed_by = landing.shadowed_by.map(|node| bvh.posed.scene.nodes[node].name.clone());
     let (solver, version) = SOLVER;
     let solver = solver.to_owned();
@@ -79,18 +81,18 @@ pub fn solve_drag_within(
 }
 
 /// What takes the light to where the drag leads: its placement, or its control points.
-pub(crate) fn dragged_feature(
+pub(crate) fn feature_drag_changes(
     document: &Document,
-    (id, placed): (LightId, &PlacedLight),
+    (id, placed): (LightId, &NumberedLight),
     solved: &SolvedDrag,
 ) -> Result<Vec<Change>, EditError> {
-    if let Status::Refused(reason) = solved.outcome.status {
+    if let DragStatus::Refused(reason) = solved.outcome.status {
         let light = document.light_name(id);
         return Err(match reason {
-            Refusal::PinDoesNotHold(pin) => {
+            DragRefusal::PinDoesNotHold(pin) => {
                 EditError::PinDoesNotHold { light, pin: document.pin_name(PinId(pin as u64)) }
             }
-            reason => EditError::NotDragged { light, reason },
+            reason => EditError::DragRefused { light, reason },
         });
     }
     let (light, moved) = (placed.light.light(), &solved.light);
@@ -99,5 +101,5 @@ pub(crate) fn dragged_feature(
         Some(Change::LightParameter { light: id, parameter, old, new })
     });
     // Those of points that did not move change nothing, and go.
-    Ok(placement.chain(moved_points((id, placed), moved.points())).collect())
+    Ok(placement.chain(point_move_changes((id, placed), moved.points())).collect())
 }

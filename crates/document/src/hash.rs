@@ -4,12 +4,12 @@ mod format_2;
 
 use std::fmt;
 
-use drag::{Pin, PinKind};
+use drag::{DragPin, PinKind};
 use glam::{DQuat, DVec3};
 use scene::{Camera, Projection};
 use sha2::{Digest, Sha256};
 
-use crate::{Document, LightPin, PlacedLight};
+use crate::{Document, LightPin, NumberedLight};
 
 pub use format_2::was_in_format_2;
 
@@ -40,9 +40,9 @@ impl fmt::Debug for DocumentHash {
 impl Document {
     /// The hash of what it holds now.
     pub fn hash(&self) -> DocumentHash {
-        let mut walk = Walk(Sha256::new());
+        let mut walk = HashWriter(Sha256::new());
         walk.text("bendylights document 3");
-        self.hash_by(walk, |walk, placed| walk.0.update(placed.light.digest().0))
+        self.hash_with(walk, |walk, placed| walk.0.update(placed.light.digest().0))
     }
 
     /// The hash as logs of that format have it: 1 and 2 walked the fields that lights had then. A light that has more is told
@@ -51,9 +51,9 @@ impl Document {
         if format >= FIRST_FORMAT_OF_HASH {
             return self.hash();
         }
-        let mut walk = Walk(Sha256::new());
+        let mut walk = HashWriter(Sha256::new());
         walk.text("bendylights document 1");
-        self.hash_by(walk, |walk, placed| {
+        self.hash_with(walk, |walk, placed| {
             walk.light(placed.light.light());
             if !format_2::covers(placed.light.light()) {
                 walk.0.update(placed.light.digest().0);
@@ -61,7 +61,11 @@ impl Document {
         })
     }
 
-    fn hash_by(&self, mut walk: Walk, light: impl Fn(&mut Walk, &PlacedLight)) -> DocumentHash {
+    fn hash_with(
+        &self,
+        mut walk: HashWriter,
+        light: impl Fn(&mut HashWriter, &NumberedLight),
+    ) -> DocumentHash {
         match &self.scene {
             None => walk.tag(0),
             Some(scene) => {
@@ -94,9 +98,9 @@ impl Document {
 }
 
 /// What has a length says it first, so that nothing runs into its neighbour.
-struct Walk(Sha256);
+struct HashWriter(Sha256);
 
-impl Walk {
+impl HashWriter {
     fn tag(&mut self, tag: u8) {
         self.0.update([tag]);
     }
@@ -135,7 +139,7 @@ impl Walk {
     }
 
     fn pin(&mut self, LightPin { light, pin }: &LightPin) {
-        let Pin { kind, at, caster, is_hard } = pin;
+        let DragPin { kind, at, caster, is_hard } = pin;
         self.number(light.0);
         self.tag(match kind {
             PinKind::Direction => 0,

@@ -7,7 +7,7 @@ use light::LightId;
 use crate::{CameraId, Document, EditError};
 
 /// Ids that are said where several have a name.
-const SAID: usize = 8;
+const MAX_LISTED_IDS: usize = 8;
 
 impl Document {
     /// The light of that id or name. An id comes before a name that is written like it.
@@ -48,14 +48,14 @@ fn find<'a, Id: Copy + Display>(
     let of_name: Vec<Id> = names.filter(|(_, name)| *name == called).map(|(id, _)| id).collect();
     match of_name[..] {
         [id] => Ok(id),
-        [] => Err(EditError::NoneCalled { what, name: said(called) }),
+        [] => Err(EditError::UnknownName { what, name: quoted_or_empty(called) }),
         _ => {
-            let ids: Vec<String> = of_name.iter().take(SAID).map(Id::to_string).collect();
-            Err(EditError::SeveralCalled { what, name: said(called), ids: ids.join(", ") })
+            let ids: Vec<String> = of_name.iter().take(MAX_LISTED_IDS).map(Id::to_string).collect();
+            Err(EditError::AmbiguousName { what, name: quoted_or_empty(called), ids: ids.join(", ") })
         }
     }
 }
 
-fn said(name: &str) -> String {
+fn quoted_or_empty(name: &str) -> String {
     crate::naming::quoted(name).unwrap_or_else(|| "“”".into())
 }

@@ -3,12 +3,12 @@
 use std::fmt::Write;
 
 use drag::PinKind;
-use light::{LightId, Owner};
+use light::{LightId, ParameterOwner};
 
 use crate::{CameraId, Change, Document, LightPin, PinId};
 
 /// Characters of a name that are said.
-const SAID: usize = 40;
+const MAX_QUOTED_CHARS: usize = 40;
 
 impl Document {
     /// A light by its name, in quotes; by its number where it has none or is not there.
@@ -42,8 +42,8 @@ impl Document {
 /// A name in quotes, its beginning where it is long; `None` for an empty one.
 pub fn quoted(name: &str) -> Option<String> {
     let mut said: String =
-        name.trim().chars().take(SAID).map(|c| if c.is_control() { ' ' } else { c }).collect();
-    if name.trim().chars().nth(SAID).is_some() {
+        name.trim().chars().take(MAX_QUOTED_CHARS).map(|c| if c.is_control() { ' ' } else { c }).collect();
+    if name.trim().chars().nth(MAX_QUOTED_CHARS).is_some() {
         said.push('…');
     }
     (!said.is_empty()).then(|| format!("“{said}”"))
@@ -52,7 +52,7 @@ pub fn quoted(name: &str) -> Option<String> {
 impl Change {
     /// What changes, for people, as `document` names it: `the radius of control point 2 of “key”`.
     pub fn subject(&self, document: &Document) -> String {
-        let light = |id: &LightId| self.light_name_here().unwrap_or_else(|| document.light_name(*id));
+        let light = |id: &LightId| self.own_light_name().unwrap_or_else(|| document.light_name(*id));
         match self {
             Self::Scene { .. } => "the scene".into(),
             Self::Light { light: id, .. } => light(id),
@@ -79,7 +79,7 @@ impl Change {
     }
 
     /// What was done, for people: `adding “key”`, `the radius of control point 2 of “key”`.
-    fn deed(&self, document: &Document) -> String {
+    fn describe(&self, document: &Document) -> String {
         let subject = self.subject(document);
         match self {
             Self::Scene { new: Some(scene), .. } => {
@@ -89,7 +89,7 @@ impl Change {
                 format!("adding {subject}")
             }
             Self::Light { old: Some(old), new: Some(new), .. } => {
-                match [old, new].map(|placed| placed.light.light().owner() == Owner::Bendy) {
+                match [old, new].map(|placed| placed.light.light().owner() == ParameterOwner::Bendy) {
                     [false, true] => format!("bending {subject}"),
                     [true, false] => format!("straightening {subject}"),
                     // Of a group, which does more to it.
@@ -104,7 +104,7 @@ impl Change {
     }
 
     /// The light's own name, where the change brings the light or takes it away.
-    fn light_name_here(&self) -> Option<String> {
+    fn own_light_name(&self) -> Option<String> {
         match self {
             Self::Light { old, new, .. } => {
                 old.as_ref().or(new.as_ref()).and_then(|placed| quoted(placed.light.light().name()))
@@ -116,10 +116,10 @@ impl Change {
 
 /// What `changes` did, for people, as `document` names it; the first of several stands for all, a scene for its lights
 /// and cameras.
-pub fn deed(changes: &[Change], document: &Document) -> String {
+pub fn describe_changes(changes: &[Change], document: &Document) -> String {
     let scene = changes.iter().find(|change| matches!(change, Change::Scene { .. }));
     let Some(first) = scene.or(changes.first()) else { return "nothing".into() };
-    let mut said = first.deed(document);
+    let mut said = first.describe(document);
     if scene.is_none() && changes.len() > 1 {
         let _ = write!(said, " and {} more", changes.len() - 1);
     }

@@ -3,18 +3,21 @@
 
 use std::fmt;
 
-use light::{Kind, LightId, MAX_NAME_BYTES, Of, Owner, Parameter, Touches};
+use light::{
+    LightId, MAX_NAME_BYTES, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches,
+};
 
 use crate::CameraId;
 
 /// Of a camera: no picture shows its change, views have cameras of their own.
-const OF_CAMERA: &[Of] = &[Of { owner: Owner::Camera, default: None, touches: Touches::Nothing }];
+const OF_CAMERA: &[ParameterOf] =
+    &[ParameterOf { owner: ParameterOwner::Camera, default: None, touches: ParameterTouches::Nothing }];
 
 const CAMERA: Parameter = Parameter {
     name: "",
     path: "",
-    of: OF_CAMERA,
-    kind: Kind::Projection,
+    owners: OF_CAMERA,
+    kind: ParameterKind::Projection,
     animates: true,
     needs: None,
     group: "Camera",
@@ -27,7 +30,7 @@ static CAMERA_ROWS: &[&Parameter] = &[
     &Parameter {
         name: "name",
         path: "name",
-        kind: Kind::Text { max_bytes: MAX_NAME_BYTES },
+        kind: ParameterKind::Text { max_bytes: MAX_NAME_BYTES },
         animates: false,
         label: "Name",
         doc: "Name for people and for `--camera`.",
@@ -36,7 +39,7 @@ static CAMERA_ROWS: &[&Parameter] = &[
     &Parameter {
         name: "translation",
         path: "translation",
-        kind: Kind::Vector { unit: "world units", step: 0.01 },
+        kind: ParameterKind::Vector { unit: "world units", step: 0.01 },
         label: "Position",
         doc: "World position of the eye.",
         ..CAMERA
@@ -44,7 +47,7 @@ static CAMERA_ROWS: &[&Parameter] = &[
     &Parameter {
         name: "rotation",
         path: "rotation",
-        kind: Kind::Rotation,
+        kind: ParameterKind::Rotation,
         label: "Rotation",
         doc: "Rotation from camera to world axes. A camera looks along its local -Z with +Y up.",
         ..CAMERA
@@ -65,7 +68,7 @@ pub fn parameters() -> impl Iterator<Item = &'static Parameter> {
 
 /// What has parameters in a document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
+pub enum ParameterTarget {
     /// A light.
     Light(LightId),
     /// A control point, by its index.
@@ -74,7 +77,7 @@ pub enum Target {
     Camera(CameraId),
 }
 
-impl fmt::Display for Target {
+impl fmt::Display for ParameterTarget {
     /// Its part of an address: `/lights/3`, `/lights/3/points/2`, `/cameras/1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -85,10 +88,10 @@ impl fmt::Display for Target {
     }
 }
 
-impl Target {
+impl ParameterTarget {
     /// What an address names, and the name of the parameter; `None` where it is none. An address is a JSON pointer into the
     /// document, with ids in place of places in lists: `/lights/3/coneAngle`, `/lights/3/points/2/position`.
-    pub fn of_address(address: &str) -> Option<(Self, &str)> {
+    pub fn from_address(address: &str) -> Option<(Self, &str)> {
         let parts: Vec<&str> = address.strip_prefix('/')?.split('/').collect();
         // As numbers are written: no sign, no leading zero.
         let number = |text: &str| text.parse().ok().filter(|number: &u64| number.to_string() == text);

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use drag::Pin;
+use drag::DragPin;
 use light::LightId;
 
 /// Identifies a pin for as long as a session lives. Never used twice.
@@ -16,7 +16,7 @@ pub struct LightPin {
     /// The light of which something stays.
     pub light: LightId,
     /// What stays of it, and where.
-    pub pin: Pin,
+    pub pin: DragPin,
 }
 
 impl fmt::Display for PinId {

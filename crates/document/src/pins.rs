@@ -1,6 +1,6 @@
 //! Pins that come, change and go.
 
-use drag::Pin;
+use drag::DragPin;
 use light::LightId;
 use scene::MAX_PATH_BYTES;
 
@@ -11,13 +11,13 @@ pub const MAX_PINS: usize = 256;
 
 impl Document {
     /// The pins that hold a light, in the order of their ids.
-    pub fn pins_of(&self, light: LightId) -> impl Iterator<Item = (PinId, &Pin)> {
+    pub fn pins_of(&self, light: LightId) -> impl Iterator<Item = (PinId, &DragPin)> {
         self.pins.iter().filter(move |(_, held)| held.light == light).map(|(id, held)| (*id, &held.pin))
     }
 }
 
 /// A pin that comes. Whether it holds, drags find out: the scene is not at hand here.
-pub(crate) fn added_pin(document: &Document, pin: &LightPin) -> Result<Change, EditError> {
+pub(crate) fn pin_addition(document: &Document, pin: &LightPin) -> Result<Change, EditError> {
     if !document.lights.contains_key(&pin.light) {
         return Err(EditError::NoLight(pin.light));
     }
@@ -25,7 +25,7 @@ pub(crate) fn added_pin(document: &Document, pin: &LightPin) -> Result<Change, E
 }
 
 /// The pin `id` as `edit` leaves it, or gone.
-pub(crate) fn changed_pin(
+pub(crate) fn pin_change(
     document: &Document,
     id: PinId,
     edit: impl FnOnce(LightPin) -> Option<LightPin>,
@@ -35,14 +35,14 @@ pub(crate) fn changed_pin(
 }
 
 /// All pins that `goes` names, gone.
-pub(crate) fn removed_pins(document: &Document, goes: impl Fn(&LightPin) -> bool) -> Vec<Change> {
+pub(crate) fn pin_removals(document: &Document, goes: impl Fn(&LightPin) -> bool) -> Vec<Change> {
     let gone = document.pins.iter().filter(|(_, pin)| goes(pin));
     gone.map(|(&pin, old)| Change::Pin { pin, old: Some(old.clone()), new: None }).collect()
 }
 
 /// Whether a pin is within limits.
 pub(crate) fn check_pin(held: &LightPin) -> Result<(), EditError> {
-    let Pin { at, caster, .. } = &held.pin;
+    let DragPin { at, caster, .. } = &held.pin;
     if caster.as_ref().is_some_and(|caster| caster.len() > MAX_PATH_BYTES) {
         return Err(EditError::TooLong { field: "caster", limit: MAX_PATH_BYTES });
     }

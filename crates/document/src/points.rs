@@ -3,13 +3,13 @@
 use light::parameters::{POSITION, RADIUS};
 use light::{ControlPoint, Light, LightId, Parameter, Tube};
 
-use crate::{Change, Command, ControlPoints, Document, EditError, Layout, PlacedLight};
+use crate::{Change, Command, ControlPoints, Document, EditError, NumberedLight, PointNumbering};
 
 /// The control points after one is inserted or removed, as a change. `placed` has control points.
-pub fn renumbered(
+pub fn renumbering_change(
     document: &Document,
     id: LightId,
-    placed: &PlacedLight,
+    placed: &NumberedLight,
     command: &Command,
 ) -> Result<Change, EditError> {
     let points = placed.light.light().points();
@@ -30,13 +30,16 @@ pub fn renumbered(
                 points
             };
             let near = if position.is_some() || point == count {
-                Place::Between { at: point }
+                InsertedPoint::Between { at: point }
             } else {
-                Place::Corner { at: point.min(count - 2) }
+                InsertedPoint::Corner { at: point.min(count - 2) }
             };
-            let (new, spread) = (set(with_another(points, near)), set(with_another(points, Place::Spread)));
+            let (new, spread) = (
+                set(with_inserted_point(points, near)),
+                set(with_inserted_point(points, InsertedPoint::Respaced)),
+            );
             // Where a bend is as tight as it may be there is no room for a point; all of them spread anew make some.
-            let folds = |points: &[ControlPoint]| folds(placed.light.light(), points);
+            let folds = |points: &[ControlPoint]| is_invalid_with(placed.light.light(), points);
             if position.is_none() && folds(&new) && !folds(&spread) { spread } else { new }
         }
         Command::RemovePoint { point, .. } if point < count => {
@@ -48,12 +51,12 @@ pub fn renumbered(
         _ => return Err(EditError::NoLight(id)),
     };
     let old = ControlPoints { layout: placed.layout, points: points.to_vec() };
-    let new = ControlPoints { layout: Layout(document.next_number()), points: new };
+    let new = ControlPoints { layout: PointNumbering(document.next_number()), points: new };
     Ok(Change::ControlPoints { light: id, old, new })
 }
 
 /// What takes a light's control points to where those of `moved` are, with their radii. The source has no position to change.
-pub fn moved_points((light, placed): (LightId, &PlacedLight), moved: &[ControlPoint]) -> Vec<Change> {
+pub fn point_move_changes((light, placed): (LightId, &NumberedLight), moved: &[ControlPoint]) -> Vec<Change> {
     let points = placed.light.light().points();
     let change = |point: usize, parameter: &'static Parameter| {
         let (old, new) = (points[point].value(parameter)?, moved.get(point)?.value(parameter)?);
@@ -65,27 +68,29 @@ pub fn moved_points((light, placed): (LightId, &PlacedLight), moved: &[ControlPo
 
 /// How one value more comes among those of the control points.
 #[derive(Clone, Copy)]
-enum Place {
+enum InsertedPoint {
     /// Halfway between its neighbours or, past the last, as far again.
     Between { at: usize },
     /// The value at a corner becomes two, a quarter of the way to each neighbour, as Chaikin's subdivision cuts corners: a
     /// curve that bends there bends nearly as before.
     Corner { at: usize },
     /// All values are spread evenly along the line through them. The curve grows smoother.
-    Spread,
+    Respaced,
 }
 
 /// Control points, three or more, with one more.
-fn with_another(points: &[ControlPoint], place: Place) -> Vec<ControlPoint> {
+fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<ControlPoint> {
     let mut more = points.to_vec();
     match place {
-        Place::Between { at } if at == points.len() => more.push(beyond(points[at - 2], points[at - 1])),
-        Place::Between { at } => more.insert(at, blend(points[at - 1], points[at], 0.5)),
-        Place::Corner { at } => {
+        InsertedPoint::Between { at } if at == points.len() => {
+            more.push(extrapolated_point(points[at - 2], points[at - 1]));
+        }
+        InsertedPoint::Between { at } => more.insert(at, blend(points[at - 1], points[at], 0.5)),
+        InsertedPoint::Corner { at } => {
             more[at] = blend(points[at], points[at - 1], 0.25);
             more.insert(at + 1, blend(points[at], points[at + 1], 0.25));
         }
-        Place::Spread => {
+        InsertedPoint::Respaced => {
             let last = points.len() - 1;
             more = (0..=points.len())
                 .map(|index| {
@@ -111,14 +116,14 @@ fn blend(a: ControlPoint, b: ControlPoint, t: f64) -> ControlPoint {
 }
 
 /// Past the last point `b` position and radius go on as they were going, colour and intensity as they are.
-fn beyond(a: ControlPoint, b: ControlPoint) -> ControlPoint {
+fn extrapolated_point(a: ControlPoint, b: ControlPoint) -> ControlPoint {
     let ControlPoint { position, radius, .. } = blend(a, b, 2.0);
     let ControlPoint { color, intensity, .. } = blend(a, b, 1.0);
     ControlPoint { position, radius, color, intensity }
 }
 
 /// Whether `light` cannot be evaluated with these control points.
-fn folds(light: &Light, points: &[ControlPoint]) -> bool {
+fn is_invalid_with(light: &Light, points: &[ControlPoint]) -> bool {
     let mut other = light.clone();
     if let Some(own) = other.points_mut() {
         *own = points.to_vec();

@@ -3,20 +3,22 @@
 use std::rc::Rc;
 
 use glam::{DVec2, DVec3};
-use light::{CheckedLight, Rays, folds_of_segments};
-use raycast::Seen;
+use light::{CheckedLight, LightRays, r_kappa_max_of_segments};
+use raycast::SeenPoint;
 
-use crate::bound::{Bound, INSIDE, across_off, behind, bounds_of_place, direction_off_about, hard};
+use crate::bound::{
+    Bound, EDGE_MARGIN, bounds_at, cross_error, direction_error_about, distance_behind, hard_bound,
+};
 use crate::matrix::Matrix;
-use crate::moves::{LARGEST_FOLD, Moves};
-use crate::pins::{Cut, Pinned};
-use crate::place::{Place, Placed};
-use crate::quadratic::{Hold, Linear, Pulls};
-use crate::request::{Feature, Limit, Radii};
-use crate::work::Work;
+use crate::moves::{MAX_R_KAPPA, Unknowns};
+use crate::pins::{OcclusionTangent, PinState};
+use crate::point_in_light::{PointInLight, SceneLight};
+use crate::quadratic::{Hold, Linearization, Multipliers};
+use crate::request::{DragLimit, Feature, RadiusMode};
+use crate::work::WorkBudget;
 
 /// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
-const ON_THE_WAY: f64 = 3.0;
+const EDGE_SLACK_ON_PATH: f64 = 3.0;
 
 /// Over how far slopes are taken.
 pub(crate) const DIFFERENCE: f64 = 1e-6;
@@ -33,52 +35,52 @@ const STEPS_OF_COPY: u64 = 40;
 /// A drag: what is asked of a light, and what must stay.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal<'a> {
-    pub asked: Asked,
+    pub objective: Objective,
     /// The light as the drag began.
     pub start: &'a CheckedLight,
-    pub moves: Moves,
+    pub unknowns: Unknowns,
     /// The light as it was, for what lights are measured by.
-    pub placed: Placed<'a>,
+    pub scene_light: SceneLight<'a>,
     /// The largest `R kappa` of each segment as the drag began, and so what it may have.
     pub folds: Vec<f64>,
-    pub pins: Vec<Pinned>,
+    pub pins: Vec<PinState>,
     /// How firmly each residual is held.
     pub rows: Rc<[Hold]>,
     /// Edges of shadows, and surfaces, that what is pinned may not cross.
-    pub cuts: Vec<Cut>,
+    pub tangents: Vec<OcclusionTangent>,
     /// Where two segments of a tube meet, and which of the followed places is to stay there: the feature's or its pivot's.
     joint: Option<(usize, f64)>,
     /// How softly the place under the cursor keeps within the light; 0 where a drag is to land, and not at all softly then.
-    give_of_place: f64,
+    edge_compliance: f64,
 }
 
 /// What is asked.
 #[derive(Clone, Debug)]
-pub(crate) enum Asked {
+pub(crate) enum Objective {
     /// That a feature lies under the cursor.
-    Feature(Box<Taken>),
+    Feature(Box<TakenFeature>),
     /// That a control point is at a position in light-local space.
     Position { point: usize, to: DVec3 },
 }
 
 /// A feature on its way from where it was taken to the cursor.
 #[derive(Clone, Debug)]
-pub(crate) struct Taken {
+pub(crate) struct TakenFeature {
     pub feature: Feature,
     /// Where it was taken.
-    pub from: Seen,
+    pub from: SeenPoint,
     /// Where it goes.
-    pub to: Seen,
+    pub to: SeenPoint,
     /// Of a shadow: what throws it.
     pub pivot: Option<DVec3>,
     /// Where `from` was in the light.
-    pub place: Place,
+    pub start_coords: PointInLight,
     /// Directions to the light, as it was at `from` and as it is to be at `to`, where they are what is dragged.
     pub directions: [DVec3; 2],
 }
 
 /// Places that are followed while the light moves, along the light: the feature's and its pivot's, then those of each pin.
-pub(crate) type Near = Vec<[f64; 2]>;
+pub(crate) type TrackedPoints = Vec<[f64; 2]>;
 
 /// How a light does.
 #[derive(Clone, Debug)]
@@ -88,46 +90,49 @@ pub(crate) struct Evaluation {
     /// How firmly each of these is held.
     pub rows: Rc<[Hold]>,
     pub bounds: Vec<Bound>,
-    pub near: Near,
+    pub tracked: TrackedPoints,
 }
 
-impl Taken {
+impl TakenFeature {
     /// Where the feature is to lie at a share of its way, and from where light is to come there.
     fn target(&self, share: f64) -> (DVec3, DVec3) {
         let [from, to] = self.directions;
-        (self.from.position.lerp(self.to.position, share), between(from, to, share))
+        (self.from.position.lerp(self.to.position, share), slerp(from, to, share))
     }
 
     /// What is off at a share of the way, and where the place and the pivot are then.
-    fn off(
+    fn feature_residual(
         &self,
-        placed: &Placed,
+        placed: &SceneLight,
         share: f64,
         near: [f64; 2],
         (bounds, give): (&mut Vec<Bound>, f64),
     ) -> Option<(DVec2, [f64; 2])> {
         let (point, direction) = self.target(share);
         let place = placed.locate(point, Some(near[0]))?;
-        let room = ON_THE_WAY * (1.0 - share);
-        bounds_of_place(placed, &place, ([Limit::Fold, Limit::TubeEdge], give), room, bounds);
-        let across_off = |across: DVec2| across_off(across, &place, &self.place);
+        let room = EDGE_SLACK_ON_PATH * (1.0 - share);
+        bounds_at(placed, &place, ([DragLimit::Fold, DragLimit::TubeEdge], give), room, bounds);
+        let across_off = |across: DVec2| cross_error(across, &place, &self.start_coords);
         let mut pivot_t = near[1];
         let off = match (self.feature, self.pivot) {
             (Feature::Shadow, Some(pivot)) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
                 // What throws it is in the light too.
-                let values = [behind(&place, &pivot, &self.place), pivot.from_ends.min(1.0) - INSIDE];
+                let values = [
+                    distance_behind(&place, &pivot, &self.start_coords),
+                    pivot.distance_to_ends.min(1.0) - EDGE_MARGIN,
+                ];
                 bounds.extend(values.map(|value| Bound {
                     value: value + room,
-                    limit: Limit::TubeEdge,
-                    give,
+                    limit: DragLimit::TubeEdge,
+                    compliance: give,
                 }));
-                across_off(pivot.across)
+                across_off(pivot.cross_coords)
             }
-            (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.place.across),
+            (Feature::Shadow | Feature::Hotspot, _) => -across_off(self.start_coords.cross_coords),
             (Feature::Highlight | Feature::Diffuse, _) => {
-                direction_off_about(place.to_light, direction, self.axis())?
+                direction_error_about(place.to_light, direction, self.axis())?
             }
         };
         Some((off, [place.t, pivot_t]))
@@ -140,9 +145,9 @@ impl Taken {
     }
 
     /// How far the feature goes, in radii of the light or in radians.
-    fn way(&self) -> f64 {
+    fn path_length(&self) -> f64 {
         let [from, to] = self.directions;
-        let across = self.from.position.distance(self.to.position) / self.place.width;
+        let across = self.from.position.distance(self.to.position) / self.start_coords.width;
         match self.feature {
             Feature::Shadow | Feature::Hotspot => across,
             Feature::Highlight | Feature::Diffuse => {
@@ -154,24 +159,24 @@ impl Taken {
 
 impl<'a> Goal<'a> {
     pub fn new(
-        asked: Asked,
-        (start, moves): (&'a CheckedLight, Moves),
-        placed: Placed<'a>,
-        pins: Vec<Pinned>,
+        objective: Objective,
+        (start, unknowns): (&'a CheckedLight, Unknowns),
+        scene_light: SceneLight<'a>,
+        pins: Vec<PinState>,
     ) -> Self {
         let folds = start.tube().map_or_else(Vec::new, light::Tube::r_kappa_max);
-        let rows = rows(&asked, &pins);
+        let rows = row_holds(&objective, &pins);
         Self {
-            asked,
+            objective,
             start,
-            moves,
-            placed,
+            unknowns,
+            scene_light,
             folds,
             pins,
             rows,
-            cuts: Vec::new(),
+            tangents: Vec::new(),
             joint: None,
-            give_of_place: 0.0,
+            edge_compliance: 0.0,
         }
     }
 
@@ -182,51 +187,54 @@ impl<'a> Goal<'a> {
     }
 
     /// The same where the place under the cursor need not be within the light.
-    pub fn gliding(&self, give: f64) -> Self {
-        Self { give_of_place: give, ..self.clone() }
+    pub fn with_edge_compliance(&self, give: f64) -> Self {
+        Self { edge_compliance: give, ..self.clone() }
     }
 
     /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
-    pub fn evaluate(&self, x: &[f64], share: f64, near: &Near) -> Option<Evaluation> {
-        let taken = match &self.asked {
-            Asked::Feature(taken) => taken,
-            Asked::Position { point, to } => return self.evaluate_position(x, share, near, (*point, *to)),
+    pub fn evaluate(&self, x: &[f64], share: f64, near: &TrackedPoints) -> Option<Evaluation> {
+        let taken = match &self.objective {
+            Objective::Feature(taken) => taken,
+            Objective::Position { point, to } => {
+                return self.evaluate_position(x, share, near, (*point, *to));
+            }
         };
         let rays = self.rays(x)?;
-        let placed = self.placed.with(&rays);
+        let placed = self.scene_light.with(&rays);
         let mut bounds = self.shape_bounds(&rays, x);
-        let mut followed = Near::with_capacity(near.len());
-        let (off, at) = taken.off(&placed, share, near[0], (&mut bounds, self.give_of_place))?;
+        let mut followed = TrackedPoints::with_capacity(near.len());
+        let (off, at) =
+            taken.feature_residual(&placed, share, near[0], (&mut bounds, self.edge_compliance))?;
         let mut residual = off.to_array().to_vec();
         followed.push(at);
         for (pin, near) in self.pins.iter().zip(&near[1..]) {
-            let (at, place) = pin.off(&placed, *near, &mut residual, &mut bounds)?;
+            let (at, place) = pin.add_residual(&placed, *near, &mut residual, &mut bounds)?;
             followed.push(at);
-            for cut in self.cuts.iter().filter(|cut| cut.pin() == Some(pin.index)) {
-                bounds.push(cut.bound_of_way(&placed, &place, pin)?);
+            for cut in self.tangents.iter().filter(|cut| cut.pin() == Some(pin.index)) {
+                bounds.push(cut.pin_bound(&placed, &place, pin)?);
             }
         }
         residual.extend(self.joint.map(|(which, t)| followed[0][which] - t));
-        bounds.extend(self.cuts.iter().filter_map(|cut| cut.bound_of_source(&placed)));
+        bounds.extend(self.tangents.iter().filter_map(|cut| cut.source_bound(&placed)));
         let is_finite =
             residual.iter().chain(bounds.iter().map(|bound| &bound.value)).all(|value| value.is_finite());
-        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: followed })
+        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: followed })
     }
 
     /// How points are found in the light with `x`; `None` where it cannot be evaluated.
-    pub fn rays(&self, x: &[f64]) -> Option<Rays> {
+    pub fn rays(&self, x: &[f64]) -> Option<LightRays> {
         let points = self.start.light().points().len() as u64;
-        let of_a_point = match &self.moves {
-            Moves::Points { radii: Radii::Follow, .. } => STEPS_OF_POINT + STEPS_OF_FOLLOWING,
-            Moves::Points { .. } => STEPS_OF_POINT,
-            Moves::Rigid { .. } | Moves::Turn => STEPS_OF_COPY,
+        let of_a_point = match &self.unknowns {
+            Unknowns::Points { radii: RadiusMode::Follow, .. } => STEPS_OF_POINT + STEPS_OF_FOLLOWING,
+            Unknowns::Points { .. } => STEPS_OF_POINT,
+            Unknowns::Rigid { .. } | Unknowns::Turn => STEPS_OF_COPY,
         };
-        self.work().spend(of_a_point * points).then(|| self.moves.rays(self.start, x))?
+        self.work().spend(of_a_point * points).then(|| self.unknowns.rays(self.start, x))?
     }
 
     /// What it costs.
-    pub fn work(&self) -> &'a Work<'a> {
-        self.placed.work
+    pub fn work(&self) -> &'a WorkBudget<'a> {
+        self.scene_light.work
     }
 
     /// The same for a control point: no more of the tube is made than what may fold by it.
@@ -234,41 +242,48 @@ impl<'a> Goal<'a> {
         &self,
         x: &[f64],
         share: f64,
-        near: &Near,
+        near: &TrackedPoints,
         (point, to): (usize, DVec3),
     ) -> Option<Evaluation> {
         let points = self.start.light().points().len() as u64;
         if !self.work().spend(STEPS_OF_FOLLOWING * points) {
             return None;
         }
-        let moved = self.moves.points(self.start.light(), x);
+        let moved = self.unknowns.points(self.start.light(), x);
         let touched = point.saturating_sub(2)..(point + 1).min(self.folds.len());
-        let folds = folds_of_segments(&moved, touched.clone()).ok()?;
+        let folds = r_kappa_max_of_segments(&moved, touched.clone()).ok()?;
         let bounds: Vec<Bound> = fold_bounds(&folds, &self.folds[touched]).collect();
-        let residual = self.moves.position_off(self.start.light(), x, point, to, share).to_array().to_vec();
+        let residual =
+            self.unknowns.position_error(self.start.light(), x, point, to, share).to_array().to_vec();
         let is_finite = residual.iter().chain(&folds).all(|value| value.is_finite());
-        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, near: near.clone() })
+        is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: near.clone() })
     }
 
     /// The same with some of its pins alone.
-    pub fn with_pins(&self, near: &Near, is_kept: impl Fn(&Pinned) -> bool) -> (Self, Near) {
+    pub fn with_pins(
+        &self,
+        near: &TrackedPoints,
+        is_kept: impl Fn(&PinState) -> bool,
+    ) -> (Self, TrackedPoints) {
         let kept = self.pins.iter().zip(&near[1..]).filter(|(pin, _)| is_kept(pin));
-        let (pins, of_pins): (Vec<Pinned>, Near) = kept.map(|(pin, near)| (pin.clone(), *near)).unzip();
-        let goal = Self { rows: rows(&self.asked, &pins), pins, cuts: Vec::new(), ..self.clone() };
+        let (pins, of_pins): (Vec<PinState>, TrackedPoints) =
+            kept.map(|(pin, near)| (pin.clone(), *near)).unzip();
+        let goal =
+            Self { rows: row_holds(&self.objective, &pins), pins, tangents: Vec::new(), ..self.clone() };
         (goal, [vec![near[0]], of_pins].concat())
     }
 
     /// Where the followed places are in the light with `x`, the feature's at the end of its way: those that count, or where
     /// they were.
-    pub fn near_at_end(&self, x: &[f64], near: &Near) -> Near {
+    pub fn tracked_at_end(&self, x: &[f64], near: &TrackedPoints) -> TrackedPoints {
         let Some(rays) = self.rays(x) else { return near.clone() };
-        let placed = self.placed.with(&rays);
+        let placed = self.scene_light.with(&rays);
         let t = |point: Option<DVec3>, was: f64| {
             point.and_then(|point| placed.locate(point, None)).map_or(was, |place| place.t)
         };
-        let feature = match &self.asked {
-            Asked::Feature(taken) => [Some(taken.to.position), taken.pivot],
-            Asked::Position { .. } => [None; 2],
+        let feature = match &self.objective {
+            Objective::Feature(taken) => [Some(taken.to.position), taken.pivot],
+            Objective::Position { .. } => [None; 2],
         };
         let pins = self.pins.iter().map(|pin| [Some(pin.point), pin.pivot.map(|(pivot, _)| pivot)]);
         let points = std::iter::once(feature).chain(pins).zip(near);
@@ -281,12 +296,13 @@ impl<'a> Goal<'a> {
     }
 
     /// What holds the light back most, by how its limits and pins pull.
-    pub fn held_by(&self, at: &Evaluation, pulls: &Pulls) -> Option<Limit> {
-        let asked = at.rows.iter().filter(|row| **row == Hold::Asked).count();
+    pub fn strongest_limit(&self, at: &Evaluation, pulls: &Multipliers) -> Option<DragLimit> {
+        let asked = at.rows.iter().filter(|row| **row == Hold::Objective).count();
         let most = pulls.rows[..asked].iter().fold(0.0, |most: f64, pull| most.max(pull.abs()));
         // Rounding pulls too.
         let least = 1e-6 * most;
-        let pins = self.pins.iter().flat_map(|pin| pin.rows().map(|hold| (hold, Limit::Pin(pin.index))));
+        let pins =
+            self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.index))));
         let of_pins = pins
             .zip(&pulls.rows[asked..])
             .filter(|((hold, _), pull)| *hold == Hold::Fixed && pull.abs() > least)
@@ -297,47 +313,49 @@ impl<'a> Goal<'a> {
     }
 
     /// How far it goes, in steps that one solution is near to the next of.
-    pub fn way(&self) -> f64 {
-        match &self.asked {
-            Asked::Feature(taken) => taken.way(),
-            Asked::Position { point, to } => {
+    pub fn path_length(&self) -> f64 {
+        match &self.objective {
+            Objective::Feature(taken) => taken.path_length(),
+            Objective::Position { point, to } => {
                 let start = self.start.light();
-                self.moves.position_off(start, &vec![0.0; self.moves.count()], *point, *to, 1.0).length()
+                self.unknowns
+                    .position_error(start, &vec![0.0; self.unknowns.count()], *point, *to, 1.0)
+                    .length()
             }
         }
     }
 
     /// In how many places that is looked at, so far `apart`, within bounds.
-    pub fn places(&self, apart: f64, [least, most]: [f64; 2]) -> f64 {
-        (self.way() / apart).clamp(least, most)
+    pub fn sample_count(&self, apart: f64, [least, most]: [f64; 2]) -> f64 {
+        (self.path_length() / apart).clamp(least, most)
     }
 
     /// Whether nothing that may change does anything to the feature where it is.
-    pub fn has_no_weight(&self, near: &Near) -> bool {
-        let x = vec![0.0; self.moves.count()];
+    pub fn has_no_effect(&self, near: &TrackedPoints) -> bool {
+        let x = vec![0.0; self.unknowns.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
-        let jacobian = self.linear(&x, 0.0, &at, DIFFERENCE).jacobian;
-        let mut asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Asked);
+        let jacobian = self.linearize(&x, 0.0, &at, DIFFERENCE).jacobian;
+        let mut asked = (0..at.rows.len()).filter(|row| at.rows[*row] == Hold::Objective);
         asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
     /// What keeps the light's own shape: no fold, no radius below nothing.
-    fn shape_bounds(&self, rays: &Rays, x: &[f64]) -> Vec<Bound> {
-        let (Moves::Points { points, radii, unit }, Rays::Bent(tube)) = (&self.moves, rays) else {
+    fn shape_bounds(&self, rays: &LightRays, x: &[f64]) -> Vec<Bound> {
+        let (Unknowns::Points { points, radii, unit }, LightRays::Bent(tube)) = (&self.unknowns, rays) else {
             return Vec::new();
         };
         let mut bounds: Vec<Bound> = fold_bounds(&tube.r_kappa_max(), &self.folds).collect();
-        if *radii == Radii::Solve {
+        if *radii == RadiusMode::Solve {
             let all = self.start.light().points();
             let radius = |(k, point): (usize, &usize)| x[3 * points.len() + k] + all[*point].radius / unit;
-            bounds.extend(points.iter().enumerate().map(|of| hard(radius(of), Limit::Radius)));
+            bounds.extend(points.iter().enumerate().map(|of| hard_bound(radius(of), DragLimit::Radius)));
         }
         bounds
     }
 
     /// What is linear about `x`, by central differences over `step` each way: with 1e-6 to some 1e-10 of what it is, which
     /// Newton's method makes up for. With many pins, which are what takes long, to the side ahead alone: to some 1e-6.
-    pub fn linear(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linear<'a> {
+    pub fn linearize(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linearization<'a> {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let (mut jacobian, mut slopes) = (Matrix::zero(rows, count), Matrix::zero(limits, count));
         let mut beside = x.to_vec();
@@ -347,7 +365,7 @@ impl<'a> Goal<'a> {
             }
             let mut side = |by: f64| {
                 beside[k] = x[k] + by;
-                let found = self.evaluate(&beside, share, &at.near);
+                let found = self.evaluate(&beside, share, &at.tracked);
                 beside[k] = x[k];
                 found
             };
@@ -368,28 +386,28 @@ impl<'a> Goal<'a> {
                 *slopes.at(row, k) = (ahead.bounds[row].value - behind.bounds[row].value) / length;
             }
         }
-        let give = at.bounds.iter().map(|bound| bound.give).collect();
-        Linear::new((jacobian, slopes), Rc::clone(&at.rows), give, self.work())
+        let give = at.bounds.iter().map(|bound| bound.compliance).collect();
+        Linearization::new((jacobian, slopes), Rc::clone(&at.rows), give, self.work())
     }
 }
 
 /// That no segment folds which did not.
 fn fold_bounds<'a>(folds: &'a [f64], begun: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
-    let room = |(fold, most): (&f64, &f64)| (most.max(LARGEST_FOLD) - fold) / LARGEST_FOLD;
-    folds.iter().zip(begun).map(move |fold| hard(room(fold), Limit::Fold))
+    let room = |(fold, most): (&f64, &f64)| (most.max(MAX_R_KAPPA) - fold) / MAX_R_KAPPA;
+    folds.iter().zip(begun).map(move |fold| hard_bound(room(fold), DragLimit::Fold))
 }
 
 /// How firmly what is asked for and what is pinned is held.
-pub(crate) fn rows(asked: &Asked, pins: &[Pinned]) -> Rc<[Hold]> {
+pub(crate) fn row_holds(asked: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
     let count = match asked {
-        Asked::Feature(_) => 2,
-        Asked::Position { .. } => 3,
+        Objective::Feature(_) => 2,
+        Objective::Position { .. } => 3,
     };
-    std::iter::repeat_n(Hold::Asked, count).chain(pins.iter().flat_map(Pinned::rows)).collect()
+    std::iter::repeat_n(Hold::Objective, count).chain(pins.iter().flat_map(PinState::row_holds)).collect()
 }
 
 /// The unit vector at a share of the shortest turn from one to another.
-fn between(from: DVec3, to: DVec3, share: f64) -> DVec3 {
+fn slerp(from: DVec3, to: DVec3, share: f64) -> DVec3 {
     let cos = from.dot(to);
     let across = (to - from * cos).normalize_or_zero();
     let angle = libm::atan2(from.cross(to).length(), cos) * share;

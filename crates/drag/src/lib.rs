@@ -11,35 +11,37 @@
 //! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
 //! drag began to where the cursor is.
 //!
-//! What a drag costs is counted in steps ([`Work`]) and bounded. No clock is read, so that past the bound too the same drag gives
+//! What a drag costs is counted in steps ([`WorkBudget`]) and bounded. No clock is read, so that past the bound too the same drag gives
 //! the same bits on every machine.
 
 mod bound;
 mod direct;
 mod drag;
+mod dragged_feature;
 mod flow;
-mod glide;
 mod goal;
-mod lies;
 mod matrix;
 mod moves;
 mod occlusion;
 mod pins;
-mod place;
+mod point_in_light;
 mod quadratic;
 mod reach;
 mod request;
-mod sight;
+mod scene_visibility;
+mod slide;
 mod solve;
 mod start;
 mod step;
 mod work;
 
-pub use drag::{drag, drag_within};
-pub use glide::{Glided, glide};
-pub use lies::highlight_near;
-pub use request::{Drag, Feature, Landing, Limit, Pin, PinKind, Radii, Refusal, Status, Viewport};
-pub use work::{MOST_STEPS, STEPS_BETWEEN_QUESTIONS, Work};
+pub use drag::{drag, drag_budgeted};
+pub use dragged_feature::highlight_near;
+pub use request::{
+    Drag, DragLimit, DragPin, DragRefusal, DragResult, DragStatus, Feature, PinKind, RadiusMode, Viewport,
+};
+pub use slide::{Slide, slide_point};
+pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
 /// What solves drags of features: its name and its version, which grows with every change after which a drag may give another
 /// light.

@@ -1,6 +1,6 @@
 //! Dense linear algebra. What takes more than one row of a matrix counts its steps, and comes to nothing where there are none left.
 
-use crate::work::Work;
+use crate::work::WorkBudget;
 
 /// What is left of a row that follows from others, as a share of the largest row: differences have an error of 1e-10.
 const DEPENDENT: f64 = 1e-8;
@@ -47,7 +47,7 @@ impl Matrix {
     }
 
     /// `A B^T`.
-    pub fn times_transposed(&self, other: &Self, work: &Work) -> Self {
+    pub fn times_transposed(&self, other: &Self, work: &WorkBudget) -> Self {
         let mut product = Self::zero(self.rows, other.rows);
         for i in 0..self.rows {
             if !work.spend((other.rows * self.columns) as u64) {
@@ -70,7 +70,7 @@ pub(crate) fn length(a: &[f64]) -> f64 {
 }
 
 /// Which rows, as many as are independent, the others follow from: each next one the row that those before leave most of.
-pub(crate) fn independent(matrix: &Matrix, among: &[usize], work: &Work) -> Vec<usize> {
+pub(crate) fn independent_rows(matrix: &Matrix, among: &[usize], work: &WorkBudget) -> Vec<usize> {
     let mut left: Vec<Vec<f64>> = among.iter().map(|row| matrix.row(*row).to_vec()).collect();
     let mut chosen = Vec::new();
     let mut first = 0.0;
@@ -93,7 +93,7 @@ pub(crate) fn independent(matrix: &Matrix, among: &[usize], work: &Work) -> Vec<
 }
 
 /// The lower triangle `L` of a symmetric positive matrix `L L^T`, by Cholesky's method.
-pub(crate) fn triangle(matrix: &Matrix, work: &Work) -> Matrix {
+pub(crate) fn cholesky(matrix: &Matrix, work: &WorkBudget) -> Matrix {
     let n = matrix.rows;
     let mut lower = Matrix::zero(n, n);
     for row in 0..n {
@@ -111,7 +111,7 @@ pub(crate) fn triangle(matrix: &Matrix, work: &Work) -> Matrix {
 }
 
 /// `L^-1 x`.
-pub(crate) fn forward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
+pub(crate) fn solve_lower(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     let mut y = x.to_vec();
     for row in 0..y.len() {
         let known = dot(&lower.row(row)[..row], &y[..row]);
@@ -121,7 +121,7 @@ pub(crate) fn forward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
 }
 
 /// `L^-T x`.
-pub(crate) fn backward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
+pub(crate) fn solve_lower_transposed(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     let mut y = x.to_vec();
     for row in (0..y.len()).rev() {
         let known: f64 = (row + 1..y.len()).map(|below| lower.row(below)[row] * y[below]).sum();
@@ -131,7 +131,7 @@ pub(crate) fn backward(lower: &Matrix, x: &[f64]) -> Vec<f64> {
 }
 
 /// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
-pub(crate) fn solved(mut matrix: Matrix, mut right: Vec<f64>, work: &Work) -> Vec<f64> {
+pub(crate) fn solve_symmetric(mut matrix: Matrix, mut right: Vec<f64>, work: &WorkBudget) -> Vec<f64> {
     let n = right.len();
     let mut order: Vec<usize> = (0..n).collect();
     for step in 0..n {

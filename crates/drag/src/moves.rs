@@ -2,35 +2,37 @@
 
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
-use light::{CheckedLight, ControlPoint, Light, Rays, folds_of_segments};
+use light::{CheckedLight, ControlPoint, Light, LightRays, r_kappa_max_of_segments};
 
-use crate::request::Radii;
+use crate::request::RadiusMode;
 
 /// The largest `R kappa` that a drag makes; at 1 a tube folds.
-pub(crate) const LARGEST_FOLD: f64 = 0.97;
+pub(crate) const MAX_R_KAPPA: f64 = 0.97;
 
 /// Where radii begin to shrink for a bend, `R kappa`.
-const SHRINKS_FROM: f64 = 0.8;
+const SHRINK_FROM_R_KAPPA: f64 = 0.8;
 
 /// What may change.
 #[derive(Clone, Debug)]
-pub(crate) enum Moves {
+pub(crate) enum Unknowns {
     /// The placement: three numbers are a way in `unit` world units, three a rotation in radians about the source.
     Rigid { unit: f64 },
     /// The rotation alone, of a light that comes from everywhere.
     Turn,
-    /// Control points: three numbers each are an offset in `unit` light-local units, and with [`Radii::Solve`] one more each
+    /// Control points: three numbers each are an offset in `unit` light-local units, and with [`RadiusMode::Solve`] one more each
     /// is that of its radius.
-    Points { points: Vec<usize>, radii: Radii, unit: f64 },
+    Points { points: Vec<usize>, radii: RadiusMode, unit: f64 },
 }
 
-impl Moves {
+impl Unknowns {
     /// How many numbers they are.
     pub fn count(&self) -> usize {
         match self {
             Self::Rigid { .. } => 6,
             Self::Turn => 3,
-            Self::Points { points, radii, .. } => points.len() * if *radii == Radii::Solve { 4 } else { 3 },
+            Self::Points { points, radii, .. } => {
+                points.len() * if *radii == RadiusMode::Solve { 4 } else { 3 }
+            }
         }
     }
 
@@ -38,7 +40,7 @@ impl Moves {
     pub fn light(&self, start: &Light, x: &[f64]) -> Light {
         if let Self::Points { .. } = self {
             let moved = self.points(start, x);
-            return start.clone().with_points(|index, point| *point = moved[index]);
+            return start.clone().map_points(|index, point| *point = moved[index]);
         }
         let (translation, rotation) = self.placement(start, x);
         let turned = start.clone().with(ROTATION, rotation);
@@ -65,44 +67,46 @@ impl Moves {
         for (k, &index) in points.iter().enumerate() {
             let Some(point) = all.get_mut(index) else { continue };
             point.position += DVec3::from_slice(&x[3 * k..][..3]) * *unit;
-            if *radii == Radii::Solve {
+            if *radii == RadiusMode::Solve {
                 point.radius += x[3 * points.len() + k] * unit;
             }
         }
-        self.settle(start, &mut all);
+        self.shrink_radii(start, &mut all);
         all
     }
 
     /// How points are found in the light with them; `None` where it cannot be evaluated.
-    pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<Rays> {
+    pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
         if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
-            return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(Rays::Bent);
+            return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(LightRays::Bent);
         }
         let (translation, rotation) = self.placement(start.light(), x);
         let rotation = DMat3::from_quat(rotation);
         let mut rays = start.rays().clone();
         match &mut rays {
-            Rays::Bent(tube) => {
+            LightRays::Bent(tube) => {
                 (tube.placement.translation, tube.placement.rotation) = (translation, rotation);
             }
-            Rays::Cone(cone) => (cone.translation, cone.rotation) = (translation, rotation),
-            Rays::Omni(omni) => (omni.translation, omni.rotation) = (translation, rotation),
-            Rays::Parallel(parallel) => (parallel.translation, parallel.rotation) = (translation, rotation),
+            LightRays::Cone(cone) => (cone.translation, cone.rotation) = (translation, rotation),
+            LightRays::Omni(omni) => (omni.translation, omni.rotation) = (translation, rotation),
+            LightRays::Parallel(parallel) => {
+                (parallel.translation, parallel.rotation) = (translation, rotation);
+            }
         }
         Some(rays)
     }
 }
 
-impl Moves {
+impl Unknowns {
     /// Lets the radii of control points that have moved follow.
-    pub fn settle(&self, start: &Light, moved: &mut [ControlPoint]) {
-        if let Self::Points { radii: Radii::Follow, .. } = self {
-            follow(start.points(), moved);
+    pub fn shrink_radii(&self, start: &Light, moved: &mut [ControlPoint]) {
+        if let Self::Points { radii: RadiusMode::Follow, .. } = self {
+            shrink_folding_radii(start.points(), moved);
         }
     }
 
     /// How far a control point is from a share of its way to a light-local position, in units of what moves.
-    pub fn position_off(&self, start: &Light, x: &[f64], point: usize, to: DVec3, share: f64) -> DVec3 {
+    pub fn position_error(&self, start: &Light, x: &[f64], point: usize, to: DVec3, share: f64) -> DVec3 {
         let Self::Points { points, unit, .. } = self else { return DVec3::ZERO };
         let Some(k) = points.iter().position(|&moving| moving == point) else { return DVec3::ZERO };
         DVec3::from_slice(&x[3 * k..][..3]) - (to - start.points()[point].position) / *unit * share
@@ -110,19 +114,20 @@ impl Moves {
 }
 
 /// Makes those radii smaller that would make the tube of these control points fold: continuous in their positions, and where
-/// nothing is nearer to folding than `start` was they stay.
+/// nothing is nearer to folding than `arrive` was they stay.
 ///
 /// A segment's radius is a mean of those of its three control points, so that a segment whose three shrink by a factor
 /// shrinks by that at least.
-fn follow(start: &[ControlPoint], moved: &mut [ControlPoint]) {
+fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
     let all = 0..moved.len().saturating_sub(2);
-    let (Ok(begun), Ok(folds)) = (folds_of_segments(start, all.clone()), folds_of_segments(moved, all))
+    let (Ok(begun), Ok(folds)) =
+        (r_kappa_max_of_segments(start, all.clone()), r_kappa_max_of_segments(moved, all))
     else {
         return;
     };
     let factor = |point: usize| {
         let segments = point.saturating_sub(2)..(point + 1).min(folds.len());
-        segments.map(|segment| allowed(folds[segment], begun[segment])).fold(1.0, f64::min)
+        segments.map(|segment| allowed_radius_share(folds[segment], begun[segment])).fold(1.0, f64::min)
     };
     let factors: Vec<f64> = (0..moved.len()).map(factor).collect();
     for (point, factor) in moved.iter_mut().zip(factors) {
@@ -134,15 +139,15 @@ fn follow(start: &[ControlPoint], moved: &mut [ControlPoint]) {
 
 /// The share of its radius that a segment with that `R kappa` may have, which had `begun`: what was near to folding already
 /// may stay so.
-fn allowed(fold: f64, begun: f64) -> f64 {
-    let shrinks_from = begun.clamp(SHRINKS_FROM, LARGEST_FOLD);
+fn allowed_radius_share(fold: f64, begun: f64) -> f64 {
+    let shrinks_from = begun.clamp(SHRINK_FROM_R_KAPPA, MAX_R_KAPPA);
     if fold <= shrinks_from {
         return 1.0;
     }
     if !fold.is_finite() {
         return 0.0;
     }
-    let (room, beyond) = (LARGEST_FOLD - shrinks_from, fold - shrinks_from);
+    let (room, beyond) = (MAX_R_KAPPA - shrinks_from, fold - shrinks_from);
     // With the slope 1 at first, and never all of the room.
     (shrinks_from + room * beyond / (room + beyond)) / fold
 }

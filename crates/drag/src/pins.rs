@@ -3,29 +3,29 @@
 use glam::{DVec2, DVec3};
 use raycast::Bvh;
 
-use crate::bound::{Bound, across_off, behind, bounds_of_place, direction_off};
-use crate::occlusion::{Caster, Contact, Occlusion};
-use crate::place::{Place, Placed};
+use crate::bound::{Bound, bounds_at, cross_error, direction_error, distance_behind};
+use crate::occlusion::{Contact, Occlusion, ShadowCaster};
+use crate::point_in_light::{PointInLight, SceneLight};
 use crate::quadratic::Hold;
-use crate::request::{Limit, Pin, PinKind, Refusal};
+use crate::request::{DragLimit, DragPin, DragRefusal, PinKind};
 
 /// How softly soft pins give way: a pin that is off by a tenth weighs as much as a change of three lengths of the light.
-const GIVE: f64 = 1e-3;
+const SOFT_PIN_COMPLIANCE: f64 = 1e-3;
 
 /// How softly what arrives at a pinned direction gives way, as a share: the direction is what is pinned, but a surface looks as it
 /// did only with as much light.
-const ARRIVING_GIVES: f64 = 1e-5;
+const IRRADIANCE_COMPLIANCE: f64 = 1e-5;
 
 /// How near to a pin what light meets is the pinned surface itself, as a share of the scene's size: positions are written down
 /// with some digits.
 const CONTACT: f64 = 1e-5;
 
 /// How far from the edge of a shadow what is pinned stays, in radii of the light.
-const FROM_EDGE: f64 = 2e-3;
+const SHADOW_EDGE_MARGIN: f64 = 2e-3;
 
 /// A pin, and how it was when the drag began.
 #[derive(Clone, Debug)]
-pub(crate) struct Pinned {
+pub(crate) struct PinState {
     /// Which of the drag's pins.
     pub index: usize,
     pub kind: PinKind,
@@ -33,7 +33,7 @@ pub(crate) struct Pinned {
     /// In scene space.
     pub point: DVec3,
     /// Where it was in the light.
-    pub place: Place,
+    pub start_coords: PointInLight,
     /// How much light arrived.
     pub irradiance: f64,
     /// The surface's unit normals on the side that is lit, as a smooth one and of its triangle where that is lit from the front.
@@ -46,36 +46,37 @@ pub(crate) struct Pinned {
     pub contact: Contact,
 }
 
-impl Pinned {
+impl PinState {
     /// The pin, which has to hold. A soft one that does not is `Ok(None)`: nothing keeps it.
     pub fn new(
         occlusion: &Occlusion,
         bvh: &Bvh,
-        placed: &Placed,
-        (index, pin): (usize, &Pin),
-    ) -> Result<Option<Self>, Refusal> {
-        let found = Self::holding(occlusion, bvh, placed, (index, pin));
-        if found.is_none() && pin.is_hard { Err(Refusal::PinDoesNotHold(index)) } else { Ok(found) }
+        placed: &SceneLight,
+        (index, pin): (usize, &DragPin),
+    ) -> Result<Option<Self>, DragRefusal> {
+        let found = Self::if_it_holds(occlusion, bvh, placed, (index, pin));
+        if found.is_none() && pin.is_hard { Err(DragRefusal::PinDoesNotHold(index)) } else { Ok(found) }
     }
 
-    fn holding(
+    fn if_it_holds(
         occlusion: &Occlusion,
         bvh: &Bvh,
-        placed: &Placed,
-        (index, pin): (usize, &Pin),
+        placed: &SceneLight,
+        (index, pin): (usize, &DragPin),
     ) -> Option<Self> {
         let posed = &bvh.posed;
         let point = pin.at - posed.origin_in_world;
         let place = placed.locate(point, None)?;
-        if placed.out2(&place) > 1.0 || place.from_ends < 0.0 {
+        if placed.rho2(&place) > 1.0 || place.distance_to_ends < 0.0 {
             return None;
         }
         let contact = Contact { within: CONTACT * posed.half_extent.length(), triangle: None };
         let spend = |boxes| occlusion.work.spend_on_rays(boxes);
-        let surface = bvh.nearest_counted(point, contact.within, spend, |_| true);
+        let surface = bvh.nearest_budgeted(point, contact.within, spend, |_| true);
         let towards = |normal: DVec3| if normal.dot(place.along_path) < 0.0 { -normal } else { normal };
         let (normals, offset) = surface.map_or(([place.along_path; 2], 0.0), |surface| {
-            let (smooth, offset) = bvh.smooth(surface.triangle, surface.weights, surface.position);
+            let (smooth, offset) =
+                bvh.smooth_surface_at(surface.triangle, surface.barycentrics, surface.position);
             let flat = bvh.triangles[surface.triangle].normal().normalize();
             let smooth = towards(smooth);
             let flat = towards(flat);
@@ -86,15 +87,17 @@ impl Pinned {
             kind: pin.kind,
             is_hard: pin.is_hard,
             point,
-            place,
-            irradiance: placed.locate_lit(point, place.t)?.1,
+            start_coords: place,
+            irradiance: placed.locate_with_irradiance(point, place.t)?.1,
             normals,
             shadow_point: point + normals[0] * offset,
             pivot: None,
             contact,
         };
         let is_caster = |node: usize| match &pin.caster {
-            Some(caster) => posed.scene.nodes[node].name == *caster || posed.nodes().path(node) == *caster,
+            Some(caster) => {
+                posed.scene.nodes[node].name == *caster || posed.node_tree().path(node) == *caster
+            }
             None => true,
         };
         match pin.kind {
@@ -102,91 +105,103 @@ impl Pinned {
             PinKind::Lit => pinned.is_lit(occlusion, placed, &place).then_some(pinned),
             PinKind::Shadowed => pinned.is_shadowed(occlusion, placed, &place).then_some(pinned),
             PinKind::Shadow => {
-                let caster = occlusion.first_of(placed, &place, place.across, point, contact, is_caster)?;
+                let caster = occlusion.first_matching_caster(
+                    placed,
+                    &place,
+                    place.cross_coords,
+                    point,
+                    contact,
+                    is_caster,
+                )?;
                 Some(Self { pivot: Some((caster.position, caster.t)), ..pinned })
             }
         }
     }
 
     /// Whether light arrives that nothing stands in the way of.
-    pub fn is_lit(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
+    pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
         self.normals.iter().all(|normal| normal.dot(place.along_path) > 0.0)
-            && self.first(occlusion, placed, place).is_none()
+            && self.first_caster(occlusion, placed, place).is_none()
     }
 
     /// Whether something stands in the light's way.
-    pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> bool {
-        self.first(occlusion, placed, place).is_some()
+    pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
+        self.first_caster(occlusion, placed, place).is_some()
     }
 
     /// The first that does.
-    fn first(&self, occlusion: &Occlusion, placed: &Placed, place: &Place) -> Option<Caster> {
-        let place = self.shadow_place(placed, place)?;
-        occlusion.first_on(placed, &place, place.across, self.shadow_point, self.contact)
+    fn first_caster(
+        &self,
+        occlusion: &Occlusion,
+        placed: &SceneLight,
+        place: &PointInLight,
+    ) -> Option<ShadowCaster> {
+        let place = self.shadow_coords(placed, place)?;
+        occlusion.first_caster_on_path(placed, &place, place.cross_coords, self.shadow_point, self.contact)
     }
 
     /// Where its shadow is looked for, in a light in which the pin lies at `place`.
-    pub fn shadow_place(&self, placed: &Placed, place: &Place) -> Option<Place> {
+    pub fn shadow_coords(&self, placed: &SceneLight, place: &PointInLight) -> Option<PointInLight> {
         placed.locate(self.shadow_point, Some(place.t))
     }
 
     /// The places that are followed for it, as they were.
-    pub fn near(&self) -> [f64; 2] {
-        [self.place.t, self.pivot.map_or(0.0, |(_, t)| t)]
+    pub fn start_t(&self) -> [f64; 2] {
+        [self.start_coords.t, self.pivot.map_or(0.0, |(_, t)| t)]
     }
 
     /// How softly it gives way.
-    pub fn give(&self) -> f64 {
-        if self.is_hard { 0.0 } else { GIVE }
+    pub fn compliance(&self) -> f64 {
+        if self.is_hard { 0.0 } else { SOFT_PIN_COMPLIANCE }
     }
 
     /// How firmly its equations are held.
-    pub fn rows(&self) -> impl Iterator<Item = Hold> {
-        let hold = if self.is_hard { Hold::Fixed } else { Hold::Soft(GIVE) };
+    pub fn row_holds(&self) -> impl Iterator<Item = Hold> {
+        let hold = if self.is_hard { Hold::Fixed } else { Hold::Soft(SOFT_PIN_COMPLIANCE) };
         let count = if matches!(self.kind, PinKind::Direction | PinKind::Shadow) { 2 } else { 0 };
-        let arriving = self.holds_what_arrives().then_some(Hold::Soft(ARRIVING_GIVES));
+        let arriving = self.holds_irradiance().then_some(Hold::Soft(IRRADIANCE_COMPLIANCE));
         std::iter::repeat_n(hold, count).chain(arriving)
     }
 
-    fn holds_what_arrives(&self) -> bool {
+    fn holds_irradiance(&self) -> bool {
         self.kind == PinKind::Direction && self.irradiance > 0.0
     }
 
     /// Adds how far it is off, where that is an equation, and says where it is in the light.
-    pub fn off(
+    pub fn add_residual(
         &self,
-        placed: &Placed,
+        placed: &SceneLight,
         near: [f64; 2],
         residual: &mut Vec<f64>,
         bounds: &mut Vec<Bound>,
-    ) -> Option<([f64; 2], Place)> {
-        let (place, irradiance) = if self.holds_what_arrives() {
-            placed.locate_lit(self.point, near[0])?
+    ) -> Option<([f64; 2], PointInLight)> {
+        let (place, irradiance) = if self.holds_irradiance() {
+            placed.locate_with_irradiance(self.point, near[0])?
         } else {
             (placed.locate(self.point, Some(near[0]))?, 0.0)
         };
-        let bound = |value| Bound { value, limit: Limit::Pin(self.index), give: self.give() };
-        bounds_of_place(placed, &place, ([Limit::Pin(self.index); 2], self.give()), 0.0, bounds);
+        let bound = |value| Bound { value, limit: DragLimit::Pin(self.index), compliance: self.compliance() };
+        bounds_at(placed, &place, ([DragLimit::Pin(self.index); 2], self.compliance()), 0.0, bounds);
         if self.kind == PinKind::Lit {
             bounds.extend(self.normals.map(|normal| {
-                let least = FROM_EDGE.min(0.5 * self.place.along_path.dot(normal));
+                let least = SHADOW_EDGE_MARGIN.min(0.5 * self.start_coords.along_path.dot(normal));
                 bound(place.along_path.dot(normal) - least)
             }));
         }
         let mut pivot_t = near[1];
         match (self.kind, self.pivot) {
             (PinKind::Direction, _) => {
-                residual.extend(direction_off(place.to_light, self.place.to_light)?.to_array());
+                residual.extend(direction_error(place.to_light, self.start_coords.to_light)?.to_array());
             }
             (PinKind::Shadow, Some((pivot, _))) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                bounds.push(bound(behind(&place, &pivot, &self.place)));
-                residual.extend(across_off(pivot.across, &place, &self.place).to_array());
+                bounds.push(bound(distance_behind(&place, &pivot, &self.start_coords)));
+                residual.extend(cross_error(pivot.cross_coords, &place, &self.start_coords).to_array());
             }
             _ => {}
         }
-        if self.holds_what_arrives() {
+        if self.holds_irradiance() {
             residual.push(irradiance / self.irradiance - 1.0);
         }
         Some(([place.t, pivot_t], place))
@@ -195,9 +210,9 @@ impl Pinned {
 
 /// The tangent of something that may not be crossed, found where a light would have crossed it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Cut {
+pub(crate) enum OcclusionTangent {
     /// The edge of a shadow.
-    Edge {
+    ShadowEdge {
         /// Whose, by its index.
         pin: usize,
         /// What throws it there, in scene space.
@@ -214,34 +229,35 @@ pub(crate) enum Cut {
         /// Unit normal towards where the source may be.
         normal: DVec3,
         /// How far it stays off, in world units.
-        off: f64,
+        clearance: f64,
         /// The scene's size.
         size: f64,
     },
 }
 
-impl Cut {
+impl OcclusionTangent {
     /// The pin that it is for.
     pub fn pin(&self) -> Option<usize> {
         match self {
-            Self::Edge { pin, .. } => Some(*pin),
+            Self::ShadowEdge { pin, .. } => Some(*pin),
             Self::Surface { .. } => None,
         }
     }
 
     /// How far a pin at `place` is within an edge.
-    pub fn bound_of_way(&self, placed: &Placed, place: &Place, pin: &Pinned) -> Option<Bound> {
-        let Self::Edge { caster, t, allowed, .. } = self else { return None };
+    pub fn pin_bound(&self, placed: &SceneLight, place: &PointInLight, pin: &PinState) -> Option<Bound> {
+        let Self::ShadowEdge { caster, t, allowed, .. } = self else { return None };
         let edge = placed.locate(*caster, Some(*t))?;
-        let place = &pin.shadow_place(placed, place)?;
-        let value = -across_off(edge.across, place, &pin.place).dot(*allowed) - FROM_EDGE;
-        Some(Bound { value, limit: Limit::Pin(pin.index), give: pin.give() })
+        let place = &pin.shadow_coords(placed, place)?;
+        let value =
+            -cross_error(edge.cross_coords, place, &pin.start_coords).dot(*allowed) - SHADOW_EDGE_MARGIN;
+        Some(Bound { value, limit: DragLimit::Pin(pin.index), compliance: pin.compliance() })
     }
 
     /// How far the source is within a surface.
-    pub fn bound_of_source(&self, placed: &Placed) -> Option<Bound> {
-        let Self::Surface { at, normal, off, size } = self else { return None };
+    pub fn source_bound(&self, placed: &SceneLight) -> Option<Bound> {
+        let Self::Surface { at, normal, clearance: off, size } = self else { return None };
         let value = ((placed.source() - *at).dot(*normal) - off) / size;
-        Some(Bound { value, limit: Limit::SourceInside, give: 0.0 })
+        Some(Bound { value, limit: DragLimit::SourceInside, compliance: 0.0 })
     }
 }

@@ -2,48 +2,50 @@
 
 use std::rc::Rc;
 
-use crate::matrix::{Matrix, backward, dot, forward, independent, solved, triangle};
-use crate::work::Work;
+use crate::matrix::{
+    Matrix, cholesky, dot, independent_rows, solve_lower, solve_lower_transposed, solve_symmetric,
+};
+use crate::work::WorkBudget;
 
 /// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
-const SOFT_BESIDE_LIMITS: f64 = 1e-7;
+const MIN_MU_BESIDE_LIMITS: f64 = 1e-7;
 
 /// The least `mu`: what no change does anything to asks for nothing.
-const LEAST: f64 = 1e-30;
+const MIN_MU: f64 = 1e-30;
 
 /// Turns in which springs come in and go together, so that many do not take as many turns. Past these they do so one by one, which
 /// ends for certain.
-const TOGETHER: usize = 8;
+const MAX_BATCHED_TURNS: usize = 8;
 
 /// To what share of their size limits are held.
-const ROUNDED: f64 = 1e-14;
+const LIMIT_TOLERANCE: f64 = 1e-14;
 
 /// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
 /// slopes dx`. The values are given beside it, since they may be of a place nearby.
-pub(crate) struct Linear<'a> {
+pub(crate) struct Linearization<'a> {
     pub jacobian: Matrix,
     pub slopes: Matrix,
     /// How firmly each residual is held.
     pub rows: Rc<[Hold]>,
     /// How softly each limit gives way; 0 where it does not.
-    pub give: Vec<f64>,
+    pub compliances: Vec<f64>,
     /// Of the fixed rows those that the others follow from.
     fixed: Vec<usize>,
     /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count. `None` of none.
     metric: Option<Matrix>,
-    work: &'a Work<'a>,
+    work: &'a WorkBudget<'a>,
 }
 
-impl<'a> Linear<'a> {
+impl<'a> Linearization<'a> {
     pub fn new(
         (jacobian, slopes): (Matrix, Matrix),
         rows: Rc<[Hold]>,
-        give: Vec<f64>,
-        work: &'a Work<'a>,
+        compliances: Vec<f64>,
+        work: &'a WorkBudget<'a>,
     ) -> Self {
         let fixed: Vec<usize> = (0..rows.len()).filter(|row| rows[*row] == Hold::Fixed).collect();
         let is_few = fixed.len() <= jacobian.columns;
-        let fixed = if is_few { fixed } else { independent(&jacobian, &fixed, work) };
+        let fixed = if is_few { fixed } else { independent_rows(&jacobian, &fixed, work) };
         let mut metric = None;
         for (row, hold) in rows.iter().enumerate() {
             if let Hold::Soft(give) = hold
@@ -53,7 +55,7 @@ impl<'a> Linear<'a> {
                 add_square(metric, jacobian.row(row), *give);
             }
         }
-        Self { jacobian, slopes, rows, give, fixed, metric, work }
+        Self { jacobian, slopes, rows, compliances, fixed, metric, work }
     }
 }
 
@@ -85,7 +87,7 @@ fn add_scaled(sum: &mut [f64], a: &[f64], by: f64) {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Hold {
     /// As far as limits and what is fixed let it.
-    Asked,
+    Objective,
     /// Whatever is asked.
     Fixed,
     /// `|residual|^2 / give` is weighed against the size of the change.
@@ -97,12 +99,12 @@ pub(crate) enum Hold {
 pub(crate) struct Values<'a> {
     pub residual: &'a [f64],
     pub limits: &'a [f64],
-    pub counting: Counting,
+    pub counting: RowSelection,
 }
 
 /// Which residuals count; limits do that are not soft, and with [`Self::All`] those that are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Counting {
+pub(crate) enum RowSelection {
     All,
     /// Not those that are soft.
     Firm,
@@ -118,20 +120,25 @@ pub(crate) enum Counting {
 /// 0, and let go where it pulls the wrong way. They come before residuals, which only ask; a fixed residual is a row that is
 /// never let go. What is soft has a `mu` of its own, limits too, which then are springs on one side. That changes what `|y|^2`
 /// is measured by, and adds no rows: however much is pinned, there are as many unknowns.
-pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (Vec<f64>, Pulls) {
-    let Linear { jacobian, slopes, rows, give, work, .. } = linear;
+pub(crate) fn smallest_step(
+    x: &[f64],
+    linear: &Linearization,
+    values: Values,
+    mu: f64,
+) -> (Vec<f64>, Multipliers) {
+    let Linearization { jacobian, slopes, rows, compliances: give, work, .. } = linear;
     let Values { residual, limits, counting } = values;
     let wanted: Vec<f64> = jacobian.times(x).iter().zip(residual).map(|(a, b)| a - b).collect();
     let floor: Vec<f64> = slopes.times(x).iter().zip(limits).map(|(a, b)| a - b).collect();
     let mut pull = vec![0.0; jacobian.columns];
     for (row, hold) in rows.iter().enumerate() {
-        if let (Hold::Soft(give), Counting::All) = (hold, counting) {
+        if let (Hold::Soft(give), RowSelection::All) = (hold, counting) {
             add_scaled(&mut pull, jacobian.row(row), wanted[row] / give);
         }
     }
-    let step = Step { linear, wanted, floor, pull, counting, mu };
+    let step = QpStep { linear, wanted, floor, pull, counting, mu };
     let mut active: Vec<usize> = Vec::new();
-    let mut best: Option<(Vec<f64>, Pulls)> = None;
+    let mut best: Option<(Vec<f64>, Multipliers)> = None;
     let most = 4 * limits.len().min(4 * jacobian.columns) + 4;
     for turn in 0..most {
         let compared = (jacobian.columns + active.len()) * limits.len();
@@ -142,7 +149,7 @@ pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (
         // A limit that holds the light back where it wants to go is let go of.
         let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
         if let Some((k, &limit)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
-            if give[limit] > 0.0 && turn < TOGETHER {
+            if give[limit] > 0.0 && turn < MAX_BATCHED_TURNS {
                 let mut pulls = pulls.iter();
                 active.retain(|limit| pulls.next().is_some_and(|pull| *pull >= 0.0) || give[*limit] == 0.0);
             } else {
@@ -151,53 +158,53 @@ pub(crate) fn smallest(x: &[f64], linear: &Linear, values: Values, mu: f64) -> (
             continue;
         }
         let height = slopes.times(&y);
-        let counts = |k: usize| give[k] == 0.0 || counting == Counting::All;
+        let counts = |k: usize| give[k] == 0.0 || counting == RowSelection::All;
         let broken: Vec<usize> = (0..limits.len())
             .filter(|k| counts(*k) && height[*k] < step.floor[*k] - 1e-12 && !active.contains(k))
             .collect();
         let mut of_limits = vec![0.0; limits.len()];
         active.iter().zip(pulls).for_each(|(&k, pull)| of_limits[k] = if give[k] > 0.0 { 0.0 } else { pull });
-        best = Some((y, Pulls { rows: of_rows, limits: of_limits }));
+        best = Some((y, Multipliers { rows: of_rows, limits: of_limits }));
         let below = |k: &usize| height[*k] - step.floor[*k];
         let Some(worst) = broken.iter().copied().min_by(|a, b| below(a).total_cmp(&below(b))) else { break };
-        if give[worst] > 0.0 && turn < TOGETHER {
+        if give[worst] > 0.0 && turn < MAX_BATCHED_TURNS {
             active.extend(broken.into_iter().filter(|k| give[*k] > 0.0));
         } else {
             active.push(worst);
         }
     }
-    let still = || Pulls { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] };
+    let still = || Multipliers { rows: vec![0.0; jacobian.rows], limits: vec![0.0; limits.len()] };
     best.unwrap_or_else(|| (x.to_vec(), still()))
 }
 
 /// How residuals and limits pull at what changes: the multipliers of their rows, of limits 0 or more.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Pulls {
+pub(crate) struct Multipliers {
     pub rows: Vec<f64>,
     pub limits: Vec<f64>,
 }
 
 /// What a step is made of.
-struct Step<'a> {
-    linear: &'a Linear<'a>,
+struct QpStep<'a> {
+    linear: &'a Linearization<'a>,
     /// What rows and limits are to be at `y`.
     wanted: Vec<f64>,
     floor: Vec<f64>,
     /// Where soft rows pull.
     pull: Vec<f64>,
-    counting: Counting,
+    counting: RowSelection,
     mu: f64,
 }
 
-impl Step<'_> {
+impl QpStep<'_> {
     /// The smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
     ///
     /// With `M = L L^T` for what is soft and `y0 = M^-1 pull`, `|y|^2` and the soft rows are `|L^T (y - y0)|^2`, and so only firm
     /// rows are left, as `L^-1 a` of what they were.
     fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
-        let Linear { jacobian, slopes, rows, give, fixed, metric, work } = self.linear;
+        let Linearization { jacobian, slopes, rows, compliances: give, fixed, metric, work } = self.linear;
         let is_spring = |limit: &&usize| give[**limit] > 0.0;
-        let are_soft = self.counting == Counting::All && metric.is_some();
+        let are_soft = self.counting == RowSelection::All && metric.is_some();
         // Where nothing is soft M is I.
         let soft = (are_soft || active.iter().any(|limit| is_spring(&limit))).then(|| {
             let unsoft = || identity(jacobian.columns);
@@ -210,55 +217,55 @@ impl Step<'_> {
                 add_square(&mut metric, slopes.row(limit), give[limit]);
                 add_scaled(&mut pull, slopes.row(limit), self.floor[limit] / give[limit]);
             }
-            let lower = triangle(&metric, work);
-            let rest = backward(&lower, &forward(&lower, &pull));
+            let lower = cholesky(&metric, work);
+            let rest = solve_lower_transposed(&lower, &solve_lower(&lower, &pull));
             (lower, rest)
         });
-        let asked = || (0..rows.len()).filter(|row| rows[*row] == Hold::Asked);
-        let asking = asked().filter(|_| self.counting != Counting::Fixed);
+        let asked = || (0..rows.len()).filter(|row| rows[*row] == Hold::Objective);
+        let asking = asked().filter(|_| self.counting != RowSelection::Fixed);
         let limits = active.iter().filter(|limit| give[**limit] == 0.0);
-        let firm: Vec<Row> = asking
-            .map(Row::Asked)
-            .chain(fixed.iter().copied().map(Row::Fixed))
-            .chain(limits.copied().map(Row::Limit))
+        let firm: Vec<FirmRow> = asking
+            .map(FirmRow::Objective)
+            .chain(fixed.iter().copied().map(FirmRow::Fixed))
+            .chain(limits.copied().map(FirmRow::Limit))
             .collect();
         let trace: f64 = asked().map(|row| dot(jacobian.row(row), jacobian.row(row))).sum();
         // What is firm comes first: residuals ask more softly than it is rounded.
-        let is_asked_alone = firm.iter().all(|row| matches!(row, Row::Asked(_)));
-        let asking = if is_asked_alone { self.mu } else { self.mu.max(SOFT_BESIDE_LIMITS * trace) };
+        let is_asked_alone = firm.iter().all(|row| matches!(row, FirmRow::Objective(_)));
+        let asking = if is_asked_alone { self.mu } else { self.mu.max(MIN_MU_BESIDE_LIMITS * trace) };
         let mut all = Matrix::zero(firm.len(), jacobian.columns);
         let (mut right, mut softness) = (Vec::new(), Vec::new());
         for (k, row) in firm.iter().enumerate() {
             let (a, wanted) = match *row {
-                Row::Asked(row) | Row::Fixed(row) => (jacobian.row(row), self.wanted[row]),
-                Row::Limit(limit) => (slopes.row(limit), self.floor[limit]),
+                FirmRow::Objective(row) | FirmRow::Fixed(row) => (jacobian.row(row), self.wanted[row]),
+                FirmRow::Limit(limit) => (slopes.row(limit), self.floor[limit]),
             };
             if let Some((lower, rest)) = &soft
                 && work.spend(square(jacobian.columns))
             {
-                all.row_mut(k).copy_from_slice(&forward(lower, a));
+                all.row_mut(k).copy_from_slice(&solve_lower(lower, a));
                 right.push(wanted - dot(a, rest));
             } else {
                 all.row_mut(k).copy_from_slice(a);
                 right.push(wanted);
             }
-            let is_asked = matches!(row, Row::Asked(_));
-            softness.push(if is_asked { asking } else { ROUNDED * dot(a, a) + LEAST });
+            let is_asked = matches!(row, FirmRow::Objective(_));
+            softness.push(if is_asked { asking } else { LIMIT_TOLERANCE * dot(a, a) + MIN_MU });
         }
         let mut normal = all.times_transposed(&all, work);
         softness.iter().enumerate().for_each(|(k, mu)| *normal.at(k, k) += mu);
-        let weights = solved(normal, right, work);
+        let weights = solve_symmetric(normal, right, work);
         let mut y = all.transposed_times(&weights);
         if let Some((lower, rest)) = &soft {
-            y = backward(lower, &y);
+            y = solve_lower_transposed(lower, &y);
             y.iter_mut().zip(rest).for_each(|(y, rest)| *y += rest);
         }
         let mut of_rows = vec![0.0; rows.len()];
         let mut of_limits = vec![0.0; slopes.rows];
         for (row, weight) in firm.iter().zip(weights) {
             match *row {
-                Row::Asked(row) | Row::Fixed(row) => of_rows[row] = weight,
-                Row::Limit(limit) => of_limits[limit] = weight,
+                FirmRow::Objective(row) | FirmRow::Fixed(row) => of_rows[row] = weight,
+                FirmRow::Limit(limit) => of_limits[limit] = weight,
             }
         }
         let pull_of = |&limit: &usize| {
@@ -275,8 +282,8 @@ impl Step<'_> {
 
 /// A row that is firm.
 #[derive(Clone, Copy, Debug)]
-enum Row {
-    Asked(usize),
+enum FirmRow {
+    Objective(usize),
     Fixed(usize),
     Limit(usize),
 }
@@ -302,19 +309,19 @@ mod tests {
         let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
         rows.extend(pins.iter().map(|(_, row)| &row[..]));
         let slopes = matrix(&limits.iter().map(|(_, slope)| &slope[..]).collect::<Vec<_>>(), 2);
-        let work = Work::new(&|_| true);
-        let linear = Linear::new(
+        let work = WorkBudget::new(&|_| true);
+        let linear = Linearization::new(
             (matrix(&rows, 2), slopes),
-            std::iter::once(Hold::Asked).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
+            std::iter::once(Hold::Objective).chain(pins.iter().map(|(hold, _)| *hold)).collect(),
             vec![0.0; limits.len()],
             &work,
         );
         let residual: Vec<f64> = (0..rows.len()).map(|row| if row == 0 { residual } else { 0.0 }).collect();
         let limits: Vec<f64> = limits.iter().map(|(value, _)| *value).collect();
-        smallest(
+        smallest_step(
             &[0.0, 0.0],
             &linear,
-            Values { residual: &residual, limits: &limits, counting: Counting::All },
+            Values { residual: &residual, limits: &limits, counting: RowSelection::All },
             1e-12,
         )
         .0

@@ -21,20 +21,20 @@ pub struct Drag {
     /// The control points that take part, by their indices; `None` moves the light as a whole.
     pub points: Option<Vec<usize>>,
     /// What becomes of radii where control points take part.
-    pub radii: Radii,
+    pub radii: RadiusMode,
     /// Where the feature is taken, in pixels from the picture's top left corner.
     pub from: DVec2,
     /// Where it goes.
     pub to: DVec2,
     /// What is to stay as it is.
-    pub pins: Vec<Pin>,
+    pub pins: Vec<DragPin>,
     /// Whether the source may not go through a surface.
     pub source_outside: bool,
 }
 
 /// What is to stay as it is at a point while the light is dragged. It has to be so when the drag begins.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pin {
+pub struct DragPin {
     /// What stays.
     pub kind: PinKind,
     /// Where, in the world: on a surface.
@@ -74,7 +74,7 @@ pub enum Feature {
 
 /// What becomes of radii while control points move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Radii {
+pub enum RadiusMode {
     /// They stay.
     #[default]
     Keep,
@@ -86,9 +86,9 @@ pub enum Radii {
 
 /// What came of a drag.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Landing {
+pub struct DragResult {
     /// Whether the feature lies under the cursor.
-    pub status: Status,
+    pub status: DragStatus,
     /// The light, which can be evaluated: the one that the drag began with where it was refused.
     pub light: Light,
     /// On the screen, from the cursor to where the feature lies now, in pixels; infinite where it is not in the picture.
@@ -107,18 +107,18 @@ pub struct Landing {
 
 /// Whether the feature lies under the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub enum DragStatus {
     /// It does, within half a pixel.
-    Landed,
+    Converged,
     /// It lies as near as the light may bring it.
-    Limited(Limit),
+    Limited(DragLimit),
     /// Nothing was moved.
-    Refused(Refusal),
+    Refused(DragRefusal),
 }
 
 /// What keeps a light from going on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
+pub enum DragLimit {
     /// The tube would fold over itself.
     Fold,
     /// A radius would be less than nothing.
@@ -131,13 +131,13 @@ pub enum Limit {
     SourceInside,
     /// What is pinned would not stay, by the pin's index.
     Pin(usize),
-    /// Finding a nearer light takes more steps than a drag may take ([`crate::MOST_STEPS`]).
+    /// Finding a nearer light takes more steps than a drag may take ([`crate::MAX_DRAG_STEPS`]).
     TooMuchWork,
 }
 
 /// Why nothing can be moved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
+pub enum DragRefusal {
     /// Where the drag begins there is no surface.
     NothingAtStart,
     /// The cursor is off the surfaces, or on one that the light may not show on.

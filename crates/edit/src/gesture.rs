@@ -1,9 +1,12 @@
 //! Drags under way: live for everybody, in no log, and a soft lock on one light each.
 
-use document::{Change, Command, Context, Document, DragOutcome, EditError, Edited, PlacedLight, edited};
+use document::{
+    Change, Command, CommandContext, CommandResult, Document, DragOutcome, EditError, NumberedLight,
+    execute_command,
+};
 use light::LightId;
 
-use crate::{Actor, Refusal};
+use crate::{Actor, EditRefusal};
 
 /// How long a gesture is held without an update, in milliseconds.
 pub const LEASE_MS: u64 = 30_000;
@@ -26,48 +29,49 @@ pub struct Gesture {
     /// The latest valid command.
     pub command: Option<Command>,
     /// Why the latest update was refused, if it was.
-    pub refused: Option<Refusal>,
+    pub refusal: Option<EditRefusal>,
     /// What everybody sees of it.
-    pub shown: Option<Shown>,
+    pub live: Option<LiveLight>,
     /// The latest record that its holder knew when it began; control points are counted as they were then.
     pub(crate) base_seq: u64,
     /// When it was last updated, on the owner's clock.
-    pub(crate) touched_ms: u64,
+    pub(crate) updated_at_ms: u64,
 }
 
 /// A light as it is dragged: worked out once, at the update, for all who draw it and tell of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Shown {
+pub struct LiveLight {
     /// What would change in the document.
     pub changes: Vec<Change>,
     /// How the drag of a feature stands.
     pub outcome: Option<DragOutcome>,
     /// The light as the document has it.
-    pub(crate) from: PlacedLight,
+    pub(crate) before: NumberedLight,
     /// The light with the changes.
-    pub(crate) to: PlacedLight,
+    pub(crate) after: NumberedLight,
 }
 
-impl Shown {
+impl LiveLight {
     /// What `command` makes of `light`, which it changes and does not remove.
     pub(crate) fn of(
         light: LightId,
         document: &Document,
         command: &Command,
-        context: Context,
-    ) -> Result<Self, Refusal> {
-        let Edited { changes, document: after, outcome } = edited(document, command, context)?;
+        context: CommandContext,
+    ) -> Result<Self, EditRefusal> {
+        let CommandResult { changes, document: after, outcome } =
+            execute_command(document, command, context)?;
         let placed = |document: &Document| {
             let placed = document.lights().get(&light).cloned();
-            placed.ok_or(Refusal::Edit(EditError::NoLight(light)))
+            placed.ok_or(EditRefusal::Edit(EditError::NoLight(light)))
         };
-        Ok(Self { changes, outcome, from: placed(document)?, to: placed(&after)? })
+        Ok(Self { changes, outcome, before: placed(document)?, after: placed(&after)? })
     }
 }
 
 impl Gesture {
     /// What it would change in the document.
     pub fn changes(&self) -> &[Change] {
-        self.shown.as_ref().map_or(&[], |shown| &shown.changes)
+        self.live.as_ref().map_or(&[], |shown| &shown.changes)
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use rpds::{RedBlackTreeMapSync, RedBlackTreeSetSync};
 
-use crate::{Action, Scope};
+use crate::{Action, UndoScope};
 
 /// Steps of one person that can be undone at most; older ones stay in the log and in effect.
 pub const MAX_UNDO_DEPTH: usize = 10_000;
@@ -18,14 +18,14 @@ pub(crate) struct History {
     /// Who made each step that nothing has taken back.
     steps: RedBlackTreeMapSync<u64, Arc<str>>,
     /// The same steps and their own undos, by person.
-    people: RedBlackTreeMapSync<Arc<str>, Person>,
-    /// Undos with [`Scope::Session`] that no redo has taken back and no later edit has ended.
+    actors: RedBlackTreeMapSync<Arc<str>, ActorUndo>,
+    /// Undos with [`UndoScope::Session`] that no redo has taken back and no later edit has ended.
     undos: Undos,
 }
 
-/// What one person can undo and redo with [`Scope::Mine`].
+/// What one person can undo and redo with [`UndoScope::Mine`].
 #[derive(Clone, Debug, Default)]
-struct Person {
+struct ActorUndo {
     steps: RedBlackTreeSetSync<u64>,
     undos: Undos,
 }
@@ -38,7 +38,7 @@ type Undos = RedBlackTreeMapSync<u64, (u64, Arc<str>)>;
 pub struct PastUndo {
     /// Its record.
     pub seq: u64,
-    /// Who can redo it; `None` for an undo with [`Scope::Session`], which anybody can.
+    /// Who can redo it; `None` for an undo with [`UndoScope::Session`], which anybody can.
     pub actor_id: Option<String>,
     /// The step that it took back.
     pub target: u64,
@@ -48,16 +48,16 @@ pub struct PastUndo {
 
 impl History {
     /// The latest step of that scope, of those before record `before` where that is given.
-    pub fn undo_target(&self, actor_id: &str, scope: Scope, before: Option<u64>) -> Option<u64> {
+    pub fn undo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         match scope {
-            Scope::Session => self.steps.range(until).next_back().map(|(seq, _)| *seq),
-            Scope::Mine => self.people.get(actor_id)?.steps.range(until).next_back().copied(),
+            UndoScope::Session => self.steps.range(until).next_back().map(|(seq, _)| *seq),
+            UndoScope::Mine => self.actors.get(actor_id)?.steps.range(until).next_back().copied(),
         }
     }
 
     /// The latest undo of that scope, of those before record `before` where that is given.
-    pub fn redo_target(&self, actor_id: &str, scope: Scope, before: Option<u64>) -> Option<u64> {
+    pub fn redo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         self.undos(actor_id, scope)?.range(until).next_back().map(|(seq, _)| *seq)
     }
@@ -67,7 +67,7 @@ impl History {
         match action {
             Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => true,
             Action::Undo { scope, target, .. } => {
-                let mine = |by: &Arc<str>| *scope == Scope::Session || **by == *actor_id;
+                let mine = |by: &Arc<str>| *scope == UndoScope::Session || **by == *actor_id;
                 self.steps.get(target).is_some_and(mine)
             }
             Action::Redo { scope, target, .. } => {
@@ -77,24 +77,24 @@ impl History {
     }
 
     /// Takes in record `seq`. What it takes back is in effect.
-    pub fn note(&mut self, seq: u64, actor_id: &str, action: &Action) {
+    pub fn add_record(&mut self, seq: u64, actor_id: &str, action: &Action) {
         match *action {
             Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => {
                 self.undos = Undos::default();
                 self.set_undos(actor_id, Undos::default());
-                self.add_step(seq, &self.name_of(actor_id));
+                self.add_step(seq, &self.shared_actor_id(actor_id));
             }
             Action::Undo { scope, target, .. } => {
                 let Some(by) = self.steps.get(&target).cloned() else { return };
                 self.remove_step(target, &by);
                 let undos =
                     self.undos(actor_id, scope).cloned().unwrap_or_default().insert(seq, (target, by));
-                self.keep_undos(actor_id, scope, undos);
+                self.set_undos_in_scope(actor_id, scope, undos);
             }
             Action::Redo { scope, target, .. } => {
                 let Some(undos) = self.undos(actor_id, scope).cloned() else { return };
                 let Some((step, by)) = undos.get(&target).cloned() else { return };
-                self.keep_undos(actor_id, scope, undos.remove(&target));
+                self.set_undos_in_scope(actor_id, scope, undos.remove(&target));
                 self.add_step(step, &by);
             }
         }
@@ -107,7 +107,7 @@ impl History {
 
     /// Every undo that can be redone.
     pub fn past_undos(&self) -> impl Iterator<Item = PastUndo> {
-        let own = self.people.iter().map(|(id, person)| (Some(id), &person.undos));
+        let own = self.actors.iter().map(|(id, person)| (Some(id), &person.undos));
         own.chain([(None, &self.undos)]).flat_map(|(id, undos)| {
             undos.iter().map(move |(&seq, (target, by))| PastUndo {
                 seq,
@@ -122,46 +122,46 @@ impl History {
     pub fn restore<'a>(steps: impl Iterator<Item = (u64, &'a str)>, undos: &[PastUndo]) -> Self {
         let mut history = Self::default();
         for (seq, by) in steps {
-            history.add_step(seq, &history.name_of(by));
+            history.add_step(seq, &history.shared_actor_id(by));
         }
         for PastUndo { seq, actor_id, target, target_actor_id } in undos {
             let (id, scope) = match actor_id {
-                Some(id) => (id.as_str(), Scope::Mine),
-                None => ("", Scope::Session),
+                Some(id) => (id.as_str(), UndoScope::Mine),
+                None => ("", UndoScope::Session),
             };
-            let by = history.name_of(target_actor_id);
+            let by = history.shared_actor_id(target_actor_id);
             let undos = history.undos(id, scope).cloned().unwrap_or_default().insert(*seq, (*target, by));
-            history.keep_undos(id, scope, undos);
+            history.set_undos_in_scope(id, scope, undos);
         }
         history
     }
 
-    fn undos(&self, actor_id: &str, scope: Scope) -> Option<&Undos> {
+    fn undos(&self, actor_id: &str, scope: UndoScope) -> Option<&Undos> {
         match scope {
-            Scope::Session => Some(&self.undos),
-            Scope::Mine => self.people.get(actor_id).map(|person| &person.undos),
+            UndoScope::Session => Some(&self.undos),
+            UndoScope::Mine => self.actors.get(actor_id).map(|person| &person.undos),
         }
     }
 
-    fn keep_undos(&mut self, actor_id: &str, scope: Scope, undos: Undos) {
+    fn set_undos_in_scope(&mut self, actor_id: &str, scope: UndoScope, undos: Undos) {
         match scope {
-            Scope::Session => self.undos = undos,
-            Scope::Mine => self.set_undos(actor_id, undos),
+            UndoScope::Session => self.undos = undos,
+            UndoScope::Mine => self.set_undos(actor_id, undos),
         }
     }
 
     fn set_undos(&mut self, actor_id: &str, undos: Undos) {
-        let person = self.people.get(actor_id).cloned().unwrap_or_default();
-        self.people.insert_mut(self.name_of(actor_id), Person { undos, ..person });
+        let person = self.actors.get(actor_id).cloned().unwrap_or_default();
+        self.actors.insert_mut(self.shared_actor_id(actor_id), ActorUndo { undos, ..person });
     }
 
     /// One copy of each person's id, however many steps they made.
-    fn name_of(&self, actor_id: &str) -> Arc<str> {
-        self.people.get_key_value(actor_id).map_or_else(|| actor_id.into(), |(id, _)| Arc::clone(id))
+    fn shared_actor_id(&self, actor_id: &str) -> Arc<str> {
+        self.actors.get_key_value(actor_id).map_or_else(|| actor_id.into(), |(id, _)| Arc::clone(id))
     }
 
     fn add_step(&mut self, seq: u64, by: &Arc<str>) {
-        let mut person = self.people.get(by).cloned().unwrap_or_default();
+        let mut person = self.actors.get(by).cloned().unwrap_or_default();
         person.steps.insert_mut(seq);
         self.steps.insert_mut(seq, Arc::clone(by));
         if person.steps.size() > MAX_UNDO_DEPTH
@@ -170,14 +170,14 @@ impl History {
             person.steps.remove_mut(&oldest);
             self.steps.remove_mut(&oldest);
         }
-        self.people.insert_mut(Arc::clone(by), person);
+        self.actors.insert_mut(Arc::clone(by), person);
     }
 
     fn remove_step(&mut self, seq: u64, by: &Arc<str>) {
         self.steps.remove_mut(&seq);
-        if let Some(mut person) = self.people.get(by).cloned() {
+        if let Some(mut person) = self.actors.get(by).cloned() {
             person.steps.remove_mut(&seq);
-            self.people.insert_mut(Arc::clone(by), person);
+            self.actors.insert_mut(Arc::clone(by), person);
         }
     }
 }

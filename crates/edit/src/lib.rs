@@ -13,7 +13,7 @@ mod undo;
 
 pub use gesture::{Gesture, LEASE_MS, MAX_GESTURES};
 pub use history::{MAX_UNDO_DEPTH, PastUndo};
-pub use record::{Action, Actor, Record, RecordedCommand, Scope};
-pub use refusal::{Refusal, ReplayError};
-pub use session::{GroupedEdit, MAX_RECORDS, Past, Request, Session, Sources};
-pub use undo::{FindRecord, MAX_PASSED, TakenBack};
+pub use record::{Action, Actor, Record, RecordedCommand, UndoScope};
+pub use refusal::{EditRefusal, ReplayError};
+pub use session::{EditRequest, EditSources, GroupedEdit, MAX_RECORDS, Session, SessionHistory};
+pub use undo::{FindRecord, MAX_STEPS_PASSED_OVER, Reverted};

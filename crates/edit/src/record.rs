@@ -13,7 +13,7 @@ pub struct Actor {
 
 /// Whose steps undo and redo look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scope {
+pub enum UndoScope {
     /// One's own.
     Mine,
     /// Everybody's.
@@ -68,7 +68,7 @@ pub enum Action {
     /// Taking back a step.
     Undo {
         /// Whose steps were looked at.
-        scope: Scope,
+        scope: UndoScope,
         /// The step's record.
         target: u64,
         /// What was left as it is, and why.
@@ -77,7 +77,7 @@ pub enum Action {
     /// Taking back an undo.
     Redo {
         /// Whose undos were looked at.
-        scope: Scope,
+        scope: UndoScope,
         /// The undo's record.
         target: u64,
         /// What was left as it is, and why.

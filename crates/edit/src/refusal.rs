@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// Why a request is refused. Each sentence says what to do.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum Refusal {
+pub enum EditRefusal {
     /// The document does not allow it.
     #[error("{0}")]
     Edit(#[from] EditError),
@@ -41,7 +41,7 @@ pub enum Refusal {
     #[error(
         "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
     )]
-    LostRecord(u64),
+    MissingRecord(u64),
     /// No such drag: never begun, ended, or somebody else's.
     #[error("there is no gesture {0} of yours: begin it again")]
     NoGesture(String),
@@ -56,7 +56,7 @@ pub enum Refusal {
     OtherLight(String),
     /// A command of a group is refused, and so is the group.
     #[error("edit {number} of the group: {reason}; nothing of the group was done")]
-    OfGroup {
+    InGroup {
         /// Which, counted from 1.
         number: usize,
         /// What stands in that one's way.
@@ -74,10 +74,10 @@ pub enum Refusal {
     },
 }
 
-impl Refusal {
+impl EditRefusal {
     /// Why a group is refused: for its command of that index.
-    pub fn of_group(index: usize, reason: Self) -> Self {
-        Self::OfGroup { number: index + 1, reason: Box::new(reason) }
+    pub fn in_group(index: usize, reason: Self) -> Self {
+        Self::InGroup { number: index + 1, reason: Box::new(reason) }
     }
 }
 
@@ -106,7 +106,7 @@ pub enum ReplayError {
     },
     /// A record takes back what is not there to take back.
     #[error("record {seq} takes back record {target}, which is not in effect: the log was changed by hand")]
-    Target {
+    TargetNotInEffect {
         /// Which.
         seq: u64,
         /// What it takes back.

@@ -4,23 +4,23 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use document::{
-    Change, Command, Context, Document, EditError, Edited, EditedTogether, GroupedCommand, edited,
-    edited_together,
+    Change, Command, CommandContext, CommandResult, Document, EditError, GroupResult, GroupedCommand,
+    execute_command, execute_group,
 };
 use light::LightId;
 use rpds::RedBlackTreeMapSync;
 
-use crate::gesture::{Gesture, LEASE_MS, MAX_GESTURES, Shown};
+use crate::gesture::{Gesture, LEASE_MS, LiveLight, MAX_GESTURES};
 use crate::history::{History, PastUndo};
-use crate::undo::TakenBack;
-use crate::{Action, Actor, Record, RecordedCommand, Refusal, ReplayError, Scope};
+use crate::undo::Reverted;
+use crate::{Action, Actor, EditRefusal, Record, RecordedCommand, ReplayError, UndoScope};
 
 /// Records that a log has at most.
 pub const MAX_RECORDS: usize = 1_000_000;
 
 /// What can be asked of a session that ends in a record.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Request {
+pub enum EditRequest {
     /// Carry out a command.
     Edit {
         /// The latest record that the sender knew; `None` where it does not say.
@@ -33,15 +33,15 @@ pub enum Request {
     /// Commit a gesture of this name.
     Commit(String),
     /// Take back a step.
-    Undo(Scope),
+    Undo(UndoScope),
     /// Take back an undo.
-    Redo(Scope),
+    Redo(UndoScope),
 }
 
 /// An edit of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedEdit {
-    /// As in [`Request::Edit`].
+    /// As in [`EditRequest::Edit`].
     pub base_seq: Option<u64>,
     /// What to do, and where the drag in it leads.
     pub grouped: GroupedCommand,
@@ -49,17 +49,17 @@ pub struct GroupedEdit {
 
 /// What a session needs of its owner to carry out a request.
 #[derive(Default)]
-pub struct Sources<'a> {
+pub struct EditSources<'a> {
     /// What commands need to know of geometry.
-    pub context: Context<'a>,
-    /// What [`Session::taken_back`] says of the request in the session as it is.
-    pub taken_back: Option<TakenBack>,
+    pub context: CommandContext<'a>,
+    /// What `reverted` says of the request in the session as it is.
+    pub reverted: Option<Reverted>,
 }
 
 /// What a session has to know of its past besides the document: with that it goes on from any record as if it had
 /// replayed all before. Lists are in the order of their first fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Past {
+pub struct SessionHistory {
     /// Steps in effect: the record and who made it.
     pub steps: Vec<(u64, String)>,
     /// Undos that can be redone.
@@ -97,7 +97,7 @@ impl Session {
     }
 
     /// The session after record `seq`, as one that replayed all records up to it.
-    pub fn restore(document: Document, seq: u64, past: &Past) -> Self {
+    pub fn restore(document: Document, seq: u64, past: &SessionHistory) -> Self {
         let steps = past.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
         let touched = past.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
         Self {
@@ -111,9 +111,9 @@ impl Session {
     }
 
     /// What [`Self::restore`] needs besides document and sequence.
-    pub fn past(&self) -> Past {
+    pub fn session_history(&self) -> SessionHistory {
         let touched = self.touched.iter().map(|((light, by), seq)| (*light, by.to_string(), *seq));
-        Past {
+        SessionHistory {
             steps: self.history.steps().map(|(seq, by)| (seq, by.to_owned())).collect(),
             undos: self.history.past_undos().collect(),
             touched: touched.collect(),
@@ -124,7 +124,7 @@ impl Session {
     /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
     /// what they would change, which is worked out again; where that takes the scene, as drags of features do, they show what
     /// they showed.
-    pub fn go_back_to(&mut self, before: Self, context: Context) {
+    pub fn roll_back_to(&mut self, before: Self, context: CommandContext) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
         for gesture in self.gestures.values_mut() {
@@ -132,7 +132,7 @@ impl Session {
             if matches!(command, Command::DragFeature { .. }) {
                 continue;
             }
-            gesture.shown = Shown::of(gesture.light, &self.document, command, context).ok();
+            gesture.live = LiveLight::of(gesture.light, &self.document, command, context).ok();
         }
     }
 
@@ -146,18 +146,18 @@ impl Session {
         if let Action::Undo { target, .. } | Action::Redo { target, .. } = record.action
             && !self.history.is_in_effect(&record.actor.id, &record.action)
         {
-            return Err(ReplayError::Target { seq, target });
+            return Err(ReplayError::TargetNotInEffect { seq, target });
         }
         let refused = |reason| ReplayError::Record { seq, reason };
         self.document.apply(&record.changes).map_err(refused)?;
-        self.note(record);
+        self.index_record(record);
         Ok(())
     }
 
     /// Remembers of a record, which the document has taken in, what later ones are held to.
-    fn note(&mut self, record: &Record) {
+    fn index_record(&mut self, record: &Record) {
         let seq = record.seq;
-        self.history.note(seq, &record.actor.id, &record.action);
+        self.history.add_record(seq, &record.actor.id, &record.action);
         self.seq = seq;
         let actor_id: Arc<str> = record.actor.id.as_str().into();
         for change in &record.changes {
@@ -177,70 +177,71 @@ impl Session {
     /// carried out once is for the owner of the records to see.
     ///
     /// Until the record is written down the caller keeps a clone of the session before, to go back to.
-    pub fn request(
+    pub fn execute_request(
         &mut self,
-        request: Request,
+        request: EditRequest,
         actor: &Actor,
         op_id: &str,
         now_ms: u64,
-        sources: Sources,
-    ) -> Result<Record, Refusal> {
+        sources: EditSources,
+    ) -> Result<Record, EditRefusal> {
         if self.seq as usize >= MAX_RECORDS {
             let remedy = "make a new session from its document";
-            return Err(Refusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
+            return Err(EditRefusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
         }
         // What was found for another state of the session is worth nothing.
-        let found = sources.taken_back.filter(|found| found.seq == self.seq);
+        let found = sources.reverted.filter(|found| found.seq == self.seq);
         let (action, edited) = match request {
-            Request::Edit { base_seq, command } => {
-                let rebased = self.check_base(&command, actor, base_seq)?;
-                let mut edited = edited(&self.document, &command, sources.context)?;
+            EditRequest::Edit { base_seq, command } => {
+                let rebased = self.check_base_seq(&command, actor, base_seq)?;
+                let mut edited = execute_command(&self.document, &command, sources.context)?;
                 (Action::Edit { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
             }
-            Request::Group(edits) => {
+            EditRequest::Group(edits) => {
                 let mut rebased = false;
                 for (index, GroupedEdit { base_seq, grouped }) in edits.iter().enumerate() {
-                    let is_rebased = self.check_base(&grouped.command, actor, *base_seq);
-                    rebased |= is_rebased.map_err(|refusal| Refusal::of_group(index, refusal))?;
+                    let is_rebased = self.check_base_seq(&grouped.command, actor, *base_seq);
+                    rebased |= is_rebased.map_err(|refusal| EditRefusal::in_group(index, refusal))?;
                 }
                 let commands = edits.iter().map(|edit| &edit.grouped);
-                let together = edited_together(&self.document, commands, sources.context.reach);
-                let of_group = |(index, error): (usize, EditError)| Refusal::of_group(index, error.into());
-                let EditedTogether { changes, document, outcomes } = together.map_err(of_group)?;
+                let together = execute_group(&self.document, commands, sources.context.scene_bounds);
+                let of_group =
+                    |(index, error): (usize, EditError)| EditRefusal::in_group(index, error.into());
+                let GroupResult { changes, document, outcomes } = together.map_err(of_group)?;
                 let commands = edits.into_iter().map(|edit| edit.grouped.command).zip(outcomes);
                 let recorded = |(command, outcome): (_, Option<_>)| RecordedCommand {
                     command,
                     outcome: outcome.map(Box::new),
                 };
                 let edits = commands.map(recorded).collect();
-                (Action::Group { edits, rebased }, Edited { changes, document, outcome: None })
+                (Action::Group { edits, rebased }, CommandResult { changes, document, outcome: None })
             }
-            Request::Commit(id) => {
+            EditRequest::Commit(id) => {
                 let gesture = self.end_gesture(&id, actor)?;
                 let Some(command) = gesture.command else {
-                    return Err(gesture.refused.unwrap_or(Refusal::EmptyGesture(id)));
+                    return Err(gesture.refusal.unwrap_or(EditRefusal::EmptyGesture(id)));
                 };
-                let rebased = self.check_base(&command, actor, Some(gesture.base_seq))?;
-                let mut edited = edited(&self.document, &command, sources.context)?;
+                let rebased = self.check_base_seq(&command, actor, Some(gesture.base_seq))?;
+                let mut edited = execute_command(&self.document, &command, sources.context)?;
                 (Action::Gesture { command, rebased, outcome: edited.outcome.take().map(Box::new) }, edited)
             }
-            Request::Undo(scope) => {
-                let TakenBack { target, changes, skipped, document, .. } =
-                    found.ok_or(Refusal::NothingToUndo { passed: None })?;
-                (Action::Undo { scope, target, skipped }, Edited { changes, document, outcome: None })
+            EditRequest::Undo(scope) => {
+                let Reverted { target, changes, skipped, document, .. } =
+                    found.ok_or(EditRefusal::NothingToUndo { passed: None })?;
+                (Action::Undo { scope, target, skipped }, CommandResult { changes, document, outcome: None })
             }
-            Request::Redo(scope) => {
-                let TakenBack { target, changes, skipped, document, .. } =
-                    found.ok_or(Refusal::NothingToRedo { passed: None })?;
-                (Action::Redo { scope, target, skipped }, Edited { changes, document, outcome: None })
+            EditRequest::Redo(scope) => {
+                let Reverted { target, changes, skipped, document, .. } =
+                    found.ok_or(EditRefusal::NothingToRedo { passed: None })?;
+                (Action::Redo { scope, target, skipped }, CommandResult { changes, document, outcome: None })
             }
         };
-        let Edited { changes, document, .. } = edited;
+        let CommandResult { changes, document, .. } = edited;
         self.check_locks(&changes, actor)?;
         let (actor, op_id) = (actor.clone(), op_id.to_owned());
         let record = Record { seq: self.seq + 1, time_ms: now_ms, actor, op_id, action, changes };
         self.document = document;
-        self.note(&record);
+        self.index_record(&record);
         Ok(record)
     }
 
@@ -249,40 +250,45 @@ impl Session {
     }
 
     /// The latest record of each actor on `light`.
-    pub(crate) fn touches(&self, light: LightId) -> impl Iterator<Item = (&str, u64)> {
+    pub(crate) fn latest_records_on(&self, light: LightId) -> impl Iterator<Item = (&str, u64)> {
         let from = self.touched.range((light, Arc::from(""))..);
         from.take_while(move |((id, _), _)| *id == light).map(|((_, by), seq)| (&**by, *seq))
     }
 
     /// Refuses control points by outdated numbers; says whether somebody else came in between.
-    fn check_base(&self, command: &Command, actor: &Actor, base_seq: Option<u64>) -> Result<bool, Refusal> {
+    fn check_base_seq(
+        &self,
+        command: &Command,
+        actor: &Actor,
+        base_seq: Option<u64>,
+    ) -> Result<bool, EditRefusal> {
         let (Some(light), Some(base_seq)) = (command.light(), base_seq) else { return Ok(false) };
-        if command.counts_points() {
+        if command.uses_point_indices() {
             self.check_numbering(light, base_seq)?;
         }
-        Ok(self.touches(light).any(|(by, seq)| by != actor.id && seq > base_seq))
+        Ok(self.latest_records_on(light).any(|(by, seq)| by != actor.id && seq > base_seq))
     }
 
     /// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
     /// renumbered.
-    fn check_numbering(&self, light: LightId, base_seq: u64) -> Result<(), Refusal> {
+    fn check_numbering(&self, light: LightId, base_seq: u64) -> Result<(), EditRefusal> {
         match self.renumbered.get(&light) {
             Some(&seq) if seq > base_seq => {
-                Err(Refusal::Stale { light: self.document.light_name(light), seq })
+                Err(EditRefusal::Stale { light: self.document.light_name(light), seq })
             }
             _ => Ok(()),
         }
     }
 
-    fn check_locks(&self, changes: &[Change], actor: &Actor) -> Result<(), Refusal> {
+    fn check_locks(&self, changes: &[Change], actor: &Actor) -> Result<(), EditRefusal> {
         changes.iter().filter_map(Change::light).try_for_each(|light| self.check_lock(light, actor))
     }
 
-    fn check_lock(&self, light: LightId, actor: &Actor) -> Result<(), Refusal> {
+    fn check_lock(&self, light: LightId, actor: &Actor) -> Result<(), EditRefusal> {
         match self.gestures.get(&light) {
             Some(held) if held.actor.id != actor.id => {
                 let light = self.document.light_name(light);
-                Err(Refusal::Locked { light, holder: held.actor.name.clone() })
+                Err(EditRefusal::Locked { light, holder: held.actor.name.clone() })
             }
             _ => Ok(()),
         }
@@ -293,7 +299,7 @@ impl Session {
         self.gestures.values()
     }
 
-    /// Begins a gesture named `id` on `light`. `base_seq` as in [`Request::Edit`]. `client` is the connection that it
+    /// Begins a gesture named `id` on `light`. `base_seq` as in [`EditRequest::Edit`]. `client` is the connection that it
     /// ends with, `now_ms` any clock that only goes forward.
     pub fn begin_gesture(
         &mut self,
@@ -302,7 +308,7 @@ impl Session {
         base_seq: u64,
         (client, actor): (u64, &Actor),
         now_ms: u64,
-    ) -> Result<&Gesture, Refusal> {
+    ) -> Result<&Gesture, EditRefusal> {
         if !self.document.lights().contains_key(&light) {
             return Err(EditError::NoLight(light).into());
         }
@@ -311,11 +317,11 @@ impl Session {
         if self.gestures.contains_key(&light)
             || self.gestures().any(|held| held.id == id && held.actor.id == actor.id)
         {
-            return Err(Refusal::GestureExists(id.to_owned()));
+            return Err(EditRefusal::GestureExists(id.to_owned()));
         }
         if self.gestures.len() >= MAX_GESTURES {
             let remedy = "wait until one is let go";
-            return Err(Refusal::TooMany { what: "gestures under way", limit: MAX_GESTURES, remedy });
+            return Err(EditRefusal::TooMany { what: "gestures under way", limit: MAX_GESTURES, remedy });
         }
         Ok(self.gestures.entry(light).or_insert(Gesture {
             id: id.to_owned(),
@@ -324,10 +330,10 @@ impl Session {
             light,
             update: 0,
             command: None,
-            refused: None,
-            shown: None,
+            refusal: None,
+            live: None,
             base_seq,
-            touched_ms: now_ms,
+            updated_at_ms: now_ms,
         }))
     }
 
@@ -339,41 +345,41 @@ impl Session {
         command: Command,
         actor: &Actor,
         now_ms: u64,
-        context: Context,
-    ) -> Result<&Gesture, Refusal> {
-        let light = self.gesture_of(id, actor)?;
-        let no_gesture = || Refusal::NoGesture(id.to_owned());
+        context: CommandContext,
+    ) -> Result<&Gesture, EditRefusal> {
+        let light = self.light_of_gesture(id, actor)?;
+        let no_gesture = || EditRefusal::NoGesture(id.to_owned());
         let base_seq = self.gestures.get(&light).ok_or_else(no_gesture)?.base_seq;
-        let shown = self.dragged(light, base_seq, &command, context);
+        let shown = self.live_light(light, base_seq, &command, context);
         let gesture = self.gestures.get_mut(&light).ok_or_else(no_gesture)?;
-        gesture.touched_ms = now_ms;
-        gesture.refused = shown.as_ref().err().cloned();
-        (gesture.shown, gesture.command, gesture.update) = (Some(shown?), Some(command), update);
+        gesture.updated_at_ms = now_ms;
+        gesture.refusal = shown.as_ref().err().cloned();
+        (gesture.live, gesture.command, gesture.update) = (Some(shown?), Some(command), update);
         Ok(gesture)
     }
 
     /// What `command` shows, as the state of a drag of `light` that began at record `base_seq`.
-    fn dragged(
+    fn live_light(
         &self,
         light: LightId,
         base_seq: u64,
         command: &Command,
-        context: Context,
-    ) -> Result<Shown, Refusal> {
+        context: CommandContext,
+    ) -> Result<LiveLight, EditRefusal> {
         let removes = matches!(command, Command::RemoveLight(_));
         if command.light() != Some(light) || removes {
-            return Err(Refusal::OtherLight(self.document.light_name(light)));
+            return Err(EditRefusal::OtherLight(self.document.light_name(light)));
         }
-        if command.counts_points() {
+        if command.uses_point_indices() {
             self.check_numbering(light, base_seq)?;
         }
-        Shown::of(light, &self.document, command, context)
+        LiveLight::of(light, &self.document, command, context)
     }
 
     /// Ends a gesture without a record.
-    pub fn end_gesture(&mut self, id: &str, actor: &Actor) -> Result<Gesture, Refusal> {
-        let light = self.gesture_of(id, actor)?;
-        self.gestures.remove(&light).ok_or_else(|| Refusal::NoGesture(id.to_owned()))
+    pub fn end_gesture(&mut self, id: &str, actor: &Actor) -> Result<Gesture, EditRefusal> {
+        let light = self.light_of_gesture(id, actor)?;
+        self.gestures.remove(&light).ok_or_else(|| EditRefusal::NoGesture(id.to_owned()))
     }
 
     /// Ends the gestures of a connection that is gone.
@@ -387,19 +393,19 @@ impl Session {
     /// Renews the leases of an actor's gestures.
     pub fn renew_gestures_of(&mut self, actor: &Actor, now_ms: u64) {
         for gesture in self.gestures.values_mut().filter(|gesture| gesture.actor.id == actor.id) {
-            gesture.touched_ms = now_ms;
+            gesture.updated_at_ms = now_ms;
         }
     }
 
     /// Ends the gestures whose lease is over.
     pub fn expire_gestures(&mut self, now_ms: u64) -> Vec<Gesture> {
-        let over = |gesture: &Gesture| now_ms.saturating_sub(gesture.touched_ms) > LEASE_MS;
+        let over = |gesture: &Gesture| now_ms.saturating_sub(gesture.updated_at_ms) > LEASE_MS;
         self.gestures.extract_if(.., |_, gesture| over(gesture)).map(|(_, gesture)| gesture).collect()
     }
 
-    fn gesture_of(&self, id: &str, actor: &Actor) -> Result<LightId, Refusal> {
+    fn light_of_gesture(&self, id: &str, actor: &Actor) -> Result<LightId, EditRefusal> {
         let mut mine = self.gestures().filter(|held| held.id == id && held.actor.id == actor.id);
-        mine.next().map(|held| held.light).ok_or_else(|| Refusal::NoGesture(id.to_owned()))
+        mine.next().map(|held| held.light).ok_or_else(|| EditRefusal::NoGesture(id.to_owned()))
     }
 
     /// The document as everybody sees it: with the gestures under way. One that no longer fits, its light being gone,
@@ -407,10 +413,10 @@ impl Session {
     pub fn live_document(&self) -> Document {
         let mut live = self.document.clone();
         for (light, shown) in
-            self.gestures().filter_map(|gesture| Some((gesture.light, gesture.shown.as_ref()?)))
+            self.gestures().filter_map(|gesture| Some((gesture.light, gesture.live.as_ref()?)))
         {
-            if self.document.lights().get(&light) == Some(&shown.from) {
-                live.show(light, &shown.to);
+            if self.document.lights().get(&light) == Some(&shown.before) {
+                live.set_live_light(light, &shown.after);
             } else {
                 // Its holder has changed something else of it meanwhile.
                 let _ = live.apply(&shown.changes);

@@ -4,16 +4,16 @@ use glam::Vec3A;
 
 /// A box along the axes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub struct Aabb {
     /// Its least coordinates.
     pub min: Vec3A,
     /// Its largest.
     pub max: Vec3A,
 }
 
-impl Bounds {
+impl Aabb {
     /// What holds nothing: the union of no boxes.
-    pub(crate) const NOTHING: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     pub(crate) fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
@@ -26,7 +26,7 @@ impl Bounds {
     }
 
     /// Twice its middle.
-    pub(crate) fn middle(self) -> Vec3A {
+    pub(crate) fn doubled_center(self) -> Vec3A {
         self.min + self.max
     }
 }

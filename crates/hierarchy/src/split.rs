@@ -1,6 +1,6 @@
 //! Where a box is split.
 
-use crate::Bounds;
+use crate::Aabb;
 
 /// Places along each axis at which a box can be split.
 const BINS: usize = 16;
@@ -13,30 +13,30 @@ pub const MAX_DEPTH: u32 = 64;
 
 /// A box and which it was.
 #[derive(Clone, Copy)]
-pub(crate) struct Item {
-    pub bounds: Bounds,
+pub(crate) struct IndexedBox {
+    pub bounds: Aabb,
     pub index: u32,
 }
 
 /// What of a box is in a part of it.
 #[derive(Clone, Copy)]
 struct Bin {
-    bounds: Bounds,
+    bounds: Aabb,
     count: usize,
 }
 
-pub(crate) fn around(items: &[Item]) -> Bounds {
-    items.iter().fold(Bounds::NOTHING, |all, item| all.union(item.bounds))
+pub(crate) fn union_of(items: &[IndexedBox]) -> Aabb {
+    items.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds))
 }
 
 /// Sorts `items` into two parts and says how many are in the first; `None` where they are best left together.
-pub(crate) fn split(items: &mut [Item], bounds: Bounds, depth: u32) -> Option<usize> {
+pub(crate) fn split(items: &mut [IndexedBox], bounds: Aabb, depth: u32) -> Option<usize> {
     if items.len() < 2 {
         return None;
     }
-    let middles = items.iter().fold(Bounds::NOTHING, |all, Item { bounds, .. }| {
-        let middle = bounds.middle();
-        Bounds { min: all.min.min(middle), max: all.max.max(middle) }
+    let middles = items.iter().fold(Aabb::EMPTY, |all, IndexedBox { bounds, .. }| {
+        let middle = bounds.doubled_center();
+        Aabb { min: all.min.min(middle), max: all.max.max(middle) }
     });
     let cheapest = (depth < MAX_DEPTH).then(|| cheapest_split(items, middles)).flatten();
     let leaf_cost = items.len() as f32 * bounds.half_area();
@@ -51,7 +51,9 @@ pub(crate) fn split(items: &mut [Item], bounds: Bounds, depth: u32) -> Option<us
         None => {
             let half = items.len() / 2;
             let axis = longest_axis(middles);
-            let order = |a: &Item, b: &Item| a.bounds.middle()[axis].total_cmp(&b.bounds.middle()[axis]);
+            let order = |a: &IndexedBox, b: &IndexedBox| {
+                a.bounds.doubled_center()[axis].total_cmp(&b.bounds.doubled_center()[axis])
+            };
             items.select_nth_unstable_by(half, |a, b| order(a, b).then(a.index.cmp(&b.index)));
             Some(half)
         }
@@ -59,25 +61,25 @@ pub(crate) fn split(items: &mut [Item], bounds: Bounds, depth: u32) -> Option<us
 }
 
 /// What the split costs that costs least, its axis, and the last bin of its first part. `None` where all middles are in one bin.
-fn cheapest_split(items: &[Item], middles: Bounds) -> Option<(f32, usize, usize)> {
+fn cheapest_split(items: &[IndexedBox], middles: Aabb) -> Option<(f32, usize, usize)> {
     let mut cheapest: Option<(f32, usize, usize)> = None;
     for axis in 0..3 {
         if middles.max[axis] <= middles.min[axis] {
             continue;
         }
         let bin_of = bins_along(middles, axis);
-        let mut bins = [Bin { bounds: Bounds::NOTHING, count: 0 }; BINS];
+        let mut bins = [Bin { bounds: Aabb::EMPTY, count: 0 }; BINS];
         for item in items {
             let bin = &mut bins[bin_of(item)];
             *bin = Bin { bounds: bin.bounds.union(item.bounds), count: bin.count + 1 };
         }
         let mut after = [0.0; BINS];
-        let mut seen = Bin { bounds: Bounds::NOTHING, count: 0 };
+        let mut seen = Bin { bounds: Aabb::EMPTY, count: 0 };
         for bin in (1..BINS).rev() {
             seen = Bin { bounds: seen.bounds.union(bins[bin].bounds), count: seen.count + bins[bin].count };
             after[bin - 1] = seen.count as f32 * seen.bounds.half_area();
         }
-        seen = Bin { bounds: Bounds::NOTHING, count: 0 };
+        seen = Bin { bounds: Aabb::EMPTY, count: 0 };
         for bin in 0..BINS - 1 {
             seen = Bin { bounds: seen.bounds.union(bins[bin].bounds), count: seen.count + bins[bin].count };
             if seen.count == 0 || seen.count == items.len() {
@@ -93,19 +95,19 @@ fn cheapest_split(items: &[Item], middles: Bounds) -> Option<(f32, usize, usize)
 }
 
 /// In which bin a box is, by its middle.
-fn bins_along(middles: Bounds, axis: usize) -> impl Fn(&Item) -> usize {
+fn bins_along(middles: Aabb, axis: usize) -> impl Fn(&IndexedBox) -> usize {
     let (low, scale) = (middles.min[axis], BINS as f32 / (middles.max[axis] - middles.min[axis]));
     // A quotient that is too large for f32 ends in the last bin.
-    move |item| (((item.bounds.middle()[axis] - low) * scale) as usize).min(BINS - 1)
+    move |item| (((item.bounds.doubled_center()[axis] - low) * scale) as usize).min(BINS - 1)
 }
 
-fn longest_axis(bounds: Bounds) -> usize {
+fn longest_axis(bounds: Aabb) -> usize {
     let side = bounds.max - bounds.min;
     (0..3).max_by(|a, b| side[*a].total_cmp(&side[*b])).unwrap_or(0)
 }
 
 /// Puts what is `first` before what is not, and says how many are.
-fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
+fn partition(items: &mut [IndexedBox], first: impl Fn(&IndexedBox) -> bool) -> usize {
     let mut count = 0;
     for index in 0..items.len() {
         if first(&items[index]) {

@@ -3,9 +3,9 @@ use super::*;
 use glam::Vec3A;
 use proptest::prelude::*;
 
-fn at(place: [f32; 3], size: [f32; 3]) -> Bounds {
+fn at(place: [f32; 3], size: [f32; 3]) -> Aabb {
     let min = Vec3A::from_array(place);
-    Bounds { min, max: min + Vec3A::from_array(size) }
+    Aabb { min, max: min + Vec3A::from_array(size) }
 }
 
 /// Levels below the root.
@@ -20,13 +20,13 @@ fn depth(hierarchy: &Hierarchy) -> u32 {
 }
 
 /// What does not hold of a hierarchy over `boxes`.
-fn fault(hierarchy: &Hierarchy, boxes: &[Bounds]) -> Option<String> {
+fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     let mut order = hierarchy.order.clone();
     order.sort_unstable();
     if order != (0..boxes.len() as u32).collect::<Vec<_>>() {
         return Some("not each box is in it once".into());
     }
-    let holds = |outer: Bounds, inner: Bounds| outer.union(inner) == outer;
+    let holds = |outer: Aabb, inner: Aabb| outer.union(inner) == outer;
     let mut held = 0;
     for node in &hierarchy.nodes {
         if node.is_leaf() {
@@ -46,10 +46,10 @@ fn fault(hierarchy: &Hierarchy, boxes: &[Bounds]) -> Option<String> {
 }
 
 /// Nodes that are looked at for what is at a point.
-fn looked_at(hierarchy: &Hierarchy, point: Vec3A) -> usize {
+fn visited_nodes(hierarchy: &Hierarchy, point: Vec3A) -> usize {
     let (mut open, mut count) = (vec![0], 0);
     while let Some(index) = open.pop() {
-        let node: &Node = &hierarchy.nodes[index as usize];
+        let node: &HierarchyNode = &hierarchy.nodes[index as usize];
         count += 1;
         let inside = node.bounds.min.cmple(point).all() && point.cmple(node.bounds.max).all();
         if inside && !node.is_leaf() {
@@ -60,15 +60,15 @@ fn looked_at(hierarchy: &Hierarchy, point: Vec3A) -> usize {
 }
 
 /// Where the box of that index is.
-type Place = &'static dyn Fn(f32) -> Bounds;
+type BoxOfIndex = &'static dyn Fn(f32) -> Aabb;
 
 /// What other builders take the square of their number for: in one place, growing around one place, along a line, at distances
 /// that grow or shrink.
 #[test]
-fn it_is_never_deep_whatever_the_boxes() {
+fn depth_is_bounded_for_any_boxes() {
     let count = 20_000_u16;
     let halvings = u32::from(count).ilog2() + 1;
-    let shapes: [(&str, u32, Place); 6] = [
+    let shapes: [(&str, u32, BoxOfIndex); 6] = [
         ("in one place", halvings, &|_| at([0.0; 3], [1.0; 3])),
         ("points in one place", halvings, &|_| at([1.0; 3], [0.0; 3])),
         ("growing", MAX_DEPTH + halvings, &|k| at([-k; 3], [2.0 * k; 3])),
@@ -77,27 +77,28 @@ fn it_is_never_deep_whatever_the_boxes() {
         ("too far apart", MAX_DEPTH + halvings, &|k| at([(k - 1e4) * 1e34; 3], [0.0; 3])),
     ];
     for (shape, levels, place) in shapes {
-        let boxes: Vec<Bounds> = (0..count).map(|k| place(f32::from(k))).collect();
+        let boxes: Vec<Aabb> = (0..count).map(|k| place(f32::from(k))).collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());
-        assert_eq!(fault(&hierarchy, &boxes), None, "{shape}");
+        assert_eq!(broken_invariant(&hierarchy, &boxes), None, "{shape}");
         assert!(depth(&hierarchy) <= levels, "{shape}: {} levels", depth(&hierarchy));
     }
 }
 
 #[test]
-fn little_is_looked_at_for_what_is_at_a_point() {
+fn a_point_query_visits_few_nodes() {
     let places: Vec<[f32; 3]> =
         (0..125_000_u32).map(|k| [k % 50, k / 50 % 50, k / 2500].map(|k| k as f32)).collect();
-    let boxes: Vec<Bounds> = places.iter().map(|&place| at(place, [0.5; 3])).collect();
+    let boxes: Vec<Aabb> = places.iter().map(|&place| at(place, [0.5; 3])).collect();
     let hierarchy = Hierarchy::new(boxes.iter().copied());
     // Two nodes a level of a balanced tree, and few more since bins do not halve.
     let levels = libm::log2f(boxes.len() as f32);
-    let most = places.iter().step_by(997).map(|&[x, y, z]| looked_at(&hierarchy, Vec3A::new(x, y, z) + 0.25));
+    let most =
+        places.iter().step_by(997).map(|&[x, y, z]| visited_nodes(&hierarchy, Vec3A::new(x, y, z) + 0.25));
     assert!(most.clone().max() <= Some((3.0 * levels) as usize), "{:?}", most.max());
 }
 
 #[test]
-fn of_nothing_there_is_nothing() {
+fn no_boxes_make_an_empty_hierarchy() {
     assert_eq!(Hierarchy::new([]), Hierarchy::default());
 }
 
@@ -107,15 +108,15 @@ proptest! {
         corners in prop::collection::vec((prop::array::uniform3(-1e30_f32..1e30), prop::array::uniform3(0.0_f32..1e3)), 1..200),
         step in 1..8_usize,
     ) {
-        let boxes: Vec<Bounds> = corners.iter().map(|&(place, size)| at(place, size)).collect();
+        let boxes: Vec<Aabb> = corners.iter().map(|&(place, size)| at(place, size)).collect();
         // Some twice.
-        let boxes: Vec<Bounds> = boxes.iter().chain(boxes.iter().step_by(step)).copied().collect();
+        let boxes: Vec<Aabb> = boxes.iter().chain(boxes.iter().step_by(step)).copied().collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());
-        prop_assert_eq!(fault(&hierarchy, &boxes), None);
+        prop_assert_eq!(broken_invariant(&hierarchy, &boxes), None);
         // The planted fault: a box that is lost is missed.
         let mut lost = hierarchy;
         lost.nodes[0].bounds.max = lost.nodes[0].bounds.min;
         let is_one_point = boxes.iter().all(|bounds| *bounds == boxes[0] && bounds.min == bounds.max);
-        prop_assert!(is_one_point || fault(&lost, &boxes).is_some());
+        prop_assert!(is_one_point || broken_invariant(&lost, &boxes).is_some());
     }
 }

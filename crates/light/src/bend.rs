@@ -7,7 +7,9 @@ use crate::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, CROSS_SECTION, CUT_OFF, DECAY, END_MODE, FAR_EDGE, HEIGHT, INTENSITY,
     RANGE, ROTATION, SCALE, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH, TRANSLATION, UP, WIDTH,
 };
-use crate::{ControlPoint, CrossSection, Decay, EndMode, Light, LightError, Setting, Shape, Tube, Value};
+use crate::{
+    ControlPoint, CrossSection, Decay, EndMode, Light, LightError, LightShape, Setting, Tube, Value,
+};
 
 /// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
@@ -16,13 +18,13 @@ use crate::{ControlPoint, CrossSection, Decay, EndMode, Light, LightError, Setti
 /// evenly. It ends at the spotlight's `range`; without one, its control points span one local unit and it is extended
 /// without end. Parameters that both shapes have keep their values.
 pub fn bend(spot: &Light, segments: usize) -> Result<Light, LightError> {
-    bend_to(spot, segments, spot.get(SCALE))
+    bend_with_length(spot, segments, spot.get(SCALE))
 }
 
 /// The same, with control points that span `reach` world units along the axis where the spotlight has no range of its own.
-pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, LightError> {
+pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Light, LightError> {
     check_values(spot)?;
-    if *spot.shape() != Shape::Spot {
+    if *spot.shape() != LightShape::Spot {
         return Err(LightError::NotASpot);
     }
     if !(1..=MAX_SEGMENTS).contains(&segments) {
@@ -37,7 +39,8 @@ pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, Light
         // Subtracted rather than negated: the source is at 0, not at -0.
         ControlPoint::new(DVec3::new(0.0, 0.0, 0.0 - along), along * slope)
     };
-    let mut bent = Light::new(Shape::Bendy(greville(segments).into_iter().map(point).collect()));
+    let mut bent =
+        Light::new(LightShape::Bendy(greville_abscissae(segments).into_iter().map(point).collect()));
     for (parameter, value) in spot.values() {
         bent.set(Setting { parameter, value: value.clone() });
     }
@@ -53,27 +56,27 @@ pub fn bend_to(spot: &Light, segments: usize, reach: f64) -> Result<Light, Light
 /// cone light does not fall off. The range of an omni light, a sphere, becomes a cut-off, which is one too; a spotlight's is
 /// a plane. Where a cut-off fades past the range that is refused. Without `toward` both shine along their own -Z from where
 /// they stand.
-pub fn with_cone(
+pub fn as_spotlight(
     light: &Light,
     cone_angle: f64,
     toward: Option<DVec3>,
     reach: f64,
 ) -> Result<Light, LightError> {
-    if !matches!(light.shape(), Shape::Omni | Shape::Directional) {
+    if !matches!(light.shape(), LightShape::Omni | LightShape::Directional) {
         return Ok(light.clone());
     }
-    let mut spot = Light::new(Shape::Spot).with(DECAY, Decay::None);
+    let mut spot = Light::new(LightShape::Spot).with(DECAY, Decay::None);
     for (parameter, value) in light.values() {
         spot.set(Setting { parameter, value: value.clone() });
     }
-    if *light.shape() == Shape::Omni
+    if *light.shape() == LightShape::Omni
         && let Some(range) = light.get(RANGE)
     {
-        spot = ending_at(&spot, range)?;
+        spot = with_spherical_end(&spot, range)?;
     }
     let spot = spot.with(CONE_ANGLE, cone_angle).with(CONE_SOFTNESS, 0.0);
     let Some(toward) = toward else { return Ok(spot) };
-    if *light.shape() == Shape::Directional {
+    if *light.shape() == LightShape::Directional {
         return Ok(through_window(spot, light, toward, reach));
     }
     let way = toward - light.get(TRANSLATION);
@@ -84,7 +87,7 @@ pub fn with_cone(
 }
 
 /// The spotlight `spot`, whose light ends at a distance of `range` from its source in place of the plane there.
-fn ending_at(spot: &Light, range: f64) -> Result<Light, LightError> {
+fn with_spherical_end(spot: &Light, range: f64) -> Result<Light, LightError> {
     let spot = spot.clone().with(RANGE, None);
     let Some(cut_off) = spot.get(CUT_OFF).filter(|cut_off| *cut_off < range) else {
         return Ok(spot.with(CUT_OFF, Some(range)).with(FAR_EDGE, 0.0));
@@ -118,10 +121,10 @@ fn through_window(spot: Light, light: &Light, toward: DVec3, reach: f64) -> Ligh
 }
 
 /// How far the angle of a straight tube may lie from `coneAngle`, in degrees, and still be it: roundings of its radii.
-const SAME_ANGLE: f64 = 1e-9;
+const ANGLE_TOLERANCE_DEGREES: f64 = 1e-9;
 
 /// How far control points may lie off a cone and still be on it, as shares of their distance and radius: roundings.
-const ON_CONE: f64 = 1e-9;
+const CONE_TOLERANCE: f64 = 1e-9;
 
 /// The spotlight from a BendyLight's source to its last control point, with that one's colour and intensity: of one that
 /// was made from a spotlight and is still straight, that spotlight.
@@ -133,13 +136,13 @@ pub fn straighten(bent: &Light) -> Result<Light, LightError> {
         return Err(LightError::NotBent);
     }
     Tube::new(bent)?;
-    straightened(bent)
+    straighten_checked(bent)
 }
 
 /// The spotlight that a checked BendyLight is, while its tube is still a cone: control points on one ray from the source,
 /// one behind the other, all of one colour and intensity, with radii that grow as their distances do, to the angle that
 /// its profile goes by. `None` where it is bent, however little.
-pub fn still_straight(bent: &Light) -> Option<Light> {
+pub fn spotlight_if_straight(bent: &Light) -> Option<Light> {
     let points = bent.points();
     let last = points.last()?;
     let length = last.position.length();
@@ -147,34 +150,34 @@ pub fn still_straight(bent: &Light) -> Option<Light> {
     let along = |point: &ControlPoint| point.position.dot(axis);
     let is_on_cone = |point: &ControlPoint| {
         let aside = (point.position - axis * along(point)).length();
-        aside <= ON_CONE * along(point)
-            && (point.radius - slope * along(point)).abs() <= ON_CONE * point.radius
+        aside <= CONE_TOLERANCE * along(point)
+            && (point.radius - slope * along(point)).abs() <= CONE_TOLERANCE * point.radius
             && (point.color, point.intensity) == (last.color, last.intensity)
     };
     // Where `up` is along the axis, which way is up across it is each shape's own choice.
     let up = bent.get(UP);
     let is_cone = points.iter().all(is_on_cone)
         && points.windows(2).all(|pair| along(&pair[0]) < along(&pair[1]))
-        && (cone_angle(last) - bent.get(CONE_ANGLE)).abs() <= SAME_ANGLE
-        && cone_angle(last) > SAME_ANGLE
+        && (cone_angle(last) - bent.get(CONE_ANGLE)).abs() <= ANGLE_TOLERANCE_DEGREES
+        && cone_angle(last) > ANGLE_TOLERANCE_DEGREES
         && up.cross(axis).length() > 1e-6 * up.length();
-    if is_cone { straightened(bent).ok() } else { None }
+    if is_cone { straighten_checked(bent).ok() } else { None }
 }
 
 /// Of a checked BendyLight.
-fn straightened(bent: &Light) -> Result<Light, LightError> {
+fn straighten_checked(bent: &Light) -> Result<Light, LightError> {
     let Some(last) = bent.points().last() else { return Err(LightError::NotBent) };
     let length = last.position.length();
     if length == 0.0 {
-        return Err(LightError::NoWay);
+        return Err(LightError::NoDirection);
     }
     let cone_angle = cone_angle(last);
-    let mut spot = Light::new(Shape::Spot);
+    let mut spot = Light::new(LightShape::Spot);
     for (parameter, value) in bent.values() {
         spot.set(Setting { parameter, value: value.clone() });
     }
-    if (cone_angle - bent.get(CONE_ANGLE)).abs() > SAME_ANGLE {
-        spot.set(CONE_ANGLE.to(cone_angle.max(SAME_ANGLE)));
+    if (cone_angle - bent.get(CONE_ANGLE)).abs() > ANGLE_TOLERANCE_DEGREES {
+        spot.set(CONE_ANGLE.to(cone_angle.max(ANGLE_TOLERANCE_DEGREES)));
     }
     let turn = looking_along(last.position / length, bent.get(UP));
     if turn != DMat3::IDENTITY {
@@ -203,7 +206,7 @@ fn looking_along(direction: DVec3, up: DVec3) -> DMat3 {
 
 /// The Greville abscissae of a clamped uniform quadratic B-spline with `n` segments: `0, 1/2, 3/2, ..., n -
 /// 1/2, n`.
-pub fn greville(n: usize) -> Vec<f64> {
+pub fn greville_abscissae(n: usize) -> Vec<f64> {
     let inner = (0..n).map(|i| i as f64 + 0.5);
     std::iter::once(0.0).chain(inner).chain(std::iter::once(n as f64)).collect()
 }

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use crate::arc::arc_length;
 use crate::curve::{Curve, TubeBox};
-use crate::frame::{STRAIGHT, orient};
+use crate::frame::{STRAIGHT_SINE, set_frame};
 use crate::parameters::{END_MODE, SCALE, UP};
 use crate::{ControlPoint, EndMode, Light, LightError, Segment, Transform, validity};
 
@@ -106,9 +106,12 @@ where
 
 /// The largest `R kappa` of some segments of the BendyLight that has these control points, whether they fold or not; refuses what has
 /// no curve.
-pub fn folds_of_segments(points: &[ControlPoint], segments: Range<usize>) -> Result<Vec<f64>, LightError> {
+pub fn r_kappa_max_of_segments(
+    points: &[ControlPoint],
+    segments: Range<usize>,
+) -> Result<Vec<f64>, LightError> {
     let values = ControlValues::of(points.iter().copied());
-    segments.map(|i| Ok(validity::r_kappa_max(&shape(&values, i)?))).collect()
+    segments.map(|i| Ok(validity::r_kappa_max(&segment_curve(&values, i)?))).collect()
 }
 
 /// The segments of a checked light, in tube space, and the placement of that space.
@@ -118,11 +121,11 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
         let domain = "it must have a direction".into();
         return Err(LightError::OutOfDomain { field: UP.path, value: 0.0, domain });
     }
-    segments_through(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
+    segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
 }
 
 /// The same of a light with these control points, whose other values have been checked.
-pub fn segments_through(
+pub fn segments_of_points(
     control: &[ControlPoint],
     transform: Transform,
     up: DVec3,
@@ -153,8 +156,8 @@ pub fn segments_through(
     let mut arc_start = 0.0;
     let mut carried = None;
     for i in 0..control.len() - 2 {
-        let mut curve = shape(&values, i)?;
-        carried = Some(orient(&mut curve, carried, up));
+        let mut curve = segment_curve(&values, i)?;
+        carried = Some(set_frame(&mut curve, carried, up));
         curve.bounds = curve.tube_box();
         let r_kappa = validity::r_kappa_max(&curve);
         if r_kappa >= 1.0 {
@@ -165,7 +168,7 @@ pub fn segments_through(
         arc_start += arc_length(&curve, 1.0);
     }
     if end_mode == EndMode::Extend {
-        out.extend(extension(&out[out.len() - 1], arc_start));
+        out.extend(extension_segment(&out[out.len() - 1], arc_start));
     }
     let rotation = DMat3::from_quat(transform.rotation.normalize());
     Ok((
@@ -202,12 +205,12 @@ impl ControlValues {
 }
 
 /// Position and radius of segment `i`, without its frame; refuses one that has no direction.
-fn shape(values: &ControlValues, i: usize) -> Result<Curve<f64>, LightError> {
+fn segment_curve(values: &ControlValues, i: usize) -> Result<Curve<f64>, LightError> {
     let ControlValues { positions, radii, .. } = values;
     let [b0, _, b2] = bezier(positions, i);
     let (d0, d1) = half_derivatives(positions, i);
     let (e0, e1) = half_derivatives(radii, i);
-    let straight = d0.cross(d1).length() <= STRAIGHT * d0.length() * d1.length();
+    let straight = d0.cross(d1).length() <= STRAIGHT_SINE * d0.length() * d1.length();
     if d0 == DVec3::ZERO && d1 == DVec3::ZERO {
         let why = "has its three control points in one place";
         return Err(LightError::Degenerate { segment: i, why, point: i + 1 });
@@ -240,7 +243,7 @@ pub fn unit_up(light: &Light) -> DVec3 {
 
 /// The light past its last control point: straight on, with linear radius, colour and intensity; `None` where
 /// it ends without a direction to go on in.
-fn extension(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>> {
+fn extension_segment(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>> {
     let grow = |b: [f64; 3]| 2.0 * (b[2] - b[1]);
     let grow3 = |b: [DVec3; 3]| (b[2] - b[1]) * 2.0;
     let end = &last.curve;

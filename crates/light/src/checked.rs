@@ -3,12 +3,12 @@
 use std::cell::Cell;
 use std::sync::Arc;
 
-use crate::bend::still_straight;
-use crate::revision::{Digest, Revisions};
-use crate::{Cone, Light, LightError, LightFilter, LightId, Omni, Parallel, Shape, Tube};
+use crate::bend::spotlight_if_straight;
+use crate::revision::{LightDigest, Revisions};
+use crate::{Cone, Light, LightError, LightId, LightProfile, LightShape, Omni, Parallel, Tube};
 
 thread_local! {
-    static MADE: Cell<u64> = const { Cell::new(0) };
+    static CHECK_COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
 /// A light that passed every check, with what evaluates it: made once, where a change is applied, and carried from there
@@ -16,15 +16,15 @@ thread_local! {
 #[derive(Clone, Debug)]
 pub struct CheckedLight {
     light: Light,
-    rays: Rays,
+    rays: LightRays,
     revisions: Revisions,
     /// See [`Self::straightened`].
-    straightened: Option<Arc<Self>>,
+    equivalent_spotlight: Option<Arc<Self>>,
 }
 
 /// How a point is found in a light.
 #[derive(Clone, Debug)]
-pub enum Rays {
+pub enum LightRays {
     /// Straight lines from a point, in a cone.
     Cone(Cone),
     /// Curves along a tube.
@@ -57,26 +57,26 @@ impl LightInstance {
 impl CheckedLight {
     /// Checks a light: every value against its row, a BendyLight's control points, its tube for folds.
     pub fn new(light: Light) -> Result<Self, LightError> {
-        MADE.set(MADE.get() + 1);
+        CHECK_COUNT.set(CHECK_COUNT.get() + 1);
         let checked = Self::of(light)?;
-        let spot = still_straight(&checked.light).and_then(|spot| Self::of(spot).ok());
-        Ok(Self { straightened: spot.map(Arc::new), ..checked })
+        let spot = spotlight_if_straight(&checked.light).and_then(|spot| Self::of(spot).ok());
+        Ok(Self { equivalent_spotlight: spot.map(Arc::new), ..checked })
     }
 
     fn of(light: Light) -> Result<Self, LightError> {
         let rays = match light.shape() {
-            Shape::Spot => Rays::Cone(Cone::new(&light)?),
-            Shape::Bendy(_) => Rays::Bent(Tube::new(&light)?),
-            Shape::Directional => Rays::Parallel(Parallel::new(&light)?),
-            Shape::Omni => Rays::Omni(Omni::new(&light)?),
+            LightShape::Spot => LightRays::Cone(Cone::new(&light)?),
+            LightShape::Bendy(_) => LightRays::Bent(Tube::new(&light)?),
+            LightShape::Directional => LightRays::Parallel(Parallel::new(&light)?),
+            LightShape::Omni => LightRays::Omni(Omni::new(&light)?),
         };
         let revisions = Revisions::of(&light);
-        Ok(Self { light, rays, revisions, straightened: None })
+        Ok(Self { light, rays, revisions, equivalent_spotlight: None })
     }
 
     /// How many checks this thread has made: what tests count to see that a light is checked once.
-    pub fn made() -> u64 {
-        MADE.get()
+    pub fn check_count() -> u64 {
+        CHECK_COUNT.get()
     }
 
     /// The light as it is written down.
@@ -85,28 +85,28 @@ impl CheckedLight {
     }
 
     /// How a point is found in it.
-    pub fn rays(&self) -> &Rays {
+    pub fn rays(&self) -> &LightRays {
         &self.rays
     }
 
     /// The tube of a BendyLight.
     pub fn tube(&self) -> Option<&Tube<f64>> {
-        if let Rays::Bent(tube) = &self.rays { Some(tube) } else { None }
+        if let LightRays::Bent(tube) = &self.rays { Some(tube) } else { None }
     }
 
     /// The spotlight that a BendyLight is whose tube is still a cone: made with it, and the same light at every point but
     /// for the roundings and its `t`.
-    pub fn straightened(&self) -> Option<&Arc<Self>> {
-        self.straightened.as_ref()
+    pub fn equivalent_spotlight(&self) -> Option<&Arc<Self>> {
+        self.equivalent_spotlight.as_ref()
     }
 
     /// What becomes of its light on the way.
-    pub fn light_filter(&self) -> &LightFilter {
+    pub fn light_profile(&self) -> &LightProfile {
         match &self.rays {
-            Rays::Cone(cone) => &cone.light_filter,
-            Rays::Omni(omni) => &omni.light_filter,
-            Rays::Parallel(parallel) => &parallel.light_filter,
-            Rays::Bent(tube) => &tube.light_filter,
+            LightRays::Cone(cone) => &cone.light_profile,
+            LightRays::Omni(omni) => &omni.light_profile,
+            LightRays::Parallel(parallel) => &parallel.light_profile,
+            LightRays::Bent(tube) => &tube.light_profile,
         }
     }
 
@@ -116,7 +116,7 @@ impl CheckedLight {
     }
 
     /// Of all its values.
-    pub fn digest(&self) -> Digest {
+    pub fn digest(&self) -> LightDigest {
         self.revisions.content
     }
 }

@@ -141,7 +141,7 @@ impl Curve<f64> {
     ///
     /// The range may reach past `[0, 1]`: the polynomials go on.
     #[must_use]
-    pub fn piece(&self, start: f64, end: f64) -> Self {
+    pub fn subcurve(&self, start: f64, end: f64) -> Self {
         let h = end - start;
         let (d0, d1) = (self.d(start) * h, self.d(end) * h);
         let mut piece = *self;

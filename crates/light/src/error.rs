@@ -81,10 +81,10 @@ pub enum LightError {
     #[error(
         "`{0}` must be pairs [degrees, number] whose degrees ascend from 0 to less than 360, each given once: sort them"
     )]
-    Knots(&'static str),
+    UnsortedKnots(&'static str),
     /// A value of another type than the parameter's.
     #[error("`{field}` must be {expected}: change it")]
-    OtherType {
+    WrongType {
         /// The field.
         field: &'static str,
         /// What it takes.
@@ -136,10 +136,10 @@ pub enum LightError {
     #[error(
         "the light ends where it begins, which is no direction to shine along: move its last control point"
     )]
-    NoWay,
+    NoDirection,
     /// An omni light is to shine at where it stands.
     #[error("`toward` is where the light stands, which is no direction to shine along: choose another place")]
-    NowhereToShine,
+    TowardAtSource,
     /// An omni light whose range cuts off what fades past its cut-off: a BendyLight has one end.
     #[error(
         "the light ends at its `range` of {range} while it still fades, from its `cutOff` of {cut_off} over its \

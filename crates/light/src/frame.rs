@@ -6,13 +6,13 @@ use crate::Curve;
 use crate::lanes::{Lanes, Mask};
 
 /// Below this sine of the angle between the end tangents a segment's plane is rounding noise.
-pub const STRAIGHT: f64 = 1e-13;
+pub const STRAIGHT_SINE: f64 = 1e-13;
 
 /// `(u_hat, v_hat)` at the end of a curve, for the next one to go on from.
-pub type Carried = (DVec3, DVec3);
+pub type EndFrame = (DVec3, DVec3);
 
 /// Sets the frame's constants (light model, section 2) and returns what the next segment starts from.
-pub fn orient(curve: &mut Curve<f64>, carried: Option<Carried>, up: DVec3) -> Carried {
+pub fn set_frame(curve: &mut Curve<f64>, carried: Option<EndFrame>, up: DVec3) -> EndFrame {
     let u_hat = curve.u_hat(0.0);
     let v_hat = match carried {
         None => perpendicular_up::<f64>(up, u_hat).cross(u_hat),
@@ -20,7 +20,7 @@ pub fn orient(curve: &mut Curve<f64>, carried: Option<Carried>, up: DVec3) -> Ca
     };
     let v_hat = (v_hat - u_hat * v_hat.dot(u_hat)).normalize();
     let normal = curve.d0.cross(curve.d1);
-    let bent = normal.length() > STRAIGHT * curve.d0.length() * curve.d1.length();
+    let bent = normal.length() > STRAIGHT_SINE * curve.d0.length() * curve.d1.length();
     let n = if bent { normal.normalize() } else { u_hat.cross(v_hat) };
     curve.n_hat = (n - u_hat * n.dot(u_hat)).normalize();
     let (alpha, beta) = (v_hat.dot(curve.n_hat), v_hat.dot(curve.n_hat.cross(u_hat)));

@@ -28,16 +28,16 @@ mod checked;
 mod curve;
 mod emission;
 mod error;
-mod filter;
 mod frame;
 mod lanes;
 mod light;
+mod light_coords;
 mod links;
 mod parameter;
 pub mod parameters;
 mod part;
 mod periodic_curve;
-mod place;
+mod profile;
 mod rays;
 mod reach;
 mod real;
@@ -49,36 +49,39 @@ mod validity;
 mod warning;
 
 pub use self::light::{
-    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Light, LightId, ProfileCurve, Shape,
-    Transform,
+    ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, LightShape,
+    ProfileCurve, Transform,
 };
 pub use arc::GAUSS_LEGENDRE;
-pub use bend::{bend, bend_to, greville, straighten, with_cone};
-pub use build::{MAX_SEGMENTS, Placement, folds_of_segments};
-pub use checked::{CheckedLight, LightInstance, Rays};
+pub use bend::{as_spotlight, bend, bend_with_length, greville_abscissae, straighten};
+pub use build::{MAX_SEGMENTS, Placement, r_kappa_max_of_segments};
+pub use checked::{CheckedLight, LightInstance, LightRays};
 pub use curve::{Curve, TubeBox, quadratic_range};
 pub use emission::emission;
 pub use error::LightError;
-pub use filter::{Cut, LightFilter, Profile, Radial, Section, blackbody, irradiance};
 pub use frame::perpendicular_up;
 pub use lanes::{Lanes, Mask};
+pub use light_coords::LightCoords;
 pub use links::{Links, MAX_LINK_BYTES, MAX_LINKS};
 pub use parameter::{
-    Backing, Choice, Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Needed, Needs, Number, Of, Owner, Parameter,
-    Scale, Setting, Touches, Typed, Value,
+    MAX_EXTENT, MAX_NAME_BYTES, NumberRange, Parameter, ParameterChoice, ParameterKey, ParameterKind,
+    ParameterNeeded, ParameterNeeds, ParameterOf, ParameterOwner, ParameterScale, ParameterTouches, Setting,
+    Value, ValueStorage, ValueType,
 };
 pub use parameters::{add_parameters, parameter_of, parameters, parameters_of};
-pub use part::Part;
-pub use periodic_curve::{MAX_KNOTS, PeriodicCurve, Piece};
-pub use place::Place;
+pub use part::LightPart;
+pub use periodic_curve::{LinearPiece, MAX_KNOTS, PeriodicCurve};
+pub use profile::{
+    CrossFalloff, DistanceRamps, EdgeOutline, LightProfile, SectionOutline, blackbody, irradiance,
+};
 pub use rays::cone::Cone;
 pub use rays::omni::Omni;
 pub use rays::parallel::Parallel;
-pub use rays::tube::{Inside, Location, Root, Tube, TubePoint};
-pub use reach::{OutOfReach, Reach};
+pub use rays::tube::{RootInTube, Tube, TubeLocation, TubePoint, TubeRoot};
+pub use reach::{SceneBounds, UndrawableLight};
 pub use real::Real;
-pub use revision::{Digest, Revisions};
+pub use revision::{LightDigest, Revisions};
 pub use segment::Segment;
-pub use slab::{Slab, slabs};
+pub use slab::{TubeSlab, slabs};
 pub use solve::{Roots, increasing_roots};
 pub use warning::LightWarning;

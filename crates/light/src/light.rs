@@ -6,11 +6,11 @@ use glam::{DQuat, DVec3};
 
 use crate::parameter::choices;
 use crate::parameters::{NAME, ROTATION, SCALE, TRANSLATION, parameters_of};
-use crate::{Key, Owner, Parameter, Setting, Typed, Value};
+use crate::{Parameter, ParameterKey, ParameterOwner, Setting, Value, ValueType};
 
 /// Where a light stands: `world = translation + rotation * (scale * local)`.
 ///
-/// `rotation` need not be of exactly unit length; it is normalised before use. `scale` is positive and the
+/// `turn` need not be of exactly unit length; it is normalised before use. `scale` is positive and the
 /// same in all directions, so that circles stay circles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
@@ -37,7 +37,7 @@ impl Transform {
 
 /// How the cross-section is oriented along the curve (light model, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Frame {
+pub enum FrameMode {
     /// No rotation about the tangent from one point of the curve to the next.
     #[default]
     RotationMinimizing,
@@ -47,7 +47,7 @@ pub enum Frame {
 
 /// Which direction light arrives from (light model, section 3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Direction {
+pub enum DirectionMode {
     /// The centre's tangent plus the spread: continuous everywhere.
     #[default]
     Tube,
@@ -78,7 +78,7 @@ pub enum Decay {
     InverseSquare,
 }
 
-/// By which curve a light falls off across; [`crate::Profile`] has the formulas.
+/// By which curve a light falls off across; [`crate::CrossFalloff`] has the formulas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileCurve {
     /// An S-curve: no edge is seen at either end.
@@ -109,8 +109,8 @@ choices!(ProfileCurve {
     Cosine: "cosine", "Cosine";
 });
 choices!(CrossSection { Circle: "circle", "Circle"; Superellipse: "superellipse", "Superellipse"; });
-choices!(Frame { RotationMinimizing: "rotationMinimizing", "Rotation minimizing"; Up: "up", "Up"; });
-choices!(Direction { Tube: "tube", "Tube (continuous)"; Path: "path", "Path (exact)"; });
+choices!(FrameMode { RotationMinimizing: "rotationMinimizing", "Rotation minimizing"; Up: "up", "Up"; });
+choices!(DirectionMode { Tube: "tube", "Tube (continuous)"; Path: "path", "Path (exact)"; });
 choices!(EndMode { Cut: "cut", "Cut at the last point"; Extend: "extend", "Extend straight on"; });
 choices!(Decay {
     None: "none", "None";
@@ -140,7 +140,7 @@ impl ControlPoint {
 
 /// What a light is, besides its parameters.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum LightShape {
     /// Light along straight lines in a cone: along local -Z from the origin, as in glTF and USD.
     Spot,
     /// Light along parallel lines from infinitely far away, along local -Z: the sun.
@@ -157,14 +157,14 @@ pub enum Shape {
 /// [`crate::CheckedLight`] is one that can be evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
-    shape: Shape,
+    shape: LightShape,
     /// In the order of the rows of its shape.
     values: Vec<Value>,
 }
 
 impl Light {
     /// A light of that shape, every parameter at its default.
-    pub fn new(shape: Shape) -> Self {
+    pub fn new(shape: LightShape) -> Self {
         let owner = shape.owner();
         let default = |row: &&Parameter| row.default(owner).unwrap_or(Value::Absent);
         let values = parameters_of(owner).iter().map(default).collect();
@@ -173,44 +173,44 @@ impl Light {
 
     /// A spotlight.
     pub fn spot() -> Self {
-        Self::new(Shape::Spot)
+        Self::new(LightShape::Spot)
     }
 
     /// A directional light.
     pub fn directional() -> Self {
-        Self::new(Shape::Directional)
+        Self::new(LightShape::Directional)
     }
 
     /// An omni light.
     pub fn omni() -> Self {
-        Self::new(Shape::Omni)
+        Self::new(LightShape::Omni)
     }
 
     /// A white BendyLight of intensity 1 through `points` with `radii`, as many as there are of both.
     pub fn bendy(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
         let points =
             points.into_iter().zip(radii).map(|(position, radius)| ControlPoint::new(position, radius));
-        Self::new(Shape::Bendy(points.collect()))
+        Self::new(LightShape::Bendy(points.collect()))
     }
 
     /// What it is.
-    pub fn shape(&self) -> &Shape {
+    pub fn shape(&self) -> &LightShape {
         &self.shape
     }
 
     /// What has parameters here.
-    pub fn owner(&self) -> Owner {
+    pub fn owner(&self) -> ParameterOwner {
         self.shape.owner()
     }
 
     /// Its control points; only a BendyLight has some.
     pub fn points(&self) -> &[ControlPoint] {
-        if let Shape::Bendy(points) = &self.shape { points } else { &[] }
+        if let LightShape::Bendy(points) = &self.shape { points } else { &[] }
     }
 
     /// Its control points, to change; `None` for what is no BendyLight.
     pub fn points_mut(&mut self) -> Option<&mut Vec<ControlPoint>> {
-        if let Shape::Bendy(points) = &mut self.shape { Some(points) } else { None }
+        if let LightShape::Bendy(points) = &mut self.shape { Some(points) } else { None }
     }
 
     /// Its parameters and their values, in the order of the table.
@@ -224,8 +224,8 @@ impl Light {
     }
 
     /// The value of a parameter. Where its shape has no such one, the default of those that have it.
-    pub fn get<T: Typed>(&self, key: Key<T>) -> T {
-        let elsewhere = || key.of.iter().find_map(|of| key.default(of.owner));
+    pub fn get<T: ValueType>(&self, key: ParameterKey<T>) -> T {
+        let elsewhere = || key.owners.iter().find_map(|of| key.default(of.owner));
         let value = self.value(&key).and_then(T::from_value);
         value.or_else(|| T::from_value(&elsewhere()?)).expect("a key has the type of its row's values")
     }
@@ -241,21 +241,21 @@ impl Light {
 
     /// The same light with a parameter set.
     #[must_use]
-    pub fn with<T: Typed>(mut self, key: Key<T>, value: T) -> Self {
+    pub fn with<T: ValueType>(mut self, key: ParameterKey<T>, value: T) -> Self {
         self.set(key.to(value));
         self
     }
 
     /// The same light in another place.
     #[must_use]
-    pub fn placed(self, transform: Transform) -> Self {
+    pub fn with_transform(self, transform: Transform) -> Self {
         let Transform { translation, rotation, scale } = transform;
         self.with(TRANSLATION, translation).with(ROTATION, rotation).with(SCALE, scale)
     }
 
     /// The same light with each control point changed; `change` is given its index.
     #[must_use]
-    pub fn with_points(mut self, mut change: impl FnMut(usize, &mut ControlPoint)) -> Self {
+    pub fn map_points(mut self, mut change: impl FnMut(usize, &mut ControlPoint)) -> Self {
         for (index, point) in self.points_mut().into_iter().flatten().enumerate() {
             change(index, point);
         }
@@ -274,14 +274,14 @@ impl Light {
     }
 }
 
-impl Shape {
+impl LightShape {
     /// What has parameters here.
-    pub fn owner(&self) -> Owner {
+    pub fn owner(&self) -> ParameterOwner {
         match self {
-            Self::Spot => Owner::Spot,
-            Self::Bendy(_) => Owner::Bendy,
-            Self::Directional => Owner::Directional,
-            Self::Omni => Owner::Omni,
+            Self::Spot => ParameterOwner::Spot,
+            Self::Bendy(_) => ParameterOwner::Bendy,
+            Self::Directional => ParameterOwner::Directional,
+            Self::Omni => ParameterOwner::Omni,
         }
     }
 }

@@ -28,13 +28,13 @@ pub struct Parameter {
     /// has one value for each.
     pub path: &'static str,
     /// What has it.
-    pub of: &'static [Of],
+    pub owners: &'static [ParameterOf],
     /// What its values are.
-    pub kind: Kind,
+    pub kind: ParameterKind,
     /// Whether keyframes may drive it.
     pub animates: bool,
     /// What another has to be for it to have an effect; `None` where it always has.
-    pub needs: Option<Needs>,
+    pub needs: Option<ParameterNeeds>,
     /// The heading that it stands under, for people.
     pub group: &'static str,
     /// Its name for people.
@@ -45,35 +45,35 @@ pub struct Parameter {
 
 /// One kind of thing that has a parameter.
 #[derive(Clone, Copy, Debug)]
-pub struct Of {
+pub struct ParameterOf {
     /// What has it.
-    pub owner: Owner,
+    pub owner: ParameterOwner,
     /// The value where none is given; `None` where one has to be. Hashes leave out what has its default, so that a new
     /// parameter changes no old hash: a default never changes.
     pub default: Option<Value<&'static str>>,
     /// What a change of it makes stale.
-    pub touches: Touches,
+    pub touches: ParameterTouches,
 }
 
 /// What another parameter of the same owner has to be.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Needs {
+pub struct ParameterNeeds {
     /// The other's name.
     pub parameter: &'static str,
     /// Its value.
-    pub value: Needed,
+    pub value: ParameterNeeded,
 }
 
 /// Values of which one is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Needed {
+pub enum ParameterNeeded {
     /// One of these.
     OneOf(&'static [Value<&'static str>]),
     /// Any but these.
     NoneOf(&'static [Value<&'static str>]),
 }
 
-impl Needed {
+impl ParameterNeeded {
     /// Whether this value will do.
     pub fn is_met_by(&self, value: &Value) -> bool {
         let has = |values: &[Value<&'static str>]| values.iter().any(|one| one.to_value() == *value);
@@ -86,7 +86,7 @@ impl Needed {
 
 /// What can have parameters. Hashes of lights begin with its number, so that none ever changes: new ones come last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Owner {
+pub enum ParameterOwner {
     /// A spotlight.
     Spot,
     /// A BendyLight.
@@ -101,7 +101,7 @@ pub enum Owner {
     Omni,
 }
 
-impl Owner {
+impl ParameterOwner {
     /// How many there are.
     pub(crate) const COUNT: usize = Self::Omni as usize + 1;
 
@@ -112,7 +112,7 @@ impl Owner {
 
 /// What a change makes stale of what is kept of a light from picture to picture; each includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Touches {
+pub enum ParameterTouches {
     /// Nothing: no picture shows it.
     Nothing,
     /// By which factors it adds what it adds to the picture.
@@ -127,13 +127,13 @@ pub enum Touches {
 
 /// What the values of a parameter are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Kind {
+pub enum ParameterKind {
     /// A number.
-    Number(Number),
+    Number(NumberRange),
     /// Yes or no.
     Flag,
     /// One of several words.
-    Choice(&'static [Choice]),
+    Choice(&'static [ParameterChoice]),
     /// Linear RGB.
     Color,
     /// Three numbers.
@@ -169,7 +169,7 @@ pub enum Kind {
 
 /// The numbers that a parameter may have, and how a control offers them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Number {
+pub struct NumberRange {
     /// What it counts, if anything.
     pub unit: &'static str,
     /// What is refused below.
@@ -181,14 +181,14 @@ pub struct Number {
     /// What a step of a control changes it by.
     pub step: f64,
     /// How a slider is divided.
-    pub scale: Scale,
+    pub scale: ParameterScale,
     /// What it means that there is none, for people; `None` where there has to be one.
     pub absent: Option<&'static str>,
 }
 
 /// How a slider is divided.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
+pub enum ParameterScale {
     /// Evenly.
     Linear,
     /// Evenly in the logarithm.
@@ -197,7 +197,7 @@ pub enum Scale {
 
 /// One of the words that a parameter may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct ParameterChoice {
     /// As in files.
     pub name: &'static str,
     /// For people.
@@ -205,43 +205,43 @@ pub struct Choice {
 }
 
 /// What holds values that vary in size: memory of their own, or the program, which has text but no lists.
-pub trait Backing {
-    /// Of [`Kind::Links`].
+pub trait ValueStorage {
+    /// Of [`ParameterKind::Links`].
     type Links;
-    /// Of [`Kind::PeriodicCurve`].
+    /// Of [`ParameterKind::PeriodicCurve`].
     type PeriodicCurve;
 }
 
-impl Backing for String {
+impl ValueStorage for String {
     type Links = Links;
     type PeriodicCurve = PeriodicCurve;
 }
 
-impl Backing for &'static str {
+impl ValueStorage for &'static str {
     type Links = Infallible;
     type PeriodicCurve = Infallible;
 }
 
 /// A value of any parameter; `S` holds text.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Value<S: Backing = String> {
-    /// Of [`Kind::Number`].
+pub enum Value<S: ValueStorage = String> {
+    /// Of [`ParameterKind::Number`].
     Number(f64),
-    /// Of [`Kind::Number`] and [`Kind::PeriodicCurve`], where it is optional and absent; of [`Kind::Links`] all nodes.
+    /// Of [`ParameterKind::Number`] and [`ParameterKind::PeriodicCurve`], where it is optional and absent; of [`ParameterKind::Links`] all nodes.
     Absent,
-    /// Of [`Kind::Flag`].
+    /// Of [`ParameterKind::Flag`].
     Flag(bool),
-    /// Of [`Kind::Choice`]: the choice's name.
+    /// Of [`ParameterKind::Choice`]: the choice's name.
     Choice(&'static str),
-    /// Of [`Kind::Color`] and [`Kind::Vector`].
+    /// Of [`ParameterKind::Color`] and [`ParameterKind::Vector`].
     Vector(DVec3),
-    /// Of [`Kind::Rotation`].
+    /// Of [`ParameterKind::Rotation`].
     Rotation(DQuat),
-    /// Of [`Kind::Text`].
+    /// Of [`ParameterKind::Text`].
     Text(S),
-    /// Of [`Kind::Links`].
+    /// Of [`ParameterKind::Links`].
     Links(S::Links),
-    /// Of [`Kind::PeriodicCurve`].
+    /// Of [`ParameterKind::PeriodicCurve`].
     PeriodicCurve(S::PeriodicCurve),
 }
 
@@ -286,20 +286,20 @@ impl PartialEq for Parameter {
 
 /// A parameter whose values have the Rust type `T`.
 #[derive(Debug)]
-pub struct Key<T> {
+pub struct ParameterKey<T> {
     row: &'static Parameter,
     of: PhantomData<fn() -> T>,
 }
 
-impl<T> Clone for Key<T> {
+impl<T> Clone for ParameterKey<T> {
     fn clone(&self) -> Self {
         *self
     }
 }
 
-impl<T> Copy for Key<T> {}
+impl<T> Copy for ParameterKey<T> {}
 
-impl<T> Deref for Key<T> {
+impl<T> Deref for ParameterKey<T> {
     type Target = Parameter;
 
     fn deref(&self) -> &Parameter {
@@ -307,7 +307,7 @@ impl<T> Deref for Key<T> {
     }
 }
 
-impl<T> Key<T> {
+impl<T> ParameterKey<T> {
     /// The values of `row` are of type `T`.
     pub const fn new(row: &'static Parameter) -> Self {
         Self { row, of: PhantomData }
@@ -319,7 +319,7 @@ impl<T> Key<T> {
     }
 }
 
-impl<T: Typed> Key<T> {
+impl<T: ValueType> ParameterKey<T> {
     /// This parameter, set to `value`.
     pub fn to(self, value: T) -> Setting {
         Setting { parameter: self.row, value: value.into_value() }
@@ -327,14 +327,14 @@ impl<T: Typed> Key<T> {
 }
 
 /// A Rust type that values have.
-pub trait Typed: Sized {
+pub trait ValueType: Sized {
     /// The value.
     fn into_value(self) -> Value;
     /// What a value is; `None` for a value of another type.
     fn from_value(value: &Value) -> Option<Self>;
 }
 
-impl Typed for f64 {
+impl ValueType for f64 {
     fn into_value(self) -> Value {
         Value::Number(self)
     }
@@ -344,7 +344,7 @@ impl Typed for f64 {
     }
 }
 
-impl Typed for Option<f64> {
+impl ValueType for Option<f64> {
     fn into_value(self) -> Value {
         self.map_or(Value::Absent, Value::Number)
     }
@@ -358,7 +358,7 @@ impl Typed for Option<f64> {
     }
 }
 
-impl Typed for bool {
+impl ValueType for bool {
     fn into_value(self) -> Value {
         Value::Flag(self)
     }
@@ -368,7 +368,7 @@ impl Typed for bool {
     }
 }
 
-impl Typed for DVec3 {
+impl ValueType for DVec3 {
     fn into_value(self) -> Value {
         Value::Vector(self)
     }
@@ -378,7 +378,7 @@ impl Typed for DVec3 {
     }
 }
 
-impl Typed for DQuat {
+impl ValueType for DQuat {
     fn into_value(self) -> Value {
         Value::Rotation(self)
     }
@@ -388,7 +388,7 @@ impl Typed for DQuat {
     }
 }
 
-impl Typed for String {
+impl ValueType for String {
     fn into_value(self) -> Value {
         Value::Text(self)
     }
@@ -398,7 +398,7 @@ impl Typed for String {
     }
 }
 
-impl Typed for Option<Links> {
+impl ValueType for Option<Links> {
     fn into_value(self) -> Value {
         self.map_or(Value::Absent, Value::Links)
     }
@@ -412,7 +412,7 @@ impl Typed for Option<Links> {
     }
 }
 
-impl Typed for Option<PeriodicCurve> {
+impl ValueType for Option<PeriodicCurve> {
     fn into_value(self) -> Value {
         self.map_or(Value::Absent, Value::PeriodicCurve)
     }
@@ -431,8 +431,8 @@ macro_rules! choices {
     ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
         impl $name {
             /// The words for its variants.
-            pub const CHOICES: &'static [$crate::parameter::Choice] =
-                &[$($crate::parameter::Choice { name: $word, label: $label }),+];
+            pub const CHOICES: &'static [$crate::parameter::ParameterChoice] =
+                &[$($crate::parameter::ParameterChoice { name: $word, label: $label }),+];
 
             /// The word for it, as in files.
             pub const fn name(self) -> &'static str {
@@ -442,7 +442,7 @@ macro_rules! choices {
             }
         }
 
-        impl $crate::parameter::Typed for $name {
+        impl $crate::parameter::ValueType for $name {
             fn into_value(self) -> $crate::Value {
                 $crate::Value::Choice(self.name())
             }
@@ -460,55 +460,68 @@ pub(crate) use choices;
 
 impl Parameter {
     /// Whether a picture shows it of others but not of `owner`.
-    pub fn is_idle_of(&self, owner: Owner) -> bool {
-        let of_owner = self.of(owner).map(|of| of.touches);
-        of_owner == Some(Touches::Nothing) && self.touches() != Touches::Nothing
+    pub fn has_no_effect_on(&self, owner: ParameterOwner) -> bool {
+        let of_owner = self.for_owner(owner).map(|of| of.touches);
+        of_owner == Some(ParameterTouches::Nothing) && self.touches() != ParameterTouches::Nothing
     }
 
     /// What a change of it makes stale, whatever has it.
-    pub fn touches(&self) -> Touches {
-        self.of.iter().map(|of| of.touches).max().unwrap_or(Touches::Nothing)
+    pub fn touches(&self) -> ParameterTouches {
+        self.owners.iter().map(|of| of.touches).max().unwrap_or(ParameterTouches::Nothing)
     }
 
     /// How `owner` has it; `None` where it has no such parameter.
-    pub fn of(&self, owner: Owner) -> Option<&Of> {
-        self.of.iter().find(|of| of.owner == owner)
+    pub fn for_owner(&self, owner: ParameterOwner) -> Option<&ParameterOf> {
+        self.owners.iter().find(|of| of.owner == owner)
     }
 
     /// The value that `owner` has where none is given; `None` where one has to be, or it has no such parameter.
-    pub fn default(&self, owner: Owner) -> Option<Value> {
-        Some(self.of(owner)?.default?.to_value())
+    pub fn default(&self, owner: ParameterOwner) -> Option<Value> {
+        Some(self.for_owner(owner)?.default?.to_value())
     }
 
     /// Whether a value is of its type, in range or not.
-    pub fn takes(&self, value: &Value) -> bool {
-        !matches!(self.check(value), Err(LightError::OtherType { .. }))
+    pub fn accepts_type_of(&self, value: &Value) -> bool {
+        !matches!(self.check(value), Err(LightError::WrongType { .. }))
     }
 
     /// Refuses a value that no owner may have: of another type, not finite, out of range, too long.
     pub fn check(&self, value: &Value) -> Result<(), LightError> {
         let field = self.path;
         match (&self.kind, value) {
-            (Kind::Number(number), Value::Absent) if number.absent.is_some() => Ok(()),
-            (Kind::Number(number), Value::Number(value)) => number.check(field, *value),
-            (Kind::PeriodicCurve { min, max, .. }, Value::PeriodicCurve(curve)) => {
-                let number = Number { min: Bound::Included(*min), max: Bound::Included(*max), ..Number::ANY };
+            (ParameterKind::Number(number), Value::Absent) if number.absent.is_some() => Ok(()),
+            (ParameterKind::Number(number), Value::Number(value)) => number.check(field, *value),
+            (ParameterKind::PeriodicCurve { min, max, .. }, Value::PeriodicCurve(curve)) => {
+                let number = NumberRange {
+                    min: Bound::Included(*min),
+                    max: Bound::Included(*max),
+                    ..NumberRange::ANY
+                };
                 let count = curve.knots().len();
                 if count > MAX_KNOTS {
                     return Err(LightError::TooManyKnots { field, count, limit: MAX_KNOTS });
                 }
-                if !curve.ascends() {
-                    return Err(LightError::Knots(field));
+                if !curve.is_ascending() {
+                    return Err(LightError::UnsortedKnots(field));
                 }
                 curve.knots().iter().try_for_each(|[_, value]| number.check(field, *value))
             }
-            (Kind::Flag, Value::Flag(_)) | (Kind::Links | Kind::PeriodicCurve { .. }, Value::Absent) => {
+            (ParameterKind::Flag, Value::Flag(_))
+            | (ParameterKind::Links | ParameterKind::PeriodicCurve { .. }, Value::Absent) => Ok(()),
+            (ParameterKind::Choice(choices), Value::Choice(name))
+                if choices.iter().any(|c| c.name == *name) =>
+            {
                 Ok(())
             }
-            (Kind::Choice(choices), Value::Choice(name)) if choices.iter().any(|c| c.name == *name) => Ok(()),
-            (Kind::Color | Kind::Vector { .. }, Value::Vector(vector)) if vector.is_finite() => Ok(()),
-            (Kind::Color | Kind::Vector { .. }, Value::Vector(_)) => Err(LightError::NotFinite(field)),
-            (Kind::Rotation, Value::Rotation(rotation)) => {
+            (ParameterKind::Color | ParameterKind::Vector { .. }, Value::Vector(vector))
+                if vector.is_finite() =>
+            {
+                Ok(())
+            }
+            (ParameterKind::Color | ParameterKind::Vector { .. }, Value::Vector(_)) => {
+                Err(LightError::NotFinite(field))
+            }
+            (ParameterKind::Rotation, Value::Rotation(rotation)) => {
                 if !rotation.is_finite() {
                     return Err(LightError::NotFinite(field));
                 }
@@ -517,11 +530,11 @@ impl Parameter {
                 let unit = (0.5..=2.0).contains(&length);
                 if unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }
             }
-            (Kind::Text { max_bytes }, Value::Text(text)) if text.len() <= *max_bytes => Ok(()),
-            (Kind::Text { max_bytes }, Value::Text(_)) => {
+            (ParameterKind::Text { max_bytes }, Value::Text(text)) if text.len() <= *max_bytes => Ok(()),
+            (ParameterKind::Text { max_bytes }, Value::Text(_)) => {
                 Err(LightError::TooLong { field, limit: *max_bytes })
             }
-            (Kind::Links, Value::Links(links)) => match links.size() {
+            (ParameterKind::Links, Value::Links(links)) => match links.size() {
                 (count, _) if count > MAX_LINKS => {
                     Err(LightError::TooManyLinks { field, count, limit: MAX_LINKS })
                 }
@@ -530,12 +543,12 @@ impl Parameter {
                 }
                 _ => Ok(()),
             },
-            _ => Err(LightError::OtherType { field, expected: self.kind.to_string() }),
+            _ => Err(LightError::WrongType { field, expected: self.kind.to_string() }),
         }
     }
 }
 
-impl Number {
+impl NumberRange {
     /// Any number, in steps of 0.01.
     pub const ANY: Self = Self {
         unit: "",
@@ -543,7 +556,7 @@ impl Number {
         max: Bound::Unbounded,
         slider: None,
         step: 0.01,
-        scale: Scale::Linear,
+        scale: ParameterScale::Linear,
         absent: None,
     };
 
@@ -578,7 +591,7 @@ impl Number {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for ParameterKind {
     /// What is expected, as the end of a sentence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

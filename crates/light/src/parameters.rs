@@ -9,11 +9,11 @@ use std::sync::OnceLock;
 use glam::{DQuat, DVec3};
 
 use crate::parameter::{
-    Key, Kind, MAX_EXTENT, MAX_NAME_BYTES, Needed, Needs, Number, Of, Owner, Parameter, Scale, Setting,
-    Touches, Value,
+    MAX_EXTENT, MAX_NAME_BYTES, NumberRange, Parameter, ParameterKey, ParameterKind, ParameterNeeded,
+    ParameterNeeds, ParameterOf, ParameterOwner, ParameterScale, ParameterTouches, Setting, Value,
 };
 use crate::{
-    ControlPoint, CrossSection, Decay, Direction, EndMode, Frame, Links, PeriodicCurve, ProfileCurve,
+    ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Links, PeriodicCurve, ProfileCurve,
 };
 
 /// Rows, each with a constant that knows the type of its values.
@@ -21,33 +21,33 @@ macro_rules! rows {
     ($list:ident: $($key:ident: $type:ty = $doc:literal, $parameter:expr;)+) => {
         $(
             #[doc = $doc]
-            pub const $key: Key<$type> = {
+            pub const $key: ParameterKey<$type> = {
                 static PARAMETER: Parameter = Parameter { doc: $doc, ..$parameter };
-                Key::new(&PARAMETER)
+                ParameterKey::new(&PARAMETER)
             };
         )+
         static $list: &[&Parameter] = &[$($key.row()),+];
     };
 }
 
-const fn of(owner: Owner, default: Value<&'static str>, touches: Touches) -> Of {
-    Of { owner, default: Some(default), touches }
+const fn of(owner: ParameterOwner, default: Value<&'static str>, touches: ParameterTouches) -> ParameterOf {
+    ParameterOf { owner, default: Some(default), touches }
 }
 
 /// Lights of every shape, with the same default.
-const fn every(default: Value<&'static str>, touches: Touches) -> [Of; 4] {
-    let [spot, bendy, omni] = sourced(default, touches);
+const fn all_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 4] {
+    let [spot, bendy, omni] = source_lights_default(default, touches);
     [spot, bendy, omni, of(Directional, default, touches)]
 }
 
 /// Lights that come from a point, with the same default.
-const fn sourced(default: Value<&'static str>, touches: Touches) -> [Of; 3] {
-    let [spot, bendy] = conical(default, touches);
+const fn source_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 3] {
+    let [spot, bendy] = cone_lights_default(default, touches);
     [spot, bendy, of(Omni, default, touches)]
 }
 
 /// Lights that have a cone, with the same default.
-const fn conical(default: Value<&'static str>, touches: Touches) -> [Of; 2] {
+const fn cone_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 2] {
     [of(Spot, default, touches), of(Bendy, default, touches)]
 }
 
@@ -55,8 +55,8 @@ const fn conical(default: Value<&'static str>, touches: Touches) -> [Of; 2] {
 const ROW: Parameter = Parameter {
     name: "",
     path: "",
-    of: &[],
-    kind: Kind::Color,
+    owners: &[],
+    kind: ParameterKind::Color,
     animates: true,
     needs: None,
     group: "",
@@ -64,57 +64,63 @@ const ROW: Parameter = Parameter {
     doc: "",
 };
 
-const fn only_with(parameter: &'static str, values: &'static [Value<&'static str>]) -> Needs {
-    Needs { parameter, value: Needed::OneOf(values) }
+const fn needs_one_of(parameter: &'static str, values: &'static [Value<&'static str>]) -> ParameterNeeds {
+    ParameterNeeds { parameter, value: ParameterNeeded::OneOf(values) }
 }
 
-const fn not_with(parameter: &'static str, values: &'static [Value<&'static str>]) -> Needs {
-    Needs { parameter, value: Needed::NoneOf(values) }
+const fn needs_none_of(parameter: &'static str, values: &'static [Value<&'static str>]) -> ParameterNeeds {
+    ParameterNeeds { parameter, value: ParameterNeeded::NoneOf(values) }
 }
 
-const SUPERELLIPSE: Needs = only_with("crossSection", &[Value::Choice(CrossSection::Superellipse.name())]);
-const SHADOWS: Needs = only_with("shadowEnable", &[Value::Flag(true)]);
+const SUPERELLIPSE: ParameterNeeds =
+    needs_one_of("crossSection", &[Value::Choice(CrossSection::Superellipse.name())]);
+const SHADOWS: ParameterNeeds = needs_one_of("shadowEnable", &[Value::Flag(true)]);
 
 /// A factor of light.
-const FACTOR: Number =
-    Number { min: Included(0.0), max: Included(1e6), slider: Some([0.0, 2.0]), step: 0.05, ..Number::ANY };
+const FACTOR: NumberRange = NumberRange {
+    min: Included(0.0),
+    max: Included(1e6),
+    slider: Some([0.0, 2.0]),
+    step: 0.05,
+    ..NumberRange::ANY
+};
 
 /// A length along light's way.
-const LENGTH: Number = Number {
+const LENGTH: NumberRange = NumberRange {
     unit: "world units",
     min: Included(0.0),
     max: Included(MAX_EXTENT),
     slider: Some([0.0, 20.0]),
     step: 0.05,
-    ..Number::ANY
+    ..NumberRange::ANY
 };
 
 /// A half extent of a cross-section, in radii.
-const HALF_EXTENT: Number =
-    Number { min: Excluded(0.0), max: Included(1.0), slider: Some([0.01, 1.0]), ..Number::ANY };
+const HALF_EXTENT: NumberRange =
+    NumberRange { min: Excluded(0.0), max: Included(1.0), slider: Some([0.01, 1.0]), ..NumberRange::ANY };
 
 /// A side of a directional light's window.
-const fn window(absent: &'static str) -> Kind {
-    Kind::Number(Number {
+const fn window(absent: &'static str) -> ParameterKind {
+    ParameterKind::Number(NumberRange {
         unit: "world units",
         min: Excluded(0.0),
         slider: Some([0.1, 20.0]),
         step: 0.05,
-        scale: Scale::Logarithmic,
+        scale: ParameterScale::Logarithmic,
         absent: Some(absent),
-        ..Number::ANY
+        ..NumberRange::ANY
     })
 }
 
-use Owner::{Bendy, Directional, Omni, Point, Spot};
-use Touches::{Nothing, Radiance, ShadowMap, Weight};
+use ParameterOwner::{Bendy, Directional, Omni, Point, Spot};
+use ParameterTouches::{Nothing, Radiance, ShadowMap, Weight};
 
 rows! { LIGHT_ROWS:
     NAME: String = "Name for people and for `--light`.", Parameter {
         name: "name",
         path: "name",
-        of: &every(Value::Text(""), Nothing),
-        kind: Kind::Text { max_bytes: MAX_NAME_BYTES },
+        owners: &all_lights_default(Value::Text(""), Nothing),
+        kind: ParameterKind::Text { max_bytes: MAX_NAME_BYTES },
         animates: false,
         group: "Light",
         label: "Name",
@@ -123,8 +129,8 @@ rows! { LIGHT_ROWS:
     TRANSLATION: DVec3 = "World position of the source; of a directional light, of a point of its axis.", Parameter {
         name: "translation",
         path: "transform.translation",
-        of: &every(Value::Vector(DVec3::ZERO), ShadowMap),
-        kind: Kind::Vector { unit: "world units", step: 0.01 },
+        owners: &all_lights_default(Value::Vector(DVec3::ZERO), ShadowMap),
+        kind: ParameterKind::Vector { unit: "world units", step: 0.01 },
         group: "Light",
         label: "Position",
         ..ROW
@@ -132,8 +138,8 @@ rows! { LIGHT_ROWS:
     ROTATION: DQuat = "Rotation from light-local to world axes. Spotlights and directional lights shine along their local -Z.", Parameter {
         name: "rotation",
         path: "transform.rotation",
-        of: &every(Value::Rotation(DQuat::IDENTITY), ShadowMap),
-        kind: Kind::Rotation,
+        owners: &all_lights_default(Value::Rotation(DQuat::IDENTITY), ShadowMap),
+        kind: ParameterKind::Rotation,
         group: "Light",
         label: "Rotation",
         ..ROW
@@ -141,13 +147,13 @@ rows! { LIGHT_ROWS:
     SCALE: f64 = "World units per light-local unit. It only matters to a light that is bent.", Parameter {
         name: "scale",
         path: "transform.scale",
-        of: &[
+        owners: &[
             of(Spot, Value::Number(1.0), Nothing),
             of(Bendy, Value::Number(1.0), ShadowMap),
             of(Omni, Value::Number(1.0), Nothing),
             of(Directional, Value::Number(1.0), Nothing),
         ],
-        kind: Kind::Number(Number { min: Excluded(0.0), slider: Some([0.1, 3.0]), ..Number::ANY }),
+        kind: ParameterKind::Number(NumberRange { min: Excluded(0.0), slider: Some([0.1, 3.0]), ..NumberRange::ANY }),
         group: "Light",
         label: "Scale",
         ..ROW
@@ -155,8 +161,8 @@ rows! { LIGHT_ROWS:
     ENABLED: bool = "Whether it shines.", Parameter {
         name: "enabled",
         path: "enabled",
-        of: &every(Value::Flag(true), Weight),
-        kind: Kind::Flag,
+        owners: &all_lights_default(Value::Flag(true), Weight),
+        kind: ParameterKind::Flag,
         group: "Light",
         label: "Enabled",
         ..ROW
@@ -164,8 +170,8 @@ rows! { LIGHT_ROWS:
     COLOR: DVec3 = "Linear RGB of all that it emits. That of a BendyLight's control points is a factor of it.", Parameter {
         name: "color",
         path: "color",
-        of: &every(Value::Vector(DVec3::ONE), Weight),
-        kind: Kind::Color,
+        owners: &all_lights_default(Value::Vector(DVec3::ONE), Weight),
+        kind: ParameterKind::Color,
         group: "Emission",
         label: "Color",
         ..ROW
@@ -174,8 +180,8 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "intensity",
         path: "intensity",
-        of: &every(Value::Number(1.0), Weight),
-        kind: Kind::Number(Number { slider: Some([0.0, 20.0]), step: 0.05, ..Number::ANY }),
+        owners: &all_lights_default(Value::Number(1.0), Weight),
+        kind: ParameterKind::Number(NumberRange { slider: Some([0.0, 20.0]), step: 0.05, ..NumberRange::ANY }),
         group: "Emission",
         label: "Intensity",
         ..ROW
@@ -183,14 +189,14 @@ rows! { LIGHT_ROWS:
     EXPOSURE: f64 = "Stops by which all that it emits is brightened: a factor of 2 to this.", Parameter {
         name: "exposure",
         path: "exposure",
-        of: &every(Value::Number(0.0), Weight),
-        kind: Kind::Number(Number {
+        owners: &all_lights_default(Value::Number(0.0), Weight),
+        kind: ParameterKind::Number(NumberRange {
             unit: "stops",
             min: Included(-100.0),
             max: Included(100.0),
             slider: Some([-10.0, 10.0]),
             step: 0.1,
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
         group: "Emission",
         label: "Exposure",
@@ -199,8 +205,8 @@ rows! { LIGHT_ROWS:
     ENABLE_COLOR_TEMPERATURE: bool = "Whether the color is multiplied by that of the color temperature.", Parameter {
         name: "enableColorTemperature",
         path: "enableColorTemperature",
-        of: &every(Value::Flag(false), Weight),
-        kind: Kind::Flag,
+        owners: &all_lights_default(Value::Flag(false), Weight),
+        kind: ParameterKind::Flag,
         group: "Emission",
         label: "Temperature",
         ..ROW
@@ -209,16 +215,16 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "colorTemperature",
         path: "colorTemperature",
-        of: &every(Value::Number(6500.0), Weight),
-        kind: Kind::Number(Number {
+        owners: &all_lights_default(Value::Number(6500.0), Weight),
+        kind: ParameterKind::Number(NumberRange {
             unit: "K",
             min: Included(1000.0),
             max: Included(10000.0),
             slider: Some([1000.0, 10000.0]),
             step: 50.0,
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
-        needs: Some(only_with("enableColorTemperature", &[Value::Flag(true)])),
+        needs: Some(needs_one_of("enableColorTemperature", &[Value::Flag(true)])),
         group: "Emission",
         label: "Kelvin",
         ..ROW
@@ -226,8 +232,8 @@ rows! { LIGHT_ROWS:
     DIFFUSE: f64 = "Factor of what surfaces scatter of it.", Parameter {
         name: "diffuse",
         path: "diffuse",
-        of: &every(Value::Number(1.0), Weight),
-        kind: Kind::Number(FACTOR),
+        owners: &all_lights_default(Value::Number(1.0), Weight),
+        kind: ParameterKind::Number(FACTOR),
         group: "Emission",
         label: "Diffuse",
         ..ROW
@@ -235,8 +241,8 @@ rows! { LIGHT_ROWS:
     SPECULAR: f64 = "Factor of what surfaces mirror of it: highlights.", Parameter {
         name: "specular",
         path: "specular",
-        of: &every(Value::Number(1.0), Weight),
-        kind: Kind::Number(FACTOR),
+        owners: &all_lights_default(Value::Number(1.0), Weight),
+        kind: ParameterKind::Number(FACTOR),
         group: "Emission",
         label: "Specular",
         ..ROW
@@ -244,12 +250,12 @@ rows! { LIGHT_ROWS:
     DECAY: Decay = "How irradiance falls with the distance travelled.", Parameter {
         name: "decay",
         path: "decay",
-        of: &[
+        owners: &[
             of(Spot, Value::Choice(Decay::InverseSquare.name()), Radiance),
             of(Bendy, Value::Choice(Decay::None.name()), Radiance),
             of(Omni, Value::Choice(Decay::InverseSquare.name()), Radiance),
         ],
-        kind: Kind::Choice(Decay::CHOICES),
+        kind: ParameterKind::Choice(Decay::CHOICES),
         animates: false,
         group: "Distance",
         label: "Decay",
@@ -258,9 +264,9 @@ rows! { LIGHT_ROWS:
     DECAY_START: f64 = "Distance from the source nearer than which irradiance falls no further.", Parameter {
         name: "decayStart",
         path: "decayStart",
-        of: &sourced(Value::Number(0.0), Radiance),
-        kind: Kind::Number(LENGTH),
-        needs: Some(not_with("decay", &[Value::Choice(Decay::None.name())])),
+        owners: &source_lights_default(Value::Number(0.0), Radiance),
+        kind: ParameterKind::Number(LENGTH),
+        needs: Some(needs_none_of("decay", &[Value::Choice(Decay::None.name())])),
         group: "Distance",
         label: "Decay start",
         ..ROW
@@ -268,8 +274,8 @@ rows! { LIGHT_ROWS:
     CUT_ON: Option<f64> = "Distance from the source at which light is there in full; at the source without.", Parameter {
         name: "cutOn",
         path: "cutOn",
-        of: &sourced(Value::Absent, Radiance),
-        kind: Kind::Number(Number { absent: Some("No cut-on"), ..LENGTH }),
+        owners: &source_lights_default(Value::Absent, Radiance),
+        kind: ParameterKind::Number(NumberRange { absent: Some("No cut-on"), ..LENGTH }),
         group: "Distance",
         label: "Cut on",
         ..ROW
@@ -277,9 +283,9 @@ rows! { LIGHT_ROWS:
     NEAR_EDGE: f64 = "Distance before the cut-on over which light comes up.", Parameter {
         name: "nearEdge",
         path: "nearEdge",
-        of: &sourced(Value::Number(0.0), Radiance),
-        kind: Kind::Number(LENGTH),
-        needs: Some(not_with("cutOn", &[Value::Absent])),
+        owners: &source_lights_default(Value::Number(0.0), Radiance),
+        kind: ParameterKind::Number(LENGTH),
+        needs: Some(needs_none_of("cutOn", &[Value::Absent])),
         group: "Distance",
         label: "Near edge",
         ..ROW
@@ -287,8 +293,8 @@ rows! { LIGHT_ROWS:
     CUT_OFF: Option<f64> = "Distance from the source at which light begins to go; never without.", Parameter {
         name: "cutOff",
         path: "cutOff",
-        of: &sourced(Value::Absent, Radiance),
-        kind: Kind::Number(Number { absent: Some("No cut-off"), ..LENGTH }),
+        owners: &source_lights_default(Value::Absent, Radiance),
+        kind: ParameterKind::Number(NumberRange { absent: Some("No cut-off"), ..LENGTH }),
         group: "Distance",
         label: "Cut off",
         ..ROW
@@ -296,9 +302,9 @@ rows! { LIGHT_ROWS:
     FAR_EDGE: f64 = "Distance past the cut-off over which light goes.", Parameter {
         name: "farEdge",
         path: "farEdge",
-        of: &sourced(Value::Number(0.0), Radiance),
-        kind: Kind::Number(LENGTH),
-        needs: Some(not_with("cutOff", &[Value::Absent])),
+        owners: &source_lights_default(Value::Number(0.0), Radiance),
+        kind: ParameterKind::Number(LENGTH),
+        needs: Some(needs_none_of("cutOff", &[Value::Absent])),
         group: "Distance",
         label: "Far edge",
         ..ROW
@@ -307,14 +313,14 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "coneAngle",
         path: "coneAngle",
-        of: &[of(Spot, Value::Number(25.0), ShadowMap), of(Bendy, Value::Number(25.0), Radiance)],
-        kind: Kind::Number(Number {
+        owners: &[of(Spot, Value::Number(25.0), ShadowMap), of(Bendy, Value::Number(25.0), Radiance)],
+        kind: ParameterKind::Number(NumberRange {
             unit: "degrees",
             min: Excluded(0.0),
             max: Excluded(90.0),
             slider: Some([1.0, 89.0]),
             step: 0.5,
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
         group: "Shape",
         label: "Cone angle",
@@ -323,14 +329,14 @@ rows! { LIGHT_ROWS:
     CONE_SOFTNESS: f64 = "Share of the cone angle over which the profile falls to zero.", Parameter {
         name: "coneSoftness",
         path: "coneSoftness",
-        of: &conical(Value::Number(0.2), Radiance),
-        kind: Kind::Number(Number {
+        owners: &cone_lights_default(Value::Number(0.2), Radiance),
+        kind: ParameterKind::Number(NumberRange {
             min: Included(0.0),
             max: Included(1.0),
             slider: Some([0.0, 1.0]),
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
-        needs: Some(not_with("profile", &[Value::Choice(ProfileCurve::Cosine.name())])),
+        needs: Some(needs_none_of("profile", &[Value::Choice(ProfileCurve::Cosine.name())])),
         group: "Shape",
         label: "Softness",
         ..ROW
@@ -338,8 +344,8 @@ rows! { LIGHT_ROWS:
     PROFILE: ProfileCurve = "How light falls from the inner cone to the edge.", Parameter {
         name: "profile",
         path: "profile",
-        of: &conical(Value::Choice(ProfileCurve::Smooth.name()), Radiance),
-        kind: Kind::Choice(ProfileCurve::CHOICES),
+        owners: &cone_lights_default(Value::Choice(ProfileCurve::Smooth.name()), Radiance),
+        kind: ParameterKind::Choice(ProfileCurve::CHOICES),
         animates: false,
         group: "Shape",
         label: "Profile",
@@ -348,16 +354,16 @@ rows! { LIGHT_ROWS:
     PROFILE_POWER: f64 = "Exponent of the power and cosine profiles.", Parameter {
         name: "profilePower",
         path: "profilePower",
-        of: &conical(Value::Number(1.0), Radiance),
-        kind: Kind::Number(Number {
+        owners: &cone_lights_default(Value::Number(1.0), Radiance),
+        kind: ParameterKind::Number(NumberRange {
             min: Excluded(0.0),
             max: Included(1000.0),
             slider: Some([0.1, 100.0]),
             step: 0.1,
-            scale: Scale::Logarithmic,
-            ..Number::ANY
+            scale: ParameterScale::Logarithmic,
+            ..NumberRange::ANY
         }),
-        needs: Some(only_with(
+        needs: Some(needs_one_of(
             "profile",
             &[Value::Choice(ProfileCurve::Power.name()), Value::Choice(ProfileCurve::Cosine.name())],
         )),
@@ -368,8 +374,8 @@ rows! { LIGHT_ROWS:
     CROSS_SECTION: CrossSection = "What the light's outline is.", Parameter {
         name: "crossSection",
         path: "crossSection",
-        of: &conical(Value::Choice(CrossSection::Circle.name()), Radiance),
-        kind: Kind::Choice(CrossSection::CHOICES),
+        owners: &cone_lights_default(Value::Choice(CrossSection::Circle.name()), Radiance),
+        kind: ParameterKind::Choice(CrossSection::CHOICES),
         animates: false,
         group: "Section",
         label: "Outline",
@@ -378,8 +384,8 @@ rows! { LIGHT_ROWS:
     SECTION_WIDTH: f64 = "Half width of a superellipse, in radii.", Parameter {
         name: "sectionWidth",
         path: "sectionWidth",
-        of: &conical(Value::Number(1.0), Radiance),
-        kind: Kind::Number(HALF_EXTENT),
+        owners: &cone_lights_default(Value::Number(1.0), Radiance),
+        kind: ParameterKind::Number(HALF_EXTENT),
         needs: Some(SUPERELLIPSE),
         group: "Section",
         label: "Width",
@@ -388,8 +394,8 @@ rows! { LIGHT_ROWS:
     SECTION_HEIGHT: f64 = "Half height of a superellipse, in radii.", Parameter {
         name: "sectionHeight",
         path: "sectionHeight",
-        of: &conical(Value::Number(1.0), Radiance),
-        kind: Kind::Number(HALF_EXTENT),
+        owners: &cone_lights_default(Value::Number(1.0), Radiance),
+        kind: ParameterKind::Number(HALF_EXTENT),
         needs: Some(SUPERELLIPSE),
         group: "Section",
         label: "Height",
@@ -399,12 +405,12 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "sectionRoundness",
         path: "sectionRoundness",
-        of: &conical(Value::Number(1.0), Radiance),
-        kind: Kind::Number(Number {
+        owners: &cone_lights_default(Value::Number(1.0), Radiance),
+        kind: ParameterKind::Number(NumberRange {
             min: Included(0.0),
             max: Included(1.0),
             slider: Some([0.0, 1.0]),
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
         needs: Some(SUPERELLIPSE),
         group: "Section",
@@ -415,8 +421,8 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "radialFalloff",
         path: "radialFalloff",
-        of: &conical(Value::Absent, Radiance),
-        kind: Kind::PeriodicCurve { min: 0.001, max: 1.0, step: 0.01, absent: "Even all around" },
+        owners: &cone_lights_default(Value::Absent, Radiance),
+        kind: ParameterKind::PeriodicCurve { min: 0.001, max: 1.0, step: 0.01, absent: "Even all around" },
         group: "Section",
         label: "Radial falloff",
         ..ROW
@@ -425,15 +431,15 @@ rows! { LIGHT_ROWS:
     Parameter {
         name: "range",
         path: "range",
-        of: &[of(Spot, Value::Absent, Radiance), of(Omni, Value::Absent, Radiance)],
-        kind: Kind::Number(Number {
+        owners: &[of(Spot, Value::Absent, Radiance), of(Omni, Value::Absent, Radiance)],
+        kind: ParameterKind::Number(NumberRange {
             unit: "world units",
             min: Excluded(0.0),
             slider: Some([0.1, 20.0]),
             step: 0.05,
-            scale: Scale::Logarithmic,
+            scale: ParameterScale::Logarithmic,
             absent: Some("Endless"),
-            ..Number::ANY
+            ..NumberRange::ANY
         }),
         group: "Shape",
         label: "Range",
@@ -442,7 +448,7 @@ rows! { LIGHT_ROWS:
     WIDTH: Option<f64> = "How far it shines across its local X; over all of the scene without.", Parameter {
         name: "width",
         path: "width",
-        of: &[of(Directional, Value::Absent, ShadowMap)],
+        owners: &[of(Directional, Value::Absent, ShadowMap)],
         kind: window("Any width"),
         group: "Shape",
         label: "Width",
@@ -451,7 +457,7 @@ rows! { LIGHT_ROWS:
     HEIGHT: Option<f64> = "How far it shines across its local Y; over all of the scene without.", Parameter {
         name: "height",
         path: "height",
-        of: &[of(Directional, Value::Absent, ShadowMap)],
+        owners: &[of(Directional, Value::Absent, ShadowMap)],
         kind: window("Any height"),
         group: "Shape",
         label: "Height",
@@ -460,28 +466,28 @@ rows! { LIGHT_ROWS:
     END_MODE: EndMode = "What happens past the last control point.", Parameter {
         name: "endMode",
         path: "endMode",
-        of: &[of(Bendy, Value::Choice(EndMode::Cut.name()), ShadowMap)],
-        kind: Kind::Choice(EndMode::CHOICES),
+        owners: &[of(Bendy, Value::Choice(EndMode::Cut.name()), ShadowMap)],
+        kind: ParameterKind::Choice(EndMode::CHOICES),
         animates: false,
         group: "Shape",
         label: "End",
         ..ROW
     };
-    DIRECTION: Direction = "Which direction light arrives from.", Parameter {
+    DIRECTION: DirectionMode = "Which direction light arrives from.", Parameter {
         name: "direction",
         path: "direction",
-        of: &[of(Bendy, Value::Choice(Direction::Tube.name()), Radiance)],
-        kind: Kind::Choice(Direction::CHOICES),
+        owners: &[of(Bendy, Value::Choice(DirectionMode::Tube.name()), Radiance)],
+        kind: ParameterKind::Choice(DirectionMode::CHOICES),
         animates: false,
         group: "Shape",
         label: "Direction",
         ..ROW
     };
-    FRAME: Frame = "How the cross-section is oriented along the curve.", Parameter {
+    FRAME: FrameMode = "How the cross-section is oriented along the curve.", Parameter {
         name: "frame",
         path: "frame",
-        of: &[of(Bendy, Value::Choice(Frame::RotationMinimizing.name()), ShadowMap)],
-        kind: Kind::Choice(Frame::CHOICES),
+        owners: &[of(Bendy, Value::Choice(FrameMode::RotationMinimizing.name()), ShadowMap)],
+        kind: ParameterKind::Choice(FrameMode::CHOICES),
         animates: false,
         group: "Shape",
         label: "Frame",
@@ -490,8 +496,8 @@ rows! { LIGHT_ROWS:
     UP: DVec3 = "Light-local direction that orients the cross-section at the source.", Parameter {
         name: "up",
         path: "up",
-        of: &[of(Bendy, Value::Vector(DVec3::Y), ShadowMap)],
-        kind: Kind::Vector { unit: "", step: 0.01 },
+        owners: &[of(Bendy, Value::Vector(DVec3::Y), ShadowMap)],
+        kind: ParameterKind::Vector { unit: "", step: 0.01 },
         group: "Shape",
         label: "Up",
         ..ROW
@@ -499,8 +505,8 @@ rows! { LIGHT_ROWS:
     SHADOW_ENABLE: bool = "Whether anything shadows it.", Parameter {
         name: "shadowEnable",
         path: "shadowEnable",
-        of: &every(Value::Flag(true), Radiance),
-        kind: Kind::Flag,
+        owners: &all_lights_default(Value::Flag(true), Radiance),
+        kind: ParameterKind::Flag,
         group: "Shadow",
         label: "Shadows",
         ..ROW
@@ -508,8 +514,8 @@ rows! { LIGHT_ROWS:
     SHADOW_COLOR: DVec3 = "Linear RGB: the share of the light that reaches what is in its shadow.", Parameter {
         name: "shadowColor",
         path: "shadowColor",
-        of: &every(Value::Vector(DVec3::ZERO), Radiance),
-        kind: Kind::Color,
+        owners: &all_lights_default(Value::Vector(DVec3::ZERO), Radiance),
+        kind: ParameterKind::Color,
         needs: Some(SHADOWS),
         group: "Shadow",
         label: "Shadow color",
@@ -518,8 +524,8 @@ rows! { LIGHT_ROWS:
     LIGHT_LINK: Option<Links> = "Nodes that it lights, each with all that is under it. The deepest entry decides, and exclude over include.", Parameter {
         name: "lightLink",
         path: "lightLink",
-        of: &every(Value::Absent, Radiance),
-        kind: Kind::Links,
+        owners: &all_lights_default(Value::Absent, Radiance),
+        kind: ParameterKind::Links,
         animates: false,
         group: "Links",
         label: "Lights",
@@ -528,8 +534,8 @@ rows! { LIGHT_ROWS:
     SHADOW_LINK: Option<Links> = "Nodes that throw shadows in it, each with all that is under it. The deepest entry decides, and exclude over include.", Parameter {
         name: "shadowLink",
         path: "shadowLink",
-        of: &every(Value::Absent, ShadowMap),
-        kind: Kind::Links,
+        owners: &all_lights_default(Value::Absent, ShadowMap),
+        kind: ParameterKind::Links,
         animates: false,
         needs: Some(SHADOWS),
         group: "Links",
@@ -542,8 +548,8 @@ rows! { POINT_ROWS:
     POSITION: DVec3 = "Light-local position. The first control point is the source and lies at the origin.", Parameter {
         name: "position",
         path: "points",
-        of: &[Of { owner: Point, default: None, touches: ShadowMap }],
-        kind: Kind::Vector { unit: "light-local units", step: 0.01 },
+        owners: &[ParameterOf { owner: Point, default: None, touches: ShadowMap }],
+        kind: ParameterKind::Vector { unit: "light-local units", step: 0.01 },
         group: "Control point",
         label: "Position",
         ..ROW
@@ -551,8 +557,8 @@ rows! { POINT_ROWS:
     RADIUS: f64 = "Radius of the tube, light-local.", Parameter {
         name: "radius",
         path: "radii",
-        of: &[Of { owner: Point, default: None, touches: ShadowMap }],
-        kind: Kind::Number(Number { unit: "light-local units", min: Included(0.0), ..Number::ANY }),
+        owners: &[ParameterOf { owner: Point, default: None, touches: ShadowMap }],
+        kind: ParameterKind::Number(NumberRange { unit: "light-local units", min: Included(0.0), ..NumberRange::ANY }),
         group: "Control point",
         label: "Radius",
         ..ROW
@@ -560,8 +566,8 @@ rows! { POINT_ROWS:
     POINT_COLOR: DVec3 = "Linear RGB there, as a factor of the whole light's color.", Parameter {
         name: "color",
         path: "colors",
-        of: &[of(Point, Value::Vector(DVec3::ONE), Radiance)],
-        kind: Kind::Color,
+        owners: &[of(Point, Value::Vector(DVec3::ONE), Radiance)],
+        kind: ParameterKind::Color,
         group: "Control point",
         label: "Color",
         ..ROW
@@ -569,8 +575,8 @@ rows! { POINT_ROWS:
     POINT_INTENSITY: f64 = "How bright it is there, as a factor of the whole light's intensity.", Parameter {
         name: "intensity",
         path: "intensities",
-        of: &[of(Point, Value::Number(1.0), Radiance)],
-        kind: Kind::Number(Number { slider: Some([0.0, 10.0]), step: 0.05, min: Unbounded, ..Number::ANY }),
+        owners: &[of(Point, Value::Number(1.0), Radiance)],
+        kind: ParameterKind::Number(NumberRange { slider: Some([0.0, 10.0]), step: 0.05, min: Unbounded, ..NumberRange::ANY }),
         group: "Control point",
         label: "Intensity",
         ..ROW
@@ -581,15 +587,15 @@ static TABLE: OnceLock<Table> = OnceLock::new();
 
 struct Table {
     rows: Vec<&'static Parameter>,
-    /// Those of each owner, in the order of [`Owner`].
-    by_owner: [Vec<&'static Parameter>; Owner::COUNT],
+    /// Those of each owner, in the order of [`ParameterOwner`].
+    by_owner: [Vec<&'static Parameter>; ParameterOwner::COUNT],
 }
 
 impl Table {
     fn new(more: &[&'static Parameter]) -> Self {
         let rows: Vec<_> = [LIGHT_ROWS, more, POINT_ROWS].concat();
-        let of = |owner| rows.iter().copied().filter(|row| row.of(owner).is_some()).collect();
-        let by_owner = Owner::ALL.map(of);
+        let of = |owner| rows.iter().copied().filter(|row| row.for_owner(owner).is_some()).collect();
+        let by_owner = ParameterOwner::ALL.map(of);
         Self { rows, by_owner }
     }
 }
@@ -606,12 +612,12 @@ pub fn parameters() -> &'static [&'static Parameter] {
 }
 
 /// The rows that an owner has, in order.
-pub fn parameters_of(owner: Owner) -> &'static [&'static Parameter] {
+pub fn parameters_of(owner: ParameterOwner) -> &'static [&'static Parameter] {
     &TABLE.get_or_init(|| Table::new(&[])).by_owner[owner as usize]
 }
 
 /// The row of that name that an owner has.
-pub fn parameter_of(owner: Owner, name: &str) -> Option<&'static Parameter> {
+pub fn parameter_of(owner: ParameterOwner, name: &str) -> Option<&'static Parameter> {
     parameters_of(owner).iter().copied().find(|row| row.name == name)
 }
 

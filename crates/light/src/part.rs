@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::arc::arc_length;
 use crate::build::Placement;
-use crate::{Curve, Location, Segment, Tube, TubePoint};
+use crate::{Curve, Segment, Tube, TubeLocation, TubePoint};
 
 /// Largest span of t of a part's segment: a light is left whole where four bits or fewer would be won.
 const WIDEST_SPAN: f64 = 1.0 / 16.0;
@@ -24,7 +24,7 @@ const MARGIN: f64 = 0.01;
 
 /// A part of a light, or all of it: its segments are equal spans of the light's t.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct LightPart {
     /// The part. Ends where it was cut, and has no extension.
     pub tube: Tube<f64>,
     /// The light's t where the part's is 0.
@@ -36,7 +36,7 @@ pub struct Part {
 }
 
 /// A box of any orientation in tube space.
-struct Region {
+struct OrientedBox {
     center: DVec3,
     half_axes: [DVec3; 3],
 }
@@ -46,12 +46,12 @@ impl Tube<f64> {
     ///
     /// For each such point it has the same roots as the light, with the same radius, frame, colour and decay. All of the
     /// light where it is not much longer than the box, or does not reach it.
-    pub fn part_near(&self, center_in_world: DVec3, half_extent: DVec3) -> Part {
-        let region = Region::new(&self.placement, center_in_world, half_extent);
+    pub fn part_near(&self, center_in_world: DVec3, half_extent: DVec3) -> LightPart {
+        let region = OrientedBox::new(&self.placement, center_in_world, half_extent);
         let range = self.range_near(&region).filter(|(start, end)| end - start <= WIDEST_SPAN);
         let last = self.segments.len() - 1;
         let Some((start, end)) = range else {
-            return Part { tube: self.clone(), t_start: 0.0, t_span: 1.0, last };
+            return LightPart { tube: self.clone(), t_start: 0.0, t_span: 1.0, last };
         };
         // A power of two, and whole multiples of it: what two segments share at a joint stays equal to the last bit.
         let span = power_of_two_above((end - start).max(LEAST_SPAN));
@@ -68,11 +68,11 @@ impl Tube<f64> {
             world_per_tube: self.placement.world_per_tube * unit,
         };
         let tube = Self { n: segments.len(), segments, placement, ..self.clone() };
-        Part { tube, t_start: first * span, t_span: span, last }
+        LightPart { tube, t_start: first * span, t_span: span, last }
     }
 
     /// [`Self::part_near`] for the box around some world positions.
-    pub fn part_near_points(&self, points_in_world: &[DVec3]) -> Part {
+    pub fn part_near_points(&self, points_in_world: &[DVec3]) -> LightPart {
         let (low, high) =
             points_in_world.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| {
                 (low.min(point), high.max(point))
@@ -81,13 +81,13 @@ impl Tube<f64> {
     }
 
     /// The smallest and largest t that a root of a point of the region can have, or nothing where there is none.
-    fn range_near(&self, region: &Region) -> Option<(f64, f64)> {
+    fn range_near(&self, region: &OrientedBox) -> Option<(f64, f64)> {
         let ranges = self.segments.iter().enumerate().filter_map(|(i, segment)| {
             let t = |u: f64| i as f64 + u;
             let range = if i == self.n {
-                region.on_extension(&segment.curve)
+                region.u_range_on_extension(&segment.curve)
             } else {
-                region.on(&segment.curve, (0.0, 1.0), MAX_HALVINGS)
+                region.u_range_on(&segment.curve, (0.0, 1.0), MAX_HALVINGS)
             };
             range.map(|(start, end)| (t(start), t(end)))
         });
@@ -99,7 +99,7 @@ impl Tube<f64> {
         let index = (t.floor() as usize).min(self.segments.len() - 1);
         let whole = &self.segments[index];
         let (start, end) = (t - index as f64, t + span - index as f64);
-        let mut curve = whole.curve.piece(start, end);
+        let mut curve = whole.curve.subcurve(start, end);
         // What both sides of a joint have is theirs to the last bit.
         if end == 1.0 && index < self.n {
             curve.b2 = whole.curve.b2;
@@ -113,20 +113,20 @@ impl Tube<f64> {
     }
 }
 
-impl Part {
+impl LightPart {
     /// What the light has where the part has `location`.
-    pub fn in_whole(&self, location: &Location) -> Location {
+    pub fn to_whole_light(&self, location: &TubeLocation) -> TubeLocation {
         let point = location.point.as_ref().map(|point| {
             let start = self.t_start + self.t_span * point.segment as f64;
             let segment = (start.floor() as usize).min(self.last);
             let u = start - segment as f64 + self.t_span * point.u;
             TubePoint { segment, u, t: segment as f64 + u, ..*point }
         });
-        Location { point, roots: location.roots.iter().map(|t| self.t_start + self.t_span * t).collect() }
+        TubeLocation { point, roots: location.roots.iter().map(|t| self.t_start + self.t_span * t).collect() }
     }
 }
 
-impl Region {
+impl OrientedBox {
     fn new(placement: &Placement, center_in_world: DVec3, half_extent: DVec3) -> Self {
         // A box without extent still has the rounding of its place.
         let least = 1e-12 * (center_in_world - placement.translation).length();
@@ -143,21 +143,21 @@ impl Region {
     }
 
     /// How far the region reaches from its centre along `axis`, times the axis's length.
-    fn reach(&self, axis: DVec3) -> f64 {
+    fn half_extent_along(&self, axis: DVec3) -> f64 {
         self.half_axes.iter().map(|half| half.dot(axis).abs()).sum()
     }
 
     /// The range of u that roots can have on a part of a curve.
-    fn on(&self, curve: &Curve<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
-        let piece = curve.piece(start, end);
-        if !self.may_be_square_to(&piece) || !self.meets_tube(&piece) {
+    fn u_range_on(&self, curve: &Curve<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
+        let piece = curve.subcurve(start, end);
+        if !self.may_be_perpendicular_to(&piece) || !self.intersects_tube_box(&piece) {
             return None;
         }
         if halvings == 0 || piece.d0.length() + piece.d1.length() <= LEAF * self.size() {
             return Some((start, end));
         }
         let middle = f64::midpoint(start, end);
-        let halves = [(start, middle), (middle, end)].map(|half| self.on(curve, half, halvings - 1));
+        let halves = [(start, middle), (middle, end)].map(|half| self.u_range_on(curve, half, halvings - 1));
         match halves {
             [Some((start, _)), Some((_, end))] => Some((start, end)),
             [one, other] => one.or(other),
@@ -166,7 +166,7 @@ impl Region {
 
     /// Whether `f(u) = -(q - P(u)) . d(u)` can be zero on the piece for any point q of the region: its four Bernstein
     /// coefficients, each linear in q, bound it.
-    fn may_be_square_to(&self, piece: &Curve<f64>) -> bool {
+    fn may_be_perpendicular_to(&self, piece: &Curve<f64>) -> bool {
         let (from_start, from_end) = (self.center - piece.b0, self.center - piece.b2);
         let (d0, d1, a) = (piece.d0, piece.d1, piece.a);
         let (f0, f1) = (-from_start.dot(d0), -from_end.dot(d1));
@@ -175,23 +175,25 @@ impl Region {
         let slope1 = 2.0 * d1.length_squared() - from_end.dot(a);
         let coefficients =
             [(f0, d0), (f0 + slope0 / 3.0, d0 + a / 3.0), (f1 - slope1 / 3.0, d1 - a / 3.0), (f1, d1)];
-        let above = coefficients.iter().all(|&(f, d)| f > self.reach(d));
-        let below = coefficients.iter().all(|&(f, d)| f < -self.reach(d));
+        let above = coefficients.iter().all(|&(f, d)| f > self.half_extent_along(d));
+        let below = coefficients.iter().all(|&(f, d)| f < -self.half_extent_along(d));
         !above && !below
     }
 
-    fn meets_tube(&self, piece: &Curve<f64>) -> bool {
+    fn intersects_tube_box(&self, piece: &Curve<f64>) -> bool {
         let bounds = &piece.bounds;
         let between = self.center - bounds.center;
-        (0..3).all(|k| between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.reach(bounds.axes[k]))
+        (0..3).all(|k| {
+            between.dot(bounds.axes[k]).abs() <= bounds.half[k] + self.half_extent_along(bounds.axes[k])
+        })
     }
 
     /// The same on the extension, which is straight and has no end.
-    fn on_extension(&self, extension: &Curve<f64>) -> Option<(f64, f64)> {
+    fn u_range_on_extension(&self, extension: &Curve<f64>) -> Option<(f64, f64)> {
         let d = extension.d0;
         let along = (self.center - extension.b0).dot(d);
         let u = |along: f64| along / (2.0 * d.length_squared());
-        let (start, end) = (u(along - self.reach(d)), u(along + self.reach(d)));
+        let (start, end) = (u(along - self.half_extent_along(d)), u(along + self.half_extent_along(d)));
         (end > 0.0).then_some((start.max(0.0), end))
     }
 }

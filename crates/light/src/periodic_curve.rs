@@ -11,9 +11,9 @@ pub struct PeriodicCurve {
 
 /// The way from one knot to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct LinearPiece {
     /// Degrees at which it begins. It goes on to where the next one does.
-    pub from: f64,
+    pub start_degrees: f64,
     /// The numbers at its two ends.
     pub values: [f64; 2],
     /// 1 over the degrees that it is long.
@@ -33,22 +33,22 @@ impl PeriodicCurve {
     }
 
     /// Whether the degrees ascend from 0 to less than 360.
-    pub(crate) fn ascends(&self) -> bool {
+    pub(crate) fn is_ascending(&self) -> bool {
         let is_on_the_circle = self.knots.iter().all(|[degrees, _]| (0.0..360.0).contains(degrees));
         is_on_the_circle && self.knots.is_sorted_by(|[a, _], [b, _]| a < b)
     }
 
     /// One piece more than there are knots, in order: the first begins at the last knot, a turn before, so that they hold all
     /// angles from 0 to 360 degrees.
-    pub fn pieces(&self) -> Vec<Piece> {
+    pub fn pieces(&self) -> Vec<LinearPiece> {
         let (Some([first, first_value]), Some([last, last_value])) = (self.knots.first(), self.knots.last())
         else {
             return Vec::new();
         };
         let around = [[last - 360.0, *last_value]].into_iter().chain(self.knots.iter().copied());
         let next = self.knots.iter().copied().chain([[first + 360.0, *first_value]]);
-        let piece = |([from, value], [to, next_value]): ([f64; 2], [f64; 2])| Piece {
-            from,
+        let piece = |([from, value], [to, next_value]): ([f64; 2], [f64; 2])| LinearPiece {
+            start_degrees: from,
             values: [value, next_value],
             inverse_length: 1.0 / (to - from),
         };

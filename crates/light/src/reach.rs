@@ -3,26 +3,26 @@
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{CheckedLight, MAX_EXTENT, Rays};
+use crate::{CheckedLight, LightRays, MAX_EXTENT};
 
 /// The box of a scene, against which its lights are measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Reach {
+pub struct SceneBounds {
     /// Middle of the box, in the world.
-    pub middle: DVec3,
+    pub center: DVec3,
     /// The box reaches from minus to plus this about the middle.
     pub half_extent: DVec3,
 }
 
 /// A light that cannot be drawn.
 #[derive(Clone, Debug, Error, PartialEq)]
-pub enum OutOfReach {
+pub enum UndrawableLight {
     /// It reaches too far away.
     #[error(
         "light `{name}` reaches {distance:.3e} units from the scene's middle, but at most {MAX_EXTENT:e} can be \
          drawn: bring it nearer, or make it smaller"
     )]
-    Far {
+    TooFar {
         /// Which.
         name: String,
         /// How far, in world units.
@@ -33,7 +33,7 @@ pub enum OutOfReach {
         "the scene reaches {sizes:.3e} times the size of light `{name}` from it, but at most {MAX_EXTENT:e} times can \
          be drawn: make the light larger, or bring it nearer"
     )]
-    Small {
+    TooSmall {
         /// Which.
         name: String,
         /// How far, in sizes of the light.
@@ -41,27 +41,31 @@ pub enum OutOfReach {
     },
 }
 
-impl Reach {
+impl SceneBounds {
     /// Refuses a light that cannot be drawn with this scene.
-    pub fn check(&self, light: &CheckedLight) -> Result<(), OutOfReach> {
+    pub fn check(&self, light: &CheckedLight) -> Result<(), UndrawableLight> {
         let name = || light.light().name().to_owned();
         let far = |distance: f64| {
             // Also true of NaN.
-            if distance <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Far { name: name(), distance }) }
+            if distance <= MAX_EXTENT {
+                Ok(())
+            } else {
+                Err(UndrawableLight::TooFar { name: name(), distance })
+            }
         };
-        let across = |source: DVec3| ((source - self.middle).abs() + self.half_extent).length();
+        let across = |source: DVec3| ((source - self.center).abs() + self.half_extent).length();
         let small = |sizes: f64| {
-            if sizes <= MAX_EXTENT { Ok(()) } else { Err(OutOfReach::Small { name: name(), sizes }) }
+            if sizes <= MAX_EXTENT { Ok(()) } else { Err(UndrawableLight::TooSmall { name: name(), sizes }) }
         };
         let transform = light.light().transform();
         let tube = match light.rays() {
-            Rays::Bent(tube) => tube,
-            Rays::Cone(_) | Rays::Omni(_) => return far(across(transform.translation)),
-            Rays::Parallel(parallel) => {
+            LightRays::Bent(tube) => tube,
+            LightRays::Cone(_) | LightRays::Omni(_) => return far(across(transform.translation)),
+            LightRays::Parallel(parallel) => {
                 // It comes from infinitely far away: only its window stands anywhere, and only across the light.
-                let distance = parallel.beside(self.middle).length() + self.half_extent.length();
+                let distance = parallel.offset_in_window(self.center).length() + self.half_extent.length();
                 far(distance)?;
-                return parallel.half.into_iter().flatten().try_for_each(|half| small(distance / half));
+                return parallel.half_size.into_iter().flatten().try_for_each(|half| small(distance / half));
             }
         };
         let reaches = light.light().points().iter().map(|point| {
@@ -72,7 +76,10 @@ impl Reach {
     }
 
     /// Which of `lights` a picture leaves out, and why.
-    pub fn left_out<'a>(&self, lights: impl IntoIterator<Item = &'a CheckedLight>) -> Vec<OutOfReach> {
+    pub fn undrawable_of<'a>(
+        &self,
+        lights: impl IntoIterator<Item = &'a CheckedLight>,
+    ) -> Vec<UndrawableLight> {
         lights.into_iter().filter_map(|light| self.check(light).err()).collect()
     }
 }

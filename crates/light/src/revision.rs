@@ -4,85 +4,85 @@ use std::fmt;
 
 use sha2::{Digest as _, Sha256};
 
-use crate::{Light, Owner, Parameter, Touches, Value};
+use crate::{Light, Parameter, ParameterOwner, ParameterTouches, Value};
 
 /// SHA-256 over some of a light's values: equal where they are.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Digest(pub [u8; 32]);
+pub struct LightDigest(pub [u8; 32]);
 
 /// Names for what is kept of a light from picture to picture: another name wherever a change has touched it
-/// ([`Touches`]), and the earlier one where that is undone.
+/// ([`ParameterTouches`]), and the earlier one where that is undone.
 ///
 /// They are made of the values themselves. A count of changes would give one number to two contents, where a drag and an
 /// edit both go on from one document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revisions {
     /// Of what its shadow map depends on, besides the scene.
-    pub shadow_map: Digest,
+    pub shadow_map: LightDigest,
     /// Of what reaches the eye by it depends on, the shadow map included, but for factors of all of it
-    /// ([`LightFilter::weights`](crate::LightFilter::weights)).
-    pub radiance: Digest,
+    /// ([`LightProfile::lobe_weights`](crate::LightProfile::lobe_weights)).
+    pub radiance: LightDigest,
     /// Of what the picture depends on: those factors too.
-    pub picture: Digest,
+    pub picture: LightDigest,
     /// Of everything.
-    pub content: Digest,
+    pub content: LightDigest,
 }
 
 impl Revisions {
     pub(crate) fn of(light: &Light) -> Self {
         let digest = |least| digest(light, least);
         Self {
-            shadow_map: digest(Touches::ShadowMap),
-            radiance: digest(Touches::Radiance),
-            picture: digest(Touches::Weight),
-            content: digest(Touches::Nothing),
+            shadow_map: digest(ParameterTouches::ShadowMap),
+            radiance: digest(ParameterTouches::Radiance),
+            picture: digest(ParameterTouches::Weight),
+            content: digest(ParameterTouches::Nothing),
         }
     }
 }
 
-impl fmt::Debug for Digest {
+impl fmt::Debug for LightDigest {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
     }
 }
 
-/// Over the shape, by the number that [`Owner`] has for it, and the values of parameters that touch `least` or more. What has its default is left out, so that a
+/// Over the shape, by the number that [`ParameterOwner`] has for it, and the values of parameters that touch `least` or more. What has its default is left out, so that a
 /// parameter that comes later changes no digest of before; -0 counts as 0. What has a length says it first.
-fn digest(light: &Light, least: Touches) -> Digest {
+fn digest(light: &Light, least: ParameterTouches) -> LightDigest {
     let owner = light.owner();
-    let mut walk = Walk(Sha256::new());
+    let mut walk = DigestWriter(Sha256::new());
     walk.0.update([owner as u8]);
     let mut values: Vec<_> = light.values().collect();
     values.sort_unstable_by_key(|(row, _)| row.name);
     for (row, value) in values {
-        if touches(row, owner, least) && row.default(owner).as_ref() != Some(value) {
+        if is_touched(row, owner, least) && row.default(owner).as_ref() != Some(value) {
             walk.text(row.name);
             walk.value(value);
         }
     }
     let points = light.points();
     walk.number(points.len() as u64);
-    let mut rows = crate::parameters_of(Owner::Point).to_vec();
+    let mut rows = crate::parameters_of(ParameterOwner::Point).to_vec();
     rows.sort_unstable_by_key(|row| row.name);
-    for row in rows.into_iter().filter(|row| touches(row, Owner::Point, least)) {
+    for row in rows.into_iter().filter(|row| is_touched(row, ParameterOwner::Point, least)) {
         let values: Vec<_> = points.iter().filter_map(|point| point.value(row)).collect();
-        if values.iter().any(|value| row.default(Owner::Point).as_ref() != Some(value)) {
+        if values.iter().any(|value| row.default(ParameterOwner::Point).as_ref() != Some(value)) {
             walk.text(row.name);
             for value in &values {
                 walk.value(value);
             }
         }
     }
-    Digest(walk.0.finalize().into())
+    LightDigest(walk.0.finalize().into())
 }
 
-fn touches(row: &Parameter, owner: Owner, least: Touches) -> bool {
-    row.of(owner).is_some_and(|of| of.touches >= least)
+fn is_touched(row: &Parameter, owner: ParameterOwner, least: ParameterTouches) -> bool {
+    row.for_owner(owner).is_some_and(|of| of.touches >= least)
 }
 
-struct Walk(Sha256);
+struct DigestWriter(Sha256);
 
-impl Walk {
+impl DigestWriter {
     fn number(&mut self, number: u64) {
         self.0.update(number.to_le_bytes());
     }

@@ -49,12 +49,12 @@ impl<F: Real> Roots<F> {
 fn sdiv<F: Lanes>(n: F, d: F) -> F {
     let (zero, limit) = (F::of(0.0), F::of(64.0));
     let bounded = n.abs().le(limit * d.abs());
-    let beyond = F::select(same(n.lt(zero), d.lt(zero)), limit, -limit);
+    let beyond = F::select(mask_equal(n.lt(zero), d.lt(zero)), limit, -limit);
     choose!(F, bounded, choose!(F, d.equals(zero), zero, n / d), beyond)
 }
 
 #[inline(always)]
-fn same<M: Mask>(a: M, b: M) -> M {
+fn mask_equal<M: Mask>(a: M, b: M) -> M {
     (a & b) | !(a | b)
 }
 

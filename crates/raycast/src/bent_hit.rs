@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::hierarchy::Thick;
-use crate::{BentPath, Bounds, Bvh, Chord, Triangle};
+use crate::hierarchy::ThickLine;
+use crate::{Aabb64, BentPath, Bvh, Chord, Triangle};
 
 /// Where a path meets a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -15,11 +15,11 @@ pub struct BentHit {
     /// Position in scene space.
     pub position: DVec3,
     /// Weights of the triangle's corners at the point.
-    pub weights: DVec3,
+    pub barycentrics: DVec3,
 }
 
 /// Length of u below which a path that touches a plane without crossing it is taken to miss it.
-const GRAZING: f64 = 1e-9;
+const MIN_CROSSING_U: f64 = 1e-9;
 
 /// Steps that a segment takes to be cut into chords, and a chord to be looked at, as one takes a box.
 const STEPS_OF_SEGMENT: u64 = 10;
@@ -37,26 +37,26 @@ impl Bvh {
         t_end: f64,
         accept: impl Fn(&BentHit) -> bool,
     ) -> Option<BentHit> {
-        self.first_bent_hit_counted(path, t_end, |_| true, accept)
+        self.first_bent_hit_budgeted(path, t_end, |_| true, accept)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_counted`]: segments and chords besides boxes and triangles.
-    pub fn first_bent_hit_counted(
+    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`]: segments and chords besides boxes and triangles.
+    pub fn first_bent_hit_budgeted(
         &self,
         path: &BentPath,
         t_end: f64,
         spend: impl Fn(u64) -> bool,
         accept: impl Fn(&BentHit) -> bool,
     ) -> Option<BentHit> {
-        self.first_bent_hit_in(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
+        self.first_bent_hit_in_bounds(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
     }
 
-    /// The same, of what lies in `bounds`.
-    pub(crate) fn first_bent_hit_in(
+    /// The same, of what lies in `reach`.
+    pub(crate) fn first_bent_hit_in_bounds(
         &self,
         path: &BentPath,
         t_end: f64,
-        bounds: &Bounds,
+        bounds: &Aabb64,
         (spend, accept): (&impl Fn(u64) -> bool, &impl Fn(&BentHit) -> bool),
     ) -> Option<BentHit> {
         if !spend(STEPS_OF_SEGMENT * path.tube.segments.len() as u64) {
@@ -74,7 +74,7 @@ impl Bvh {
     }
 
     /// Whether the path meets any triangle before `t_end` that `accept` takes.
-    pub fn blocks(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
+    pub fn has_bent_hit(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
         let Some(bounds) = self.hierarchy.bounds() else { return false };
         let mut blocked = false;
         path.for_each_chord(t_end, &bounds, |chord| {
@@ -93,17 +93,17 @@ impl Bvh {
     ) -> Option<BentHit> {
         let [from, to] = chord.ends;
         let [start, end] = chord.u;
-        let line = Thick { from, to, radius: chord.error() };
+        let line = ThickLine { from, to, radius: chord.error() };
         let mut best: Option<BentHit> = None;
         let mut limit = 1.0;
-        self.hierarchy.along(line, spend, |triangle| {
+        self.hierarchy.visit_along_line(line, spend, |triangle| {
             if any && best.is_some() {
                 return -1.0;
             }
             let accepted = |hit: &BentHit| {
                 best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit)
             };
-            if let Some(hit) = meet(path, chord, triangle, &self.triangles[triangle], accepted) {
+            if let Some(hit) = intersect_chord(path, chord, triangle, &self.triangles[triangle], accepted) {
                 // Nothing nearer begins further on: the chord strays from the path at equal u.
                 limit = (hit.t - chord.segment as f64 - start) / (end - start);
                 best = Some(hit);
@@ -119,7 +119,7 @@ impl Bvh {
 /// `g(u) = N . (C(u) - corner)` changes sign where the path crosses the plane, and `|g''| <= |N| bend`. That
 /// decides by the values at two ends whether there is no crossing between them, or one, or whether to look
 /// closer.
-fn meet(
+fn intersect_chord(
     path: &BentPath,
     chord: &Chord,
     index: usize,
@@ -135,11 +135,11 @@ fn meet(
     let rounding = 32.0 * f64::EPSILON * normal.length() * size;
     let plane = Plane { path, segment: chord.segment, normal, corner, rounding };
     let ends = std::array::from_fn(|k| (chord.u[k], normal.dot(chord.ends[k] - plane.corner)));
-    plane.first_crossing(ends, normal.length() * chord.bend, &|u| {
-        let position = path.at(chord.segment, u);
-        let weights = triangle.weights_at(position)?;
+    plane.first_crossing(ends, normal.length() * chord.second_derivative_bound, &|u| {
+        let position = path.position_at(chord.segment, u);
+        let weights = triangle.barycentrics_at(position)?;
         let t = chord.segment as f64 + u;
-        let hit = BentHit { triangle: index, t, position, weights };
+        let hit = BentHit { triangle: index, t, position, barycentrics: weights };
         accept(&hit).then_some(hit)
     })
 }
@@ -156,11 +156,11 @@ struct Plane<'a> {
 
 impl Plane<'_> {
     fn height(&self, u: f64) -> f64 {
-        self.normal.dot(self.path.at(self.segment, u) - self.corner)
+        self.normal.dot(self.path.position_at(self.segment, u) - self.corner)
     }
 
     /// What `take` makes of the first crossing that it takes, between two parameters with their heights;
-    /// `bend` bounds the second derivative of the height.
+    /// `bent` bounds the second derivative of the height.
     fn first_crossing<T>(
         &self,
         [low, high]: [(f64, f64); 2],
@@ -177,10 +177,10 @@ impl Plane<'_> {
         }
         // The slope differs from its mean by less than `stray / h`: one that cannot vanish crosses once.
         let steady = (g1 - g0).abs() > stray;
-        if crosses && (steady || h < GRAZING) {
+        if crosses && (steady || h < MIN_CROSSING_U) {
             return take(self.crossing(low, high));
         }
-        if steady || h < GRAZING {
+        if steady || h < MIN_CROSSING_U {
             return None;
         }
         // A path that lies in the plane would be looked at without end; it does not cross. It is told by five places:

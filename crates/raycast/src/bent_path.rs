@@ -1,9 +1,9 @@
 //! The way light takes: a curve of constant (v, w), cut into chords.
 
 use glam::DVec3;
-use light::{Curve, Frame, Tube};
+use light::{Curve, FrameMode, Tube};
 
-use crate::{Bounds, Bvh};
+use crate::{Aabb64, Bvh};
 
 /// How far a chord may stray from its path, as a share of the chord's length.
 ///
@@ -37,7 +37,7 @@ pub struct BentPath<'a> {
 
 impl Bvh {
     /// The path of constant (v, w), both in radii, through this scene.
-    pub fn path<'a>(&self, tube: &'a Tube<f64>, v: f64, w: f64) -> BentPath<'a> {
+    pub fn bent_path<'a>(&self, tube: &'a Tube<f64>, v: f64, w: f64) -> BentPath<'a> {
         BentPath::new(tube, v, w, self.posed.origin_in_world)
     }
 }
@@ -52,12 +52,12 @@ pub struct Chord {
     /// Positions of the two ends, in scene space.
     pub ends: [DVec3; 2],
     /// Bound of `|C''|` over the piece, by u, in world lengths.
-    pub bend: f64,
+    pub second_derivative_bound: f64,
 }
 
 impl Chord {
-    /// Whether all of its path surely lies outside of `bounds`.
-    fn misses(&self, bounds: &Bounds) -> bool {
+    /// Whether all of its path surely lies outside of `reach`.
+    fn misses(&self, bounds: &Aabb64) -> bool {
         let [from, to] = self.ends;
         // With the rounding of positions, some ulps of the largest coordinate.
         let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
@@ -69,7 +69,7 @@ impl Chord {
     pub fn error(&self) -> f64 {
         let h = self.u[1] - self.u[0];
         // A straight piece may be endless in u, and 0 times that is no bound.
-        if self.bend == 0.0 { 0.0 } else { self.bend * h * h / 8.0 }
+        if self.second_derivative_bound == 0.0 { 0.0 } else { self.second_derivative_bound * h * h / 8.0 }
     }
 
     /// Of the straight line.
@@ -79,13 +79,13 @@ impl Chord {
 }
 
 impl<'a> BentPath<'a> {
-    /// The path of constant (v, w), both in radii, in a scene space that begins at `origin_in_world`.
+    /// The path of constant (v, w), both in radii, in a scene space that begins at `origin`.
     pub fn new(tube: &'a Tube<f64>, v: f64, w: f64, origin_in_world: DVec3) -> Self {
         Self { tube, v, w, source: tube.placement.translation - origin_in_world }
     }
 
     /// Position in scene space at parameter `u` of a segment.
-    pub fn at(&self, segment: usize, u: f64) -> DVec3 {
+    pub fn position_at(&self, segment: usize, u: f64) -> DVec3 {
         let s = &self.tube.segments[segment].curve;
         let (v_hat, w_hat) = self.tube.cross_section(s, s.u_hat(u));
         let in_tube = s.position(u) + (v_hat * self.v + w_hat * self.w) * s.radius(u);
@@ -94,8 +94,8 @@ impl<'a> BentPath<'a> {
     }
 
     /// Calls `visit` with chords from the source to `t_end`, in order, until it returns `true`: those that may come
-    /// into `bounds`. Each strays from the path by at most 1/32 of its length, and 1/128 of the size of `bounds`.
-    pub fn for_each_chord(&self, t_end: f64, bounds: &Bounds, mut visit: impl FnMut(&Chord) -> bool) {
+    /// into `reach`. Each strays from the path by at most 1/32 of its length, and 1/128 of the size of `reach`.
+    pub fn for_each_chord(&self, t_end: f64, bounds: &Aabb64, mut visit: impl FnMut(&Chord) -> bool) {
         for segment in 0..self.tube.segments.len() {
             let start = segment as f64;
             // The extension past the last segment has no end of its own.
@@ -103,23 +103,24 @@ impl<'a> BentPath<'a> {
             if u_end <= 0.0 {
                 return;
             }
-            let ends = [self.at(segment, 0.0), self.at(segment, u_end)];
-            if self.halve(segment, [0.0, u_end], ends, 0, bounds, &mut visit) {
+            let ends = [self.position_at(segment, 0.0), self.position_at(segment, u_end)];
+            if self.subdivide(segment, [0.0, u_end], ends, 0, bounds, &mut visit) {
                 return;
             }
         }
     }
 
-    fn halve(
+    fn subdivide(
         &self,
         segment: usize,
         u: [f64; 2],
         ends: [DVec3; 2],
         halvings: u32,
-        bounds: &Bounds,
+        bounds: &Aabb64,
         visit: &mut impl FnMut(&Chord) -> bool,
     ) -> bool {
-        let chord = Chord { segment, u, ends, bend: self.bend(segment, u) };
+        let chord =
+            Chord { segment, u, ends, second_derivative_bound: self.second_derivative_bound(segment, u) };
         if chord.misses(bounds) {
             return false;
         }
@@ -129,14 +130,19 @@ impl<'a> BentPath<'a> {
             return visit(&chord);
         }
         let middle = f64::midpoint(u[0], u[1]);
-        let at_middle = self.at(segment, middle);
-        self.halve(segment, [u[0], middle], [ends[0], at_middle], halvings + 1, bounds, visit)
-            || self.halve(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, bounds, visit)
+        let at_middle = self.position_at(segment, middle);
+        self.subdivide(segment, [u[0], middle], [ends[0], at_middle], halvings + 1, bounds, visit)
+            || self.subdivide(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, bounds, visit)
     }
 
     /// The chord between two parameters of a segment.
     pub(crate) fn chord(&self, segment: usize, u: [f64; 2]) -> Chord {
-        Chord { segment, u, ends: u.map(|u| self.at(segment, u)), bend: self.bend(segment, u) }
+        Chord {
+            segment,
+            u,
+            ends: u.map(|u| self.position_at(segment, u)),
+            second_derivative_bound: self.second_derivative_bound(segment, u),
+        }
     }
 
     /// Bound of `|C''|` over a piece, by u, in world lengths.
@@ -144,7 +150,7 @@ impl<'a> BentPath<'a> {
     /// With `e = v v_hat + w w_hat`, `rho = |e|`, `C'' = P'' + R'' e + 2 R' e' + R e''`. The tangent turns by
     /// `omega = |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that
     /// twists by `tau` has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
-    fn bend(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
+    fn second_derivative_bound(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
         let s = &self.tube.segments[segment].curve;
         let rho = libm::hypot(self.v, self.w);
         let h = end - start;
@@ -154,8 +160,8 @@ impl<'a> BentPath<'a> {
         let widening = s.radius_derivative(start).abs().max(s.radius_derivative(end).abs());
         let turn = Turn::of(s, [start, end]);
         let twist = match self.tube.frame {
-            Frame::RotationMinimizing => Twist { tau: 0.0, change: 0.0 },
-            Frame::Up => Twist::of(self.tube.up, s, [start, end], turn),
+            FrameMode::RotationMinimizing => Twist { tau: 0.0, change: 0.0 },
+            FrameMode::Up => Twist::of(self.tube.up, s, [start, end], turn),
         };
         let first = rho * (turn.omega + twist.tau);
         let second = first * turn.omega
@@ -218,7 +224,7 @@ mod tests {
     use scene::{Material, Mesh, Node, Primitive, Scene};
 
     use super::*;
-    use crate::hierarchy::Thick;
+    use crate::hierarchy::ThickLine;
 
     /// A wavy field of 2 n^2 triangles, 10 units wide.
     fn field(n: u32) -> Scene {
@@ -262,14 +268,14 @@ mod tests {
     }
 
     /// Triangles that a path's chords touch the boxes of, the mean over paths all over the light.
-    fn asked_a_path(bvh: &Bvh, tube: &Tube<f64>, bounds: &Bounds) -> f64 {
+    fn triangles_tested_per_path(bvh: &Bvh, tube: &Tube<f64>, bounds: &Aabb64) -> f64 {
         let mut asked = 0;
         for k in 0..64 {
             let (v, w) = (f64::from(k % 8) / 8.0 - 0.4, f64::from(k / 8) / 8.0 - 0.4);
-            bvh.path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
+            bvh.bent_path(tube, v, w).for_each_chord(1.0, bounds, |chord| {
                 let [from, to] = chord.ends;
-                bvh.hierarchy.along(
-                    Thick { from, to, radius: chord.error() },
+                bvh.hierarchy.visit_along_line(
+                    ThickLine { from, to, radius: chord.error() },
                     |_| true,
                     |_| {
                         asked += 1;
@@ -288,12 +294,12 @@ mod tests {
         let scene = field(64);
         let bvh = Bvh::new(scene::pose(scene.clone()));
         let bounds = bvh.hierarchy.bounds().expect("a box");
-        let ordinary = asked_a_path(&bvh, &light_of(30.0), &bounds);
+        let ordinary = triangles_tested_per_path(&bvh, &light_of(30.0), &bounds);
         for size in [1e3, 1e4, 1e6, 1e9] {
             let tube = light_of(size);
-            let asked = asked_a_path(&bvh, &tube, &bounds);
+            let asked = triangles_tested_per_path(&bvh, &tube, &bounds);
             // The planted fault: chords that are cut by their own length alone.
-            let uncut = asked_a_path(&bvh, &tube, &Bounds::ENDLESS);
+            let uncut = triangles_tested_per_path(&bvh, &tube, &Aabb64::INFINITE);
             println!(
                 "{size:e} units: {asked:.0} triangles a path, cut by length alone {uncut:.0}; 30 units: {ordinary:.0}"
             );
@@ -312,12 +318,12 @@ mod tests {
         for size in [30.0, 1e3, 1e6] {
             let tube = light_of(size);
             for k in 0..64 {
-                let path = bvh.path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
-                let first = |bounds: &Bounds| {
-                    bvh.first_bent_hit_in(&path, 1.0, bounds, (&|_| true, &|_: &_| true))
+                let path = bvh.bent_path(&tube, f64::from(k % 8) / 4.5 - 0.7, f64::from(k / 8) / 4.5 - 0.7);
+                let first = |bounds: &Aabb64| {
+                    bvh.first_bent_hit_in_bounds(&path, 1.0, bounds, (&|_| true, &|_: &_| true))
                         .map(|hit| (hit.triangle, hit.position))
                 };
-                let (cut, whole) = (first(&bvh.hierarchy.bounds().expect("a box")), first(&Bounds::ENDLESS));
+                let (cut, whole) = (first(&bvh.hierarchy.bounds().expect("a box")), first(&Aabb64::INFINITE));
                 hits += usize::from(cut.is_some());
                 match (cut, whole) {
                     (None, None) => {}

@@ -4,16 +4,16 @@ use glam::DVec3;
 
 /// A box, between two corners.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub struct Aabb64 {
     /// Smallest coordinates.
     pub min: DVec3,
     /// Largest coordinates.
     pub max: DVec3,
 }
 
-impl Bounds {
+impl Aabb64 {
     /// Everywhere.
-    pub const ENDLESS: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
+    pub const INFINITE: Self = Self { min: DVec3::NEG_INFINITY, max: DVec3::INFINITY };
 
     /// Length of the diagonal.
     pub(crate) fn size(&self) -> f64 {

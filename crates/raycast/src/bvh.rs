@@ -5,7 +5,7 @@ use std::sync::Arc;
 use scene::PosedScene;
 
 use crate::Triangle;
-use crate::hierarchy::Hierarchy;
+use crate::hierarchy::TriangleHierarchy;
 
 /// Every triangle of a posed scene under a bounding-volume hierarchy.
 #[derive(Debug)]
@@ -14,20 +14,20 @@ pub struct Bvh {
     pub posed: Arc<PosedScene>,
     /// Its triangles, primitive by primitive.
     pub triangles: Vec<Triangle>,
-    pub(crate) hierarchy: Hierarchy,
+    pub(crate) hierarchy: TriangleHierarchy,
 }
 
 impl Bvh {
     /// Builds the hierarchy.
     pub fn new(posed: Arc<PosedScene>) -> Self {
         let mut all = Vec::with_capacity(posed.triangle_count());
-        all.extend((0..posed.primitives.len()).flat_map(|index| triangles(&posed, index)));
-        let hierarchy = Hierarchy::new(&all);
+        all.extend((0..posed.primitives.len()).flat_map(|index| triangles_of_primitive(&posed, index)));
+        let hierarchy = TriangleHierarchy::new(&all);
         Self { posed, triangles: all, hierarchy }
     }
 }
 
-fn triangles(posed: &PosedScene, primitive: usize) -> impl Iterator<Item = Triangle> {
+fn triangles_of_primitive(posed: &PosedScene, primitive: usize) -> impl Iterator<Item = Triangle> {
     let of = &posed.primitives[primitive];
     let positions = &posed.positions[of.first_vertex..];
     posed.triangles(of).map(move |vertices| Triangle {

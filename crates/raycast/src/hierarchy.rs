@@ -5,13 +5,13 @@
 use std::fmt;
 
 use glam::{DVec3, Vec3A};
-use hierarchy::Node;
+use hierarchy::HierarchyNode;
 
-use crate::{Bounds, Triangle};
+use crate::{Aabb64, Triangle};
 
-pub(crate) struct Hierarchy(hierarchy::Hierarchy);
+pub(crate) struct TriangleHierarchy(hierarchy::Hierarchy);
 
-impl fmt::Debug for Hierarchy {
+impl fmt::Debug for TriangleHierarchy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Hierarchy({} nodes)", self.0.nodes.len())
     }
@@ -19,39 +19,39 @@ impl fmt::Debug for Hierarchy {
 
 /// A straight line with a thickness: all points within `radius` of it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Thick {
+pub(crate) struct ThickLine {
     pub from: DVec3,
     pub to: DVec3,
     pub radius: f64,
 }
 
 /// Steps that a node takes: one for its boxes, six for each of its triangles.
-fn steps_of(node: &Node) -> u64 {
+fn node_cost_steps(node: &HierarchyNode) -> u64 {
     1 + if node.is_leaf() { 6 * u64::from(node.count) } else { 0 }
 }
 
-impl Hierarchy {
+impl TriangleHierarchy {
     pub fn new(triangles: &[Triangle]) -> Self {
         Self(hierarchy::Hierarchy::new(triangles.iter().map(outward_box)))
     }
 
     /// The box around everything; `None` where there is nothing.
-    pub fn bounds(&self) -> Option<Bounds> {
-        let hierarchy::Bounds { min, max } = self.0.nodes.first()?.bounds;
-        Some(Bounds { min: min.as_dvec3(), max: max.as_dvec3() })
+    pub fn bounds(&self) -> Option<Aabb64> {
+        let hierarchy::Aabb { min, max } = self.0.nodes.first()?.bounds;
+        Some(Aabb64 { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
     /// A distance from `point` that nothing lies beyond.
-    pub fn reach(&self, point: DVec3) -> f64 {
+    pub fn max_distance_from(&self, point: DVec3) -> f64 {
         self.0.nodes.first().map_or(0.0, |root| {
-            let hierarchy::Bounds { min, max } = root.bounds;
+            let hierarchy::Aabb { min, max } = root.bounds;
             1.01 * (min.as_dvec3() - point).abs().max((max.as_dvec3() - point).abs()).length()
         })
     }
 
     /// Calls `meet` with every triangle whose box comes as near to `point` as `meet` returned last, `within` at
     /// first; ends where `spend` refuses the steps that come next.
-    pub fn near(
+    pub fn visit_near_point(
         &self,
         point: DVec3,
         within: f64,
@@ -63,10 +63,10 @@ impl Hierarchy {
         let mut stack: Vec<u32> = if built.nodes.is_empty() { Vec::new() } else { vec![0] };
         while let Some(index) = stack.pop() {
             let node = &built.nodes[index as usize];
-            if !spend(steps_of(node)) {
+            if !spend(node_cost_steps(node)) {
                 return;
             }
-            let hierarchy::Bounds { min, max } = node.bounds;
+            let hierarchy::Aabb { min, max } = node.bounds;
             if point.clamp(min.as_dvec3(), max.as_dvec3()).distance(point) > within {
                 continue;
             }
@@ -83,19 +83,24 @@ impl Hierarchy {
 
     /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
     /// returned last: nearer boxes first. Ends where `spend` refuses the steps that come next.
-    pub fn along(&self, line: Thick, spend: impl Fn(u64) -> bool, mut meet: impl FnMut(usize) -> f64) {
+    pub fn visit_along_line(
+        &self,
+        line: ThickLine,
+        spend: impl Fn(u64) -> bool,
+        mut meet: impl FnMut(usize) -> f64,
+    ) {
         let Self(built) = self;
         let Some(root) = built.nodes.first() else { return };
-        let line = Slabs::new(line);
+        let line = PreparedLine::new(line);
         let mut limit = 1.0;
-        let Some(entry) = line.entry(root.bounds) else { return };
+        let Some(entry) = line.entry_share(root.bounds) else { return };
         let mut stack = vec![(entry, 0_u32)];
         while let Some((entry, index)) = stack.pop() {
             if entry > limit {
                 continue;
             }
             let node = &built.nodes[index as usize];
-            if !spend(steps_of(node)) {
+            if !spend(node_cost_steps(node)) {
                 return;
             }
             let first = node.first as usize;
@@ -107,7 +112,7 @@ impl Hierarchy {
             }
             let child = |k: u32| {
                 let index = node.first + k;
-                line.entry(built.nodes[index as usize].bounds).map(|entry| (entry, index))
+                line.entry_share(built.nodes[index as usize].bounds).map(|entry| (entry, index))
             };
             match (child(0), child(1)) {
                 (Some(a), Some(b)) if a.0 <= b.0 => stack.extend([b, a]),
@@ -119,22 +124,22 @@ impl Hierarchy {
 }
 
 /// A line, ready to be cut with boxes.
-struct Slabs {
+struct PreparedLine {
     from: DVec3,
     step: DVec3,
     inverse: DVec3,
     radius: f64,
 }
 
-impl Slabs {
-    fn new(Thick { from, to, radius }: Thick) -> Self {
+impl PreparedLine {
+    fn new(ThickLine { from, to, radius }: ThickLine) -> Self {
         // Rounding of what follows, some ulps of the largest coordinate.
         let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
         Self { from, step: to - from, inverse: (to - from).recip(), radius: radius + slack }
     }
 
     /// Share of the way at which the line enters the box, or `None` where it passes by.
-    fn entry(&self, bounds: hierarchy::Bounds) -> Option<f64> {
+    fn entry_share(&self, bounds: hierarchy::Aabb) -> Option<f64> {
         let low = bounds.min.as_dvec3() - self.from - self.radius;
         let high = bounds.max.as_dvec3() - self.from + self.radius;
         let (mut enter, mut leave) = (0.0_f64, 1.0_f64);
@@ -155,10 +160,10 @@ impl Slabs {
 }
 
 /// The triangle's box, each side rounded outwards.
-fn outward_box(triangle: &Triangle) -> hierarchy::Bounds {
+fn outward_box(triangle: &Triangle) -> hierarchy::Aabb {
     let [a, b, c] = triangle.corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let low = low.to_array().map(|x| (x as f32).next_down());
     let high = high.to_array().map(|x| (x as f32).next_up());
-    hierarchy::Bounds { min: Vec3A::from(low), max: Vec3A::from(high) }
+    hierarchy::Aabb { min: Vec3A::from(low), max: Vec3A::from(high) }
 }

@@ -4,7 +4,7 @@
 //! space: world axes, origin at the centre of the scene's bounds, so that no digit is lost wherever the scene stands. [`Bvh::first_hit`] follows a straight ray. [`Bvh::first_bent_hit`] follows light:
 //! the curve of constant (v, w) of a BendyLight from its source ([`BentPath`]), which no hierarchy knows; it is
 //! cut into chords with a bound on how far each strays from the curve, and what a chord may touch is met with
-//! the curve itself. [`Bvh::first_in_way`] says what stands first in the way of a light of any shape.
+//! the curve itself. [`Bvh::first_obstacle`] says what stands first in the way of a light of any shape.
 //!
 //! The same input gives the same bits on every machine.
 
@@ -24,12 +24,12 @@ mod triangle;
 
 pub use bent_hit::BentHit;
 pub use bent_path::{BentPath, Chord};
-pub use bounds::Bounds;
+pub use bounds::Aabb64;
 pub use bvh::Bvh;
-pub use linked::Linked;
+pub use linked::LinkedNodes;
 pub use nearest::SurfacePoint;
-pub use obstacle::{CONTACT, Obstacle, Way, rounding};
+pub use obstacle::{CONTACT_TOLERANCE, LightPath, Obstacle, rounding_error};
 pub use polyline::Polyline;
-pub use seen::Seen;
+pub use seen::SeenPoint;
 pub use straight::Hit;
 pub use triangle::Triangle;

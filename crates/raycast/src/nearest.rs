@@ -12,7 +12,7 @@ pub struct SurfacePoint {
     /// Position in scene space.
     pub position: DVec3,
     /// Weights of the triangle's corners there.
-    pub weights: DVec3,
+    pub barycentrics: DVec3,
 }
 
 impl Bvh {
@@ -24,11 +24,11 @@ impl Bvh {
         within: f64,
         accept: impl Fn(&SurfacePoint) -> bool,
     ) -> Option<SurfacePoint> {
-        self.nearest_counted(point, within, |_| true, accept)
+        self.nearest_budgeted(point, within, |_| true, accept)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_counted`].
-    pub fn nearest_counted(
+    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`].
+    pub fn nearest_budgeted(
         &self,
         point: DVec3,
         within: f64,
@@ -36,10 +36,14 @@ impl Bvh {
         accept: impl Fn(&SurfacePoint) -> bool,
     ) -> Option<SurfacePoint> {
         let mut best: Option<(f64, SurfacePoint)> = None;
-        self.hierarchy.near(point, within, spend, |index| {
+        self.hierarchy.visit_near_point(point, within, spend, |index| {
             let triangle = &self.triangles[index];
-            if let Some(weights) = triangle.nearest_weights(point) {
-                let found = SurfacePoint { triangle: index, position: triangle.at(weights), weights };
+            if let Some(weights) = triangle.nearest_barycentrics(point) {
+                let found = SurfacePoint {
+                    triangle: index,
+                    position: triangle.position_at(weights),
+                    barycentrics: weights,
+                };
                 let distance = found.position.distance(point);
                 let nearer = best.is_none_or(|(least, best)| (distance, index) < (least, best.triangle));
                 if distance <= within && nearer && accept(&found) {

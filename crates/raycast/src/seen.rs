@@ -7,7 +7,7 @@ use crate::{Bvh, Hit};
 
 /// A point of a surface, seen from somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct SeenPoint {
     /// Position in scene space: world axes, about [`scene::PosedScene::origin_in_world`].
     pub position: DVec3,
     /// Distance along the view axis, in world units.
@@ -26,10 +26,10 @@ pub struct Seen {
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
     /// Weights of the triangle's corners.
-    pub weights: DVec3,
+    pub barycentrics: DVec3,
 }
 
-impl Seen {
+impl SeenPoint {
     /// Where light has to arrive in scene space: in front of the triangle by what the smooth surface that the vertex normals
     /// stand for is curved over it, so that facets do not shadow each other where light grazes.
     ///
@@ -43,7 +43,7 @@ impl Seen {
     }
 
     /// Unit vector to where light comes from that a mirror here would send to the viewer.
-    pub fn mirrored(&self) -> DVec3 {
+    pub fn mirror_direction(&self) -> DVec3 {
         self.normal * (2.0 * self.normal.dot(self.to_eye)) - self.to_eye
     }
 }
@@ -51,27 +51,28 @@ impl Seen {
 impl Bvh {
     /// The first surface on a ray of a camera. Back faces are seen where the material is double-sided; holes of an alpha-tested
     /// one are not there. `None` where there is only background.
-    pub fn seen(&self, ray: &ViewRay) -> Option<Seen> {
-        self.seen_counted(ray, |_| true)
+    pub fn visible_point(&self, ray: &ViewRay) -> Option<SeenPoint> {
+        self.visible_point_budgeted(ray, |_| true)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_counted`].
-    pub fn seen_counted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<Seen> {
-        let hit = self.first_hit_counted(ray.origin, ray.direction, ray.range, spend, |hit| {
+    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`].
+    pub fn visible_point_budgeted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<SeenPoint> {
+        let hit = self.first_hit_budgeted(ray.origin, ray.direction, ray.depth_range, spend, |hit| {
             let triangle = &self.triangles[hit.triangle];
             let front = triangle.normal().dot(ray.direction) < 0.0;
-            (front || self.material(triangle).double_sided) && self.is_solid(triangle, hit.weights)
+            (front || self.material(triangle).double_sided)
+                && self.passes_alpha_test(triangle, hit.barycentrics)
         })?;
-        Some(self.seen_at(ray, &hit))
+        Some(self.visible_point_at(ray, &hit))
     }
 
-    fn seen_at(&self, ray: &ViewRay, hit: &Hit) -> Seen {
+    fn visible_point_at(&self, ray: &ViewRay, hit: &Hit) -> SeenPoint {
         let triangle = &self.triangles[hit.triangle];
         let face = triangle.normal().normalize();
         let side = if face.dot(ray.direction) < 0.0 { 1.0 } else { -1.0 };
         let position = ray.origin + ray.direction * hit.distance;
-        let (normal, terminator_offset) = self.smooth(hit.triangle, hit.weights, position);
-        Seen {
+        let (normal, terminator_offset) = self.smooth_surface_at(hit.triangle, hit.barycentrics, position);
+        SeenPoint {
             position,
             depth: hit.distance,
             geometric_normal: face * side,
@@ -80,13 +81,13 @@ impl Bvh {
             to_eye: -ray.direction.normalize(),
             node: triangle.node,
             triangle: hit.triangle,
-            weights: hit.weights,
+            barycentrics: hit.barycentrics,
         }
     }
 
     /// The smooth surface that the vertex normals of a triangle stand for, at a position on it with those weights of its corners:
-    /// its unit normal on the triangle's front, and [`Seen::terminator_offset`].
-    pub fn smooth(&self, triangle: usize, weights: DVec3, position: DVec3) -> (DVec3, f64) {
+    /// its unit normal on the triangle's front, and [`SeenPoint::terminator_offset`].
+    pub fn smooth_surface_at(&self, triangle: usize, weights: DVec3, position: DVec3) -> (DVec3, f64) {
         let triangle = &self.triangles[triangle];
         let primitive = self.primitive(triangle);
         let normal_matrix = self.posed.primitives[triangle.primitive].normal_matrix();

@@ -27,7 +27,7 @@ impl Bvh {
 
     /// Whether an alpha-tested material is there at a point of one of its triangles; in full detail, since light that passes has
     /// no pixels.
-    pub fn is_solid(&self, triangle: &Triangle, weights: DVec3) -> bool {
+    pub fn passes_alpha_test(&self, triangle: &Triangle, weights: DVec3) -> bool {
         let material = self.material(triangle);
         let Some(cutoff) = material.alpha_cutoff else { return true };
         let colors = &self.primitive(triangle).colors;

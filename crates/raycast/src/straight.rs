@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::hierarchy::Thick;
+use crate::hierarchy::ThickLine;
 use crate::{Bvh, Triangle};
 
 /// Where a straight ray meets a triangle.
@@ -13,7 +13,7 @@ pub struct Hit {
     /// Distance along the ray, in lengths of its direction.
     pub distance: f64,
     /// Weights of the triangle's corners at the point.
-    pub weights: DVec3,
+    pub barycentrics: DVec3,
 }
 
 impl Bvh {
@@ -30,12 +30,12 @@ impl Bvh {
         range: [f64; 2],
         accept: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
-        self.first_hit_counted(origin, direction, range, |_| true, accept)
+        self.first_hit_budgeted(origin, direction, range, |_| true, accept)
     }
 
     /// The same by steps that are counted: `spend` is asked before some are taken, boxes and triangles that the ray comes near
     /// to. Where it refuses, the search ends and what it gives means nothing.
-    pub fn first_hit_counted(
+    pub fn first_hit_budgeted(
         &self,
         origin: DVec3,
         direction: DVec3,
@@ -43,16 +43,16 @@ impl Bvh {
         spend: impl Fn(u64) -> bool,
         accept: impl Fn(&Hit) -> bool,
     ) -> Option<Hit> {
-        let reach = self.hierarchy.reach(origin) / direction.length();
+        let reach = self.hierarchy.max_distance_from(origin) / direction.length();
         let far = far.min(reach);
         if near > far {
             return None;
         }
         let at = |distance: f64| origin + direction * distance;
-        let line = Thick { from: at(near), to: at(far), radius: 0.0 };
+        let line = ThickLine { from: at(near), to: at(far), radius: 0.0 };
         let mut best: Option<Hit> = None;
-        self.hierarchy.along(line, spend, |index| {
-            if let Some(hit) = meet(&self.triangles[index], index, origin, direction)
+        self.hierarchy.visit_along_line(line, spend, |index| {
+            if let Some(hit) = intersect_ray(&self.triangles[index], index, origin, direction)
                 && (near..=far).contains(&hit.distance)
                 && best.is_none_or(|best| (hit.distance, index) < (best.distance, best.triangle))
                 && accept(&hit)
@@ -65,11 +65,11 @@ impl Bvh {
     }
 }
 
-fn meet(triangle: &Triangle, index: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
+fn intersect_ray(triangle: &Triangle, index: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let normal = triangle.normal();
     // Zero for a ray in the plane and for a triangle without area: neither counts.
     let closing = normal.dot(direction);
     let distance = normal.dot(triangle.corners[0] - origin) / closing;
-    let weights = triangle.weights_at(origin + direction * distance)?;
-    (closing != 0.0).then_some(Hit { triangle: index, distance, weights })
+    let weights = triangle.barycentrics_at(origin + direction * distance)?;
+    (closing != 0.0).then_some(Hit { triangle: index, distance, barycentrics: weights })
 }

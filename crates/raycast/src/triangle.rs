@@ -27,7 +27,7 @@ impl Triangle {
     }
 
     /// Weights of the corners at a point of the triangle's plane, or `None` outside the triangle.
-    pub fn weights_at(&self, point: DVec3) -> Option<DVec3> {
+    pub fn barycentrics_at(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let (normal, at) = (self.normal(), point - a);
         let area2 = normal.length_squared();
@@ -38,11 +38,11 @@ impl Triangle {
     }
 
     /// Weights of the corners at the triangle's point that is nearest to `point`; `None` without an area.
-    pub fn nearest_weights(&self, point: DVec3) -> Option<DVec3> {
+    pub fn nearest_barycentrics(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let normal = self.normal();
         let foot = point - normal * ((point - a).dot(normal) / normal.length_squared());
-        if let Some(weights) = self.weights_at(foot) {
+        if let Some(weights) = self.barycentrics_at(foot) {
             return Some(weights);
         }
         // Outside the triangle the nearest point lies on an edge.
@@ -51,13 +51,13 @@ impl Triangle {
         };
         let (ab, bc, ca) = (on_edge(a, b), on_edge(b, c), on_edge(c, a));
         let edges = [[1.0 - ab, ab, 0.0], [0.0, 1.0 - bc, bc], [ca, 0.0, 1.0 - ca]].map(DVec3::from);
-        let distance2 = |weights: &DVec3| self.at(*weights).distance_squared(point);
+        let distance2 = |weights: &DVec3| self.position_at(*weights).distance_squared(point);
         let nearest = edges.into_iter().min_by(|x, y| distance2(x).total_cmp(&distance2(y)));
         nearest.filter(|_| normal != DVec3::ZERO)
     }
 
     /// Position at the weights of the corners.
-    pub fn at(&self, weights: DVec3) -> DVec3 {
+    pub fn position_at(&self, weights: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
         a * weights.x + b * weights.y + c * weights.z
     }

@@ -4,9 +4,9 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::{DIRECTION, END_MODE, FRAME, RANGE, ROTATION};
-use light::{Direction, EndMode, Frame, Light, Transform, Tube};
+use light::{DirectionMode, EndMode, FrameMode, Light, Transform, Tube};
 use proptest::prelude::*;
-use raycast::{BentHit, BentPath, Bounds, Bvh};
+use raycast::{Aabb64, BentHit, BentPath, Bvh};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 /// Loose triangles in the world.
@@ -44,9 +44,9 @@ fn tubes() -> impl Strategy<Value = Tube<f64>> {
         points.extend(bends.iter().enumerate().map(|(i, (bend, _))| DVec3::NEG_Z * (i + 2) as f64 + *bend));
         let radii = [0.02, 0.2].into_iter().chain(bends.iter().map(|(_, radius)| 0.05 + radius)).collect();
         let light = Light::bendy(points, radii)
-            .with(FRAME, if up { Frame::Up } else { Frame::RotationMinimizing })
+            .with(FRAME, if up { FrameMode::Up } else { FrameMode::RotationMinimizing })
             .with(END_MODE, if extend { EndMode::Extend } else { EndMode::Cut })
-            .with(DIRECTION, Direction::Path);
+            .with(DIRECTION, DirectionMode::Path);
         Tube::new(&light).ok()
     })
 }
@@ -56,16 +56,16 @@ fn across() -> impl Strategy<Value = (f64, f64)> {
 }
 
 /// Largest distance between a path and its chords, at equal u, as a share of the bound.
-fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
+fn worst_chord_error(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     let scene = Scene::default();
-    let path = Bvh::new(scene::pose(scene.clone())).path(tube, v, w);
+    let path = Bvh::new(scene::pose(scene.clone())).bent_path(tube, v, w);
     let mut worst = 0.0_f64;
-    path.for_each_chord(tube.n as f64, &Bounds::ENDLESS, |chord| {
+    path.for_each_chord(tube.n as f64, &Aabb64::INFINITE, |chord| {
         let [from, to] = chord.ends;
         for k in 1..8 {
             let share = f64::from(k) / 8.0;
             let u = chord.u[0] + (chord.u[1] - chord.u[0]) * share;
-            let stray = path.at(chord.segment, u).distance(from.lerp(to, share));
+            let stray = path.position_at(chord.segment, u).distance(from.lerp(to, share));
             // Rounding of points about one unit from the origin.
             worst = worst.max((stray - 1e-14) / chord.error().max(1e-300));
         }
@@ -76,10 +76,10 @@ fn worst_stray(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
 
 /// Largest distance of a path's points from its polyline; the length of the path, walked in small steps, and what that may be
 /// off by.
-fn beside(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
+fn polyline_errors(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
     let at = |t: f64| {
         let segment = (t as usize).min(path.tube.segments.len() - 1);
-        path.at(segment, t - segment as f64)
+        path.position_at(segment, t - segment as f64)
     };
     let off = |point: DVec3| {
         let pieces = polyline.windows(2).map(|piece| {
@@ -102,11 +102,11 @@ fn beside(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
 }
 
 /// The path as a polyline of 1,000 steps a segment against every triangle: slow, and shares nothing with the crate.
-fn walk(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, usize)> {
+fn march(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, usize)> {
     let steps = (1000.0 * t_end).ceil() as usize;
     let at = |t: f64| {
         let segment = (t as usize).min(path.tube.segments.len() - 1);
-        path.at(segment, t - segment as f64)
+        path.position_at(segment, t - segment as f64)
     };
     (0..steps).find_map(|k| {
         let [t0, t1] = [k, k + 1].map(|k| t_end * k as f64 / steps as f64);
@@ -125,9 +125,9 @@ fn walk(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, u
 fn first(tube: &Tube<f64>, (v, w): (f64, f64), triangles: &[[DVec3; 3]]) -> Option<BentHit> {
     let scene = scene_of(triangles);
     let bvh = Bvh::new(scene::pose(scene.clone()));
-    let path = bvh.path(tube, v, w);
+    let path = bvh.bent_path(tube, v, w);
     let hit = bvh.first_bent_hit(&path, tube.n as f64, |_| true);
-    assert_eq!(hit.is_some(), bvh.blocks(&path, tube.n as f64, |_| true));
+    assert_eq!(hit.is_some(), bvh.has_bent_hit(&path, tube.n as f64, |_| true));
     hit
 }
 
@@ -136,7 +136,7 @@ proptest! {
 
     #[test]
     fn chords_stay_within_their_bound(tube in tubes(), vw in across()) {
-        prop_assert!(worst_stray(&tube, vw) <= 1.0);
+        prop_assert!(worst_chord_error(&tube, vw) <= 1.0);
     }
 
     /// A polyline strays as little as it says, which is little enough wherever there are points enough.
@@ -145,11 +145,11 @@ proptest! {
         let path = BentPath::new(&tube, vw.0, vw.1, DVec3::ZERO);
         let t_end = share * tube.segments.len() as f64;
         let fine = path.polyline(t_end, 256);
-        let (stray, walked, unsure) = beside(&path, t_end, &fine.points);
-        prop_assert!(stray <= fine.stray + 1e-14 && fine.points.len() <= 256);
-        prop_assert!(fine.points.len() == 256 || fine.stray <= fine.length / 4096.0);
+        let (stray, walked, unsure) = polyline_errors(&path, t_end, &fine.points);
+        prop_assert!(stray <= fine.max_error + 1e-14 && fine.points.len() <= 256);
+        prop_assert!(fine.points.len() == 256 || fine.max_error <= fine.length / 4096.0);
         // Where the frame "up" flips about the curve, in next to no time, steps hop over the way that it takes.
-        let may_flip = tube.frame == Frame::Up && fine.length > walked;
+        let may_flip = tube.frame == FrameMode::Up && fine.length > walked;
         prop_assert!(may_flip || (fine.length - walked).abs() < 1e-6 * walked + unsure, "{} {walked}", fine.length);
     }
 
@@ -166,9 +166,9 @@ proptest! {
         }).collect();
         let nothing = Scene::default();
         // An empty scene has its origin at the world's: a path in the world.
-        let path = Bvh::new(scene::pose(nothing.clone())).path(&tube, vw.0, vw.1);
+        let path = Bvh::new(scene::pose(nothing.clone())).bent_path(&tube, vw.0, vw.1);
         let found = first(&tube, vw, &triangles);
-        let walked = walk(&path, &triangles, tube.n as f64);
+        let walked = march(&path, &triangles, tube.n as f64);
         // A polyline of steps h strays by |C''| h^2 / 8, here below 1e-5: near an edge, or where path and
         // plane are nearly parallel, the two may honestly differ.
         let agree = match (&found, &walked) {
@@ -196,8 +196,8 @@ fn is_a_near_miss(
     };
     let segment = segment.min(path.tube.segments.len() - 1);
     let (u, h) = (t - segment as f64, 1e-4);
-    let at = path.at(segment, u);
-    let tangent = (path.at(segment, u + h) - path.at(segment, u - h)).normalize_or_zero();
+    let at = path.position_at(segment, u);
+    let tangent = (path.position_at(segment, u + h) - path.position_at(segment, u - h)).normalize_or_zero();
     let [a, b, c] = triangles[index];
     let normal = (b - a).cross(c - a).normalize_or_zero();
     let to_edge = |p: DVec3, q: DVec3| (at - p).cross((q - p).normalize_or_zero()).length();
@@ -210,7 +210,7 @@ fn the_bound_on_chords_is_not_slack() {
     // A quarter circle's worth of bend: the bound would be useless if it were ten times what happens.
     let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0)], vec![0.2; 3]);
     let tube = Tube::new(&light).unwrap();
-    let worst = worst_stray(&tube, (0.5, 0.5));
+    let worst = worst_chord_error(&tube, (0.5, 0.5));
     assert!((0.2..=1.0).contains(&worst), "{worst}");
 }
 
@@ -221,8 +221,8 @@ fn a_polyline_of_few_points_strays() {
     let tube = Tube::new(&Light::bendy(points.into(), vec![0.1, 0.2, 0.3])).expect("a tube");
     let path = BentPath::new(&tube, 0.3, 0.4, DVec3::ZERO);
     let [few, many] = [3, 256].map(|most| path.polyline(1.0, most));
-    let (stray, ..) = beside(&path, 1.0, &few.points);
-    assert!(few.points.len() == 3 && stray > few.length / 4096.0 && few.stray >= stray);
+    let (stray, ..) = polyline_errors(&path, 1.0, &few.points);
+    assert!(few.points.len() == 3 && stray > few.length / 4096.0 && few.max_error >= stray);
     assert!((10..100).contains(&many.points.len()), "{}", many.points.len());
 }
 
@@ -232,7 +232,7 @@ fn a_wrong_sign_across_the_tube_is_seen() {
     let tube = Tube::new(&light).unwrap();
     // A small triangle in front of one path only.
     let (v, w) = (0.3, 0.6);
-    let on_path = Bvh::new(scene::pose(Scene::default())).path(&tube, v, w).at(0, 0.5);
+    let on_path = Bvh::new(scene::pose(Scene::default())).bent_path(&tube, v, w).position_at(0, 0.5);
     let triangle = [DVec3::new(-0.05, -0.05, 0.0), DVec3::new(0.05, -0.05, 0.0), DVec3::new(0.0, 0.05, 0.0)]
         .map(|corner| (on_path + corner).as_vec3().as_dvec3());
     let hit = first(&tube, (v, w), &[triangle]).expect("the triangle lies on the path");
@@ -245,17 +245,17 @@ fn a_wrong_sign_across_the_tube_is_seen() {
 fn a_straight_cone_has_straight_rays() {
     let spot = Light::spot()
         .with(RANGE, Some(4.0))
-        .placed(Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() });
+        .with_transform(Transform { translation: DVec3::new(1.0, 2.0, 3.0), ..Transform::default() });
     let tube = Tube::new(&light::bend(&spot, 3).unwrap()).unwrap();
     let wall = [DVec3::new(-9.0, -9.0, 0.5), DVec3::new(9.0, -9.0, -0.5), DVec3::new(0.0, 20.0, 0.0)];
     let scene = scene_of(&[wall]);
     let bvh = Bvh::new(scene::pose(scene.clone()));
     for (v, w) in [(0.0, 0.0), (0.9, 0.1), (-0.3, -0.8)] {
-        let path = bvh.path(&tube, v, w);
+        let path = bvh.bent_path(&tube, v, w);
         let bent = bvh.first_bent_hit(&path, 3.0, |_| true).unwrap();
-        let away = path.at(2, 1.0) - path.at(0, 0.0);
-        let straight = bvh.first_hit(path.at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
-        let position = path.at(0, 0.0) + away * straight.distance;
+        let away = path.position_at(2, 1.0) - path.position_at(0, 0.0);
+        let straight = bvh.first_hit(path.position_at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
+        let position = path.position_at(0, 0.0) + away * straight.distance;
         // Coordinates below 4 and a wall that is nearly square to the light: a few ulps.
         assert!(bent.position.distance(position) < 1e-14, "{bent:?} {position}");
     }
@@ -283,8 +283,9 @@ fn light_past_the_end_goes_straight_on() {
         .map(|corner| (end + turn * corner).as_vec3().as_dvec3());
     let scene = scene_of(&[wall]);
     let bvh = Bvh::new(scene::pose(scene.clone()));
-    let hit =
-        bvh.first_bent_hit(&bvh.path(&tube, 0.0, 0.0), 200.0, |_| true).expect("the wall stands in the way");
+    let hit = bvh
+        .first_bent_hit(&bvh.bent_path(&tube, 0.0, 0.0), 200.0, |_| true)
+        .expect("the wall stands in the way");
     // Corners of size 50 are rounded to f32: 4e-6.
     assert!((hit.position + bvh.posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
 }
@@ -302,6 +303,6 @@ fn a_path_in_a_triangles_plane_passes_it() {
     scene.nodes[0].parent_from_local = DAffine3::from_quat(rotation);
     let bvh = Bvh::new(scene::pose(scene.clone()));
     for w in [-0.9, -0.5, 0.0, 0.3, 0.8] {
-        assert!(!bvh.blocks(&bvh.path(&tube, 0.0, w), 3.0, |_| true), "w = {w}");
+        assert!(!bvh.has_bent_hit(&bvh.bent_path(&tube, 0.0, w), 3.0, |_| true), "w = {w}");
     }
 }

@@ -40,7 +40,7 @@ fn search(bvh: &Bvh, origin: DVec3, direction: DVec3) -> Option<(f64, usize)> {
     let hits = bvh.triangles.iter().enumerate().filter_map(|(index, triangle)| {
         let normal = triangle.normal();
         let distance = normal.dot(triangle.corners[0] - origin) / normal.dot(direction);
-        let on = triangle.weights_at(origin + direction * distance).is_some();
+        let on = triangle.barycentrics_at(origin + direction * distance).is_some();
         (distance >= 0.0 && on).then_some((distance, index))
     });
     hits.min_by(|a, b| a.partial_cmp(b).expect("finite"))

@@ -4,18 +4,18 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use crate::Surface;
+use crate::ShadedPoint;
 
 /// Least GGX alpha: a point light mirrored in a perfectly smooth surface would have infinite radiance. Part of
 /// what a material means here, on every backend.
 const MIN_ALPHA: f64 = 0.002;
 
-/// `f(l, v) max(0, n.l)`: the share of unit irradiance across `to_light` that leaves towards the eye, linear RGB
+/// `f(l, v) max(0, n.l)`: the share of unit irradiance across `toward` that leaves towards the eye, linear RGB
 /// (Real-Time Rendering, eqs 7.20 and 7.21), with factors of what is scattered and what is mirrored.
 ///
 /// Lambert under GGX (Walter et al. 2007) with height-correlated Smith visibility (Heitz 2014) and Schlick's
 /// Fresnel term.
-pub fn reflected(surface: &Surface, to_light: DVec3, [scattered, mirrored]: [f64; 2]) -> DVec3 {
+pub fn evaluate_brdf(surface: &ShadedPoint, to_light: DVec3, [scattered, mirrored]: [f64; 2]) -> DVec3 {
     let n = surface.normal;
     let n_l = n.dot(to_light);
     if n_l <= 0.0 {

@@ -14,7 +14,7 @@ pub enum ReferenceError {
     #[error("the camera's {0}: correct the camera")]
     Camera(&'static str),
     /// A factor of the fill outside its domain.
-    #[error("the fill cannot be {0} times the scene's: give a factor from 0 to {max}", max = scene::View::FILL.end())]
+    #[error("the fill cannot be {0} times the scene's: give a factor from 0 to {max}", max = scene::View::FILL_RANGE.end())]
     Fill(f64),
     /// An AOV of a light that is not there.
     #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]

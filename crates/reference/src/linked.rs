@@ -1,26 +1,26 @@
 //! A light with what of a scene counts for it.
 
 use light::CheckedLight;
-use raycast::Linked;
+use raycast::LinkedNodes;
 use scene::PosedScene;
 
-use crate::Source;
+use crate::ReferenceLight;
 
 /// A light with the nodes that count for it.
 #[derive(Clone, Debug)]
-pub struct LinkedSource {
-    source: Source,
-    linked: Linked,
+pub struct LinkedReferenceLight {
+    source: ReferenceLight,
+    linked: LinkedNodes,
 }
 
-impl LinkedSource {
+impl LinkedReferenceLight {
     /// A checked light over a scene.
     pub fn new(posed: &PosedScene, light: &CheckedLight) -> Self {
-        Self { source: Source::new(light), linked: Linked::new(posed, light) }
+        Self { source: ReferenceLight::new(light), linked: LinkedNodes::new(posed, light) }
     }
 
     /// The light, and the nodes.
-    pub(crate) fn parts(&self) -> (&Source, &Linked) {
+    pub(crate) fn parts(&self) -> (&ReferenceLight, &LinkedNodes) {
         (&self.source, &self.linked)
     }
 }

@@ -12,7 +12,7 @@ impl Reference {
     pub fn surface_near(&self, point_in_world: DVec3, within: f64) -> Option<DVec3> {
         let origin = self.bvh.posed.origin_in_world;
         let solid = |found: &raycast::SurfacePoint| {
-            self.bvh.is_solid(&self.bvh.triangles[found.triangle], found.weights)
+            self.bvh.passes_alpha_test(&self.bvh.triangles[found.triangle], found.barycentrics)
         };
         let found = self.bvh.nearest(point_in_world - origin, within, solid)?;
         Some(found.position + origin)

@@ -6,11 +6,11 @@ use rayon::prelude::*;
 use scene::{Aov, View};
 
 use crate::samples::sample_in_pixel;
-use crate::{LinkedSource, Reference, ReferenceError, Surface, reflected};
+use crate::{LinkedReferenceLight, Reference, ReferenceError, ShadedPoint, evaluate_brdf};
 
 /// Raw values, linear, with the meaning that [`Aov`] states.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Picture {
+pub struct ReferencePicture {
     /// Pixels.
     pub width: u32,
     /// Pixels.
@@ -27,16 +27,16 @@ impl Reference {
         view: &View,
         lights: &[LightInstance],
         row_done: impl Fn() + Sync,
-    ) -> Result<Picture, ReferenceError> {
+    ) -> Result<ReferencePicture, ReferenceError> {
         if view.width == 0 || view.height == 0 || view.samples == 0 {
             return Err(ReferenceError::EmptyView);
         }
         view.camera.check().map_err(ReferenceError::Camera)?;
-        if !View::FILL.contains(&view.fill) {
+        if !View::FILL_RANGE.contains(&view.fill) {
             return Err(ReferenceError::Fill(view.fill));
         }
-        let source = |instance: &LightInstance| LinkedSource::new(&self.bvh.posed, &instance.light);
-        let sources: Vec<_> = wanted(view, lights)?.iter().map(source).collect();
+        let source = |instance: &LightInstance| LinkedReferenceLight::new(&self.bvh.posed, &instance.light);
+        let sources: Vec<_> = required_lights(view, lights)?.iter().map(source).collect();
         let mut pixels = vec![[0.0; 4]; view.width as usize * view.height as usize];
         pixels.par_chunks_exact_mut(view.width as usize).enumerate().for_each(|(y, row)| {
             for (x, pixel) in row.iter_mut().enumerate() {
@@ -44,11 +44,11 @@ impl Reference {
             }
             row_done();
         });
-        Ok(Picture { width: view.width, height: view.height, pixels })
+        Ok(ReferencePicture { width: view.width, height: view.height, pixels })
     }
 
-    fn pixel(&self, view: &View, sources: &[LinkedSource], corner: DVec2) -> [f64; 4] {
-        let samples = if view.aov.takes_samples() { view.samples } else { 1 };
+    fn pixel(&self, view: &View, sources: &[LinkedReferenceLight], corner: DVec2) -> [f64; 4] {
+        let samples = if view.aov.can_be_multisampled() { view.samples } else { 1 };
         let mut sum = [0.0; 4];
         for index in 0..samples {
             let at = corner + sample_in_pixel(index, samples);
@@ -61,21 +61,26 @@ impl Reference {
     }
 
     /// What a surface shows; `None` outside the light that is asked for.
-    fn value(&self, view: &View, sources: &[LinkedSource], surface: &Surface) -> Option<[f64; 4]> {
+    fn value(
+        &self,
+        view: &View,
+        sources: &[LinkedReferenceLight],
+        surface: &ShadedPoint,
+    ) -> Option<[f64; 4]> {
         let first = || sources.first().and_then(|source| self.sample_unshadowed(source.parts(), surface));
         let value = match view.aov {
             Aov::Beauty => self.radiance(sources, view.fill, surface),
             Aov::Depth => DVec3::splat(surface.depth),
             Aov::Normal => surface.normal,
             Aov::Position => surface.position + self.bvh.posed.origin_in_world,
-            Aov::T => DVec3::splat(first()?.place.t),
+            Aov::T => DVec3::splat(first()?.coords.t),
             Aov::Vw => {
-                let place = first()?.place;
+                let place = first()?.coords;
                 DVec3::new(place.v, place.w, 0.0)
             }
-            Aov::Direction => first()?.place.direction,
+            Aov::Direction => first()?.coords.direction,
             Aov::Visibility => {
-                let visible = self.sample_linked(sources.first()?.parts(), surface)?.visible;
+                let visible = self.sample_linked(sources.first()?.parts(), surface)?.is_visible;
                 DVec3::splat(if visible { 1.0 } else { 0.0 })
             }
             Aov::Wireframe => return None,
@@ -84,16 +89,16 @@ impl Reference {
     }
 
     /// Radiance towards the eye under `sources` and `fill` times the scene's fill, linear RGB.
-    pub fn radiance(&self, sources: &[LinkedSource], fill: f64, surface: &Surface) -> DVec3 {
+    pub fn radiance(&self, sources: &[LinkedReferenceLight], fill: f64, surface: &ShadedPoint) -> DVec3 {
         let lit: DVec3 = sources
             .iter()
             .map(|source| {
                 let Some(light) = self.sample_unshadowed(source.parts(), surface) else { return DVec3::ZERO };
-                let filter = source.parts().0.light_filter();
+                let filter = source.parts().0.light_profile();
                 let lobes = [filter.diffuse, filter.specular];
-                let radiance = reflected(surface, light.place.direction, lobes) * light.irradiance;
+                let radiance = evaluate_brdf(surface, light.coords.direction, lobes) * light.irradiance;
                 // A shadow is only looked for where it could be seen.
-                let lit = radiance != DVec3::ZERO && self.reaches(source.parts(), surface, &light);
+                let lit = radiance != DVec3::ZERO && self.is_lit(source.parts(), surface, &light);
                 radiance * filter.arriving(if lit { 1.0 } else { 0.0 })
             })
             .sum();
@@ -102,7 +107,7 @@ impl Reference {
 
     /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
     /// Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray.
-    pub(crate) fn fill(&self, surface: &Surface) -> DVec3 {
+    pub(crate) fn fill(&self, surface: &ShadedPoint) -> DVec3 {
         let fill = &self.bvh.posed.scene.fill;
         let hemisphere = |toward: DVec3| fill.ground.lerp(fill.sky, toward.y * 0.5 + 0.5);
         let n = surface.normal;
@@ -113,12 +118,15 @@ impl Reference {
 }
 
 /// The lights that the view needs: all, the one it is of, or none.
-fn wanted<'a>(view: &View, lights: &'a [LightInstance]) -> Result<&'a [LightInstance], ReferenceError> {
+fn required_lights<'a>(
+    view: &View,
+    lights: &'a [LightInstance],
+) -> Result<&'a [LightInstance], ReferenceError> {
     let (index, count) = (view.light, lights.len());
     match view.aov {
         Aov::Beauty => Ok(lights),
         Aov::Wireframe => Err(ReferenceError::NoShadowMap),
-        aov if !aov.is_of_light() => Ok(&[]),
+        aov if !aov.is_per_light() => Ok(&[]),
         _ => lights.get(index..=index).ok_or(ReferenceError::NoSuchLight { index, count }),
     }
 }

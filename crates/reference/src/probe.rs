@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 use light::parameters::ENABLED;
-use light::{LightId, LightInstance, Place, Rays, Tube};
-use raycast::Linked;
+use light::{LightCoords, LightId, LightInstance, LightRays, Tube};
+use raycast::LinkedNodes;
 use scene::View;
 
-use crate::{LightSample, Reference, ReferenceError, Source, Surface, reflected};
+use crate::{LightSample, Reference, ReferenceError, ReferenceLight, ShadedPoint, evaluate_brdf};
 
 /// Most points of a path that is drawn.
 const MAX_PATH_POINTS: usize = 256;
@@ -79,7 +79,7 @@ pub enum LightState {
     /// The surface turns its back to where its light comes from.
     FacingAway,
     /// Something stands in its way.
-    Shadowed(Caster),
+    Shadowed(ProbedCaster),
 }
 
 /// Why a light shines nowhere.
@@ -95,7 +95,7 @@ pub enum DisabledBy {
 
 /// The first that light meets on its way to a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Caster {
+pub struct ProbedCaster {
     /// Index of the node in the scene.
     pub node: usize,
     /// Where, in the world.
@@ -106,7 +106,7 @@ pub struct Caster {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbedPlace {
     /// Along the light and across it, and where its light comes from.
-    pub place: Place,
+    pub coords: LightCoords,
     /// Radius of the tube or the cone there, in world units; `None` of lights that have none.
     pub radius: Option<f64>,
     /// Length of the light's way from its source, in world units; `None` where it comes from infinitely far away.
@@ -152,25 +152,26 @@ impl Reference {
         Ok(Probe { seen: Some(seen), lights })
     }
 
-    fn probe_light(&self, light: &LightInstance, is_muted: bool, surface: &Surface) -> LightProbe {
-        let (source, linked) = (Source::new(&light.light), Linked::new(&self.bvh.posed, &light.light));
+    fn probe_light(&self, light: &LightInstance, is_muted: bool, surface: &ShadedPoint) -> LightProbe {
+        let (source, linked) =
+            (ReferenceLight::new(&light.light), LinkedNodes::new(&self.bvh.posed, &light.light));
         // Where it lies, linked or not.
-        let sample = self.sample_unshadowed((&source, &Linked::default()), surface);
+        let sample = self.sample_unshadowed((&source, &LinkedNodes::default()), surface);
         let state = self.state(light, is_muted, (&source, &linked), surface, sample.as_ref());
         let (mut irradiance, mut radiance) = (DVec3::ZERO, DVec3::ZERO);
         if let Some(sample) = &sample
             && !matches!(state, LightState::Disabled(_) | LightState::Unlinked)
         {
-            let filter = source.light_filter();
+            let filter = source.light_profile();
             let lobes = [filter.diffuse, filter.specular];
             let visibility = if state == LightState::Lit { 1.0 } else { 0.0 };
             irradiance = sample.irradiance;
-            radiance = reflected(surface, sample.place.direction, lobes)
+            radiance = evaluate_brdf(surface, sample.coords.direction, lobes)
                 * sample.irradiance
                 * filter.arriving(visibility);
         }
         let (place, path) = sample.map_or((None, Vec::new()), |sample| {
-            let (place, path) = self.way(light.light.rays(), surface.position, &sample);
+            let (place, path) = self.light_path(light.light.rays(), surface.position, &sample);
             (Some(place), path)
         });
         LightProbe { light: light.clone(), state, place, irradiance, radiance, share: 0.0, path }
@@ -180,11 +181,11 @@ impl Reference {
         &self,
         light: &LightInstance,
         is_muted: bool,
-        (source, linked): (&Source, &Linked),
-        surface: &Surface,
+        (source, linked): (&ReferenceLight, &LinkedNodes),
+        surface: &ShadedPoint,
         sample: Option<&LightSample>,
     ) -> LightState {
-        let filter = source.light_filter();
+        let filter = source.light_profile();
         if is_muted {
             return LightState::Disabled(DisabledBy::Muted);
         }
@@ -194,7 +195,7 @@ impl Reference {
         if filter.is_dark() {
             return LightState::Disabled(DisabledBy::Dark);
         }
-        if !linked.lights(surface.node) {
+        if !linked.is_lit(surface.node) {
             return LightState::Unlinked;
         }
         let Some(sample) = sample else { return LightState::Outside };
@@ -202,51 +203,57 @@ impl Reference {
             return LightState::Faded;
         }
         let can_be_shadowed = filter.shadow_enable;
-        if surface.normal.dot(sample.place.direction) <= 0.0
-            || can_be_shadowed && self.turns_away(linked, surface, sample)
+        if surface.normal.dot(sample.coords.direction) <= 0.0
+            || can_be_shadowed && self.is_back_facing(linked, surface, sample)
         {
             return LightState::FacingAway;
         }
-        if !can_be_shadowed || self.is_way_free((source, linked), surface, sample) {
+        if !can_be_shadowed || self.has_line_of_sight((source, linked), surface, sample) {
             return LightState::Lit;
         }
-        let found = self.first_in_way((source, linked), surface, sample);
+        let found = self.first_occluder((source, linked), surface, sample);
         // What only rounding puts into the way lies on the surface itself.
         let (node, position) = found.map_or((surface.node, surface.position), |obstacle| {
             (self.bvh.triangles[obstacle.triangle].node, obstacle.position)
         });
-        LightState::Shadowed(Caster { node, position: self.in_world(position) })
+        LightState::Shadowed(ProbedCaster { node, position: self.in_world(position) })
     }
 
     /// Where a point lies in a light, and the way of its light there.
-    fn way(&self, rays: &Rays, point: DVec3, sample: &LightSample) -> (ProbedPlace, Vec<DVec3>) {
-        let place = sample.place;
+    fn light_path(&self, rays: &LightRays, point: DVec3, sample: &LightSample) -> (ProbedPlace, Vec<DVec3>) {
+        let place = sample.coords;
         let straight = |from: DVec3| vec![self.in_world(from), self.in_world(point)];
         let in_scene = |source: DVec3| source - self.bvh.posed.origin_in_world;
         match rays {
-            Rays::Bent(tube) => self.bent_way(tube, place),
-            Rays::Cone(cone) => {
+            LightRays::Bent(tube) => self.bent_light_path(tube, place),
+            LightRays::Cone(cone) => {
                 let from = in_scene(cone.translation);
                 let radius = -(cone.rotation.transpose() * (point - from)).z * cone.tan_outer;
-                (ProbedPlace { place, radius: Some(radius), path_length: Some(place.s) }, straight(from))
+                (
+                    ProbedPlace { coords: place, radius: Some(radius), path_length: Some(place.s) },
+                    straight(from),
+                )
             }
-            Rays::Omni(omni) => {
+            LightRays::Omni(omni) => {
                 let path_length = Some(place.s);
-                (ProbedPlace { place, radius: None, path_length }, straight(in_scene(omni.translation)))
+                (
+                    ProbedPlace { coords: place, radius: None, path_length },
+                    straight(in_scene(omni.translation)),
+                )
             }
-            Rays::Parallel(parallel) => {
-                let from = self.bvh.outside(point, parallel.direction());
-                (ProbedPlace { place, radius: None, path_length: None }, straight(from))
+            LightRays::Parallel(parallel) => {
+                let from = self.bvh.point_outside_scene(point, parallel.direction());
+                (ProbedPlace { coords: place, radius: None, path_length: None }, straight(from))
             }
         }
     }
 
-    fn bent_way(&self, tube: &Tube<f64>, place: Place) -> (ProbedPlace, Vec<DVec3>) {
-        let polyline = self.bvh.path(tube, place.v, place.w).polyline(place.t, MAX_PATH_POINTS);
+    fn bent_light_path(&self, tube: &Tube<f64>, place: LightCoords) -> (ProbedPlace, Vec<DVec3>) {
+        let polyline = self.bvh.bent_path(tube, place.v, place.w).polyline(place.t, MAX_PATH_POINTS);
         let segment = (place.t as usize).min(tube.segments.len() - 1);
         let radius = tube.segments[segment].curve.radius(place.t - segment as f64);
         let place = ProbedPlace {
-            place,
+            coords: place,
             radius: Some(radius * tube.placement.world_per_tube),
             path_length: Some(polyline.length),
         };

@@ -24,8 +24,8 @@ impl Reference {
 
     /// Of a scene that is prepared for rays, to look at single points: it keeps nothing of textures, whose levels in f64 take
     /// ten times their pictures' bytes.
-    pub fn for_points(bvh: Arc<Bvh>) -> Self {
-        let textures = Textures::unkept(Arc::clone(&bvh.posed.scene));
+    pub fn for_point_queries(bvh: Arc<Bvh>) -> Self {
+        let textures = Textures::uncached(Arc::clone(&bvh.posed.scene));
         Self { bvh, textures }
     }
 }

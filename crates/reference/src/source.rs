@@ -1,11 +1,11 @@
 //! Lights, and what they do at a point: everything but their shadows.
 
 use glam::{DVec2, DVec3};
-use light::{CheckedLight, Cone, LightFilter, Omni, Parallel, Place, Rays, Tube};
+use light::{CheckedLight, Cone, LightCoords, LightProfile, LightRays, Omni, Parallel, Tube};
 
 /// A checked light, ready to be asked.
 #[derive(Clone, Debug)]
-pub enum Source {
+pub enum ReferenceLight {
     /// Light along a spline.
     Bendy(Tube<f64>),
     /// Light along straight lines, in a cone.
@@ -20,34 +20,34 @@ pub enum Source {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
     /// Where it lies in the light.
-    pub place: Place,
+    pub coords: LightCoords,
     /// Unit vector in world space from the surface back along the path that the light takes; it is what
     /// visibility follows, and differs from `place.direction` by what a light's `direction` leaves out.
     pub along_path: DVec3,
     /// On a surface square to the light, linear RGB, without the shadow.
     pub irradiance: DVec3,
     /// Whether nothing is in the way.
-    pub visible: bool,
+    pub is_visible: bool,
 }
 
-impl Source {
+impl ReferenceLight {
     /// What becomes of its light on the way.
-    pub fn light_filter(&self) -> &LightFilter {
+    pub fn light_profile(&self) -> &LightProfile {
         match self {
-            Self::Bendy(tube) => &tube.light_filter,
-            Self::Spot(cone) => &cone.light_filter,
-            Self::Omni(omni) => &omni.light_filter,
-            Self::Directional(parallel) => &parallel.light_filter,
+            Self::Bendy(tube) => &tube.light_profile,
+            Self::Spot(cone) => &cone.light_profile,
+            Self::Omni(omni) => &omni.light_profile,
+            Self::Directional(parallel) => &parallel.light_profile,
         }
     }
 
     /// Prepares a light.
     pub fn new(light: &CheckedLight) -> Self {
         match light.rays() {
-            Rays::Bent(tube) => Self::Bendy(tube.clone()),
-            Rays::Cone(cone) => Self::Spot(cone.clone()),
-            Rays::Parallel(parallel) => Self::Directional(parallel.clone()),
-            Rays::Omni(omni) => Self::Omni(omni.clone()),
+            LightRays::Bent(tube) => Self::Bendy(tube.clone()),
+            LightRays::Cone(cone) => Self::Spot(cone.clone()),
+            LightRays::Parallel(parallel) => Self::Directional(parallel.clone()),
+            LightRays::Omni(omni) => Self::Omni(omni.clone()),
         }
     }
 }
@@ -56,21 +56,21 @@ impl Source {
 pub(crate) fn sample_cone(cone: &Cone, source: DVec3, point: DVec3) -> Option<LightSample> {
     let place = cone.locate(point - source)?;
     let irradiance = cone.irradiance(&place);
-    Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
+    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
 /// An omni light with its source at `source`, at `point`, or `None` past its range.
 pub(crate) fn sample_omni(omni: &Omni, source: DVec3, point: DVec3) -> Option<LightSample> {
     let place = omni.locate(point - source)?;
     let irradiance = omni.irradiance(&place);
-    Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
+    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
 /// A directional light at `point`, or `None` outside its window.
 pub(crate) fn sample_parallel(parallel: &Parallel, point: DVec3) -> Option<LightSample> {
     let place = parallel.locate(point)?;
     let irradiance = parallel.irradiance(&place);
-    Some(LightSample { place, along_path: place.direction, irradiance, visible: true })
+    Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
 /// A BendyLight with its source at `source`, at `point`, or `None` outside its tube.
@@ -79,10 +79,10 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
     let in_tube = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
     let root = tube.nearest_root(in_tube)?;
     Some(LightSample {
-        place: tube.place_at(&root),
+        coords: tube.place_at(&root),
         along_path: tube.placement.rotation * tube.path_direction_at(&root),
         irradiance: tube.irradiance(&root),
-        visible: true,
+        is_visible: true,
     })
 }
 
@@ -91,7 +91,7 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
 ///
 /// Newton's method on `(q - P) . P'` from that place: a few steps, each squaring an error that starts as the bend of the
 /// curve over the distance.
-pub(crate) fn place_beside(
+pub(crate) fn coords_near(
     tube: &Tube<f64>,
     source: DVec3,
     sample: &LightSample,
@@ -106,7 +106,7 @@ pub(crate) fn place_beside(
         let index = (t as usize).min(last);
         (&tube.segments[index].curve, t - index as f64)
     };
-    let mut t = sample.place.t;
+    let mut t = sample.coords.t;
     for _ in 0..STEPS {
         let (curve, u) = piece(t);
         let (r, d) = (curve.offset(q, u), curve.d(u));

@@ -3,7 +3,7 @@
 use std::ops::Deref;
 
 use glam::{DVec2, DVec3, DVec4};
-use raycast::{Seen, Triangle};
+use raycast::{SeenPoint, Triangle};
 use scene::{Material, View, ViewRay};
 
 use crate::Reference;
@@ -11,9 +11,9 @@ use crate::texture::Footprint;
 
 /// A point of a surface, seen from somewhere, with its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface {
+pub struct ShadedPoint {
     /// The point.
-    pub seen: Seen,
+    pub seen: SeenPoint,
     /// Linear, 0 to 1.
     pub base_color: DVec3,
     /// 0 to 1.
@@ -22,10 +22,10 @@ pub struct Surface {
     pub roughness: f64,
 }
 
-impl Deref for Surface {
-    type Target = Seen;
+impl Deref for ShadedPoint {
+    type Target = SeenPoint;
 
-    fn deref(&self) -> &Seen {
+    fn deref(&self) -> &SeenPoint {
         &self.seen
     }
 }
@@ -35,16 +35,16 @@ impl Reference {
     /// 0.5) is the centre of the first pixel. `None` where there is only background.
     ///
     /// Back faces are seen where the material is double-sided; holes of an alpha-tested one are not there.
-    pub fn surface(&self, view: &View, pixel: DVec2) -> Option<Surface> {
-        let seen = self.bvh.seen(&self.ray(view, pixel))?;
+    pub fn surface(&self, view: &View, pixel: DVec2) -> Option<ShadedPoint> {
+        let seen = self.bvh.visible_point(&self.ray(view, pixel))?;
         let triangle = &self.bvh.triangles[seen.triangle];
         let material = self.bvh.material(triangle);
-        let footprint = self.footprint(view, pixel, triangle, seen.weights);
-        let base = self.base_color(triangle, material, &footprint, seen.weights);
+        let footprint = self.footprint(view, pixel, triangle, seen.barycentrics);
+        let base = self.base_color(triangle, material, &footprint, seen.barycentrics);
         let texel = material
             .metallic_roughness_texture
             .map_or(DVec4::ONE, |texture| self.textures.linear(texture, &footprint));
-        Some(Surface {
+        Some(ShadedPoint {
             seen,
             base_color: base.truncate().clamp(DVec3::ZERO, DVec3::ONE),
             metallic: (f64::from(material.metallic) * texel.z).clamp(0.0, 1.0),

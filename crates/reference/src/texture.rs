@@ -42,7 +42,7 @@ impl Textures {
     }
 
     /// The same, keeping nothing: for a few points.
-    pub fn unkept(scene: Arc<Scene>) -> Self {
+    pub fn uncached(scene: Arc<Scene>) -> Self {
         Self { scene, chains: None }
     }
 
@@ -75,13 +75,13 @@ impl Textures {
         }
         let table = decoded(srgb);
         let is_nearest = texels <= 1.0 && texture.sampler.nearest;
-        let at = |level: usize| read(image, &table, texture, footprint.uv, (level, is_nearest));
+        let at = |level: usize| sample_uncached(image, &table, texture, footprint.uv, (level, is_nearest));
         if share == 0.0 { at(fine) } else { at(fine).lerp(at(coarse), share) }
     }
 }
 
 /// What [`nearest`] or [`bilinear`] would give of a level, by the texels of full size that it is made of.
-fn read(
+fn sample_uncached(
     image: &Image,
     table: &[f64],
     texture: TextureRef,

@@ -15,8 +15,8 @@ impl AlphaTest {
         offset: 0,
         width: 1,
         height: 1,
-        wrap_u: Wrap::Repeat,
-        wrap_v: Wrap::Repeat,
+        wrap_u: TexelWrap::Repeat,
+        wrap_v: TexelWrap::Repeat,
         nearest: false,
     };
 }
@@ -28,14 +28,14 @@ use glam::{Vec2, Vec3};
 
 /// What becomes of a picture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
+pub enum TexelWrap {
     /// It begins again.
     #[default]
     Repeat,
     /// It begins again, every other time turned over.
-    Mirror,
+    MirroredRepeat,
     /// Its edge goes on.
-    Edge,
+    ClampToEdge,
 }
 
 /// The alpha test of one material's triangles, and the picture it looks at.
@@ -56,9 +56,9 @@ pub struct AlphaTest {
     /// Texels along v.
     pub height: u32,
     /// Along u.
-    pub wrap_u: Wrap,
+    pub wrap_u: TexelWrap,
     /// Along v.
-    pub wrap_v: Wrap,
+    pub wrap_v: TexelWrap,
     /// Texels are not blended.
     pub nearest: bool,
 }
@@ -127,14 +127,14 @@ impl AlphaTests<'_> {
 
 /// The texel that a whole number along one axis stands for.
 #[inline(always)]
-fn wrapped(x: f32, size: usize, wrap: Wrap) -> usize {
+fn wrapped(x: f32, size: usize, wrap: TexelWrap) -> usize {
     let size = size as f32;
-    let period = if wrap == Wrap::Mirror { 2.0 * size } else { size };
+    let period = if wrap == TexelWrap::MirroredRepeat { 2.0 * size } else { size };
     let inside = x - period * ((x + 0.5) / period).floor();
     let found = match wrap {
-        Wrap::Repeat => inside,
-        Wrap::Mirror => inside.min(period - 1.0 - inside),
-        Wrap::Edge => x,
+        TexelWrap::Repeat => inside,
+        TexelWrap::MirroredRepeat => inside.min(period - 1.0 - inside),
+        TexelWrap::ClampToEdge => x,
     };
     found.clamp(0.0, size - 1.0) as usize
 }

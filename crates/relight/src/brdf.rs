@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_1_PI;
 use light::Lanes;
 
 use crate::lanes::{F32s, Vec3s};
-use crate::surfaces::Surface;
+use crate::surfaces::SurfaceLanes;
 
 /// A highlight's least width; why, `brdf.wgsl` says.
 const MIN_ALPHA: f32 = 0.002;
@@ -20,7 +20,7 @@ pub(crate) struct Lobes {
 
 /// What reaches the eye of unit irradiance perpendicular to `to_light`: scattered, and mirrored. 0 from behind.
 #[inline(always)]
-pub(crate) fn reflected(surface: &Surface, to_light: Vec3s) -> Lobes {
+pub(crate) fn evaluate_brdf(surface: &SurfaceLanes, to_light: Vec3s) -> Lobes {
     let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));
     let n = surface.normal;
     let n_l = F32s::dot(n, to_light);

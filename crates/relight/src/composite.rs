@@ -4,20 +4,20 @@ use rayon::prelude::*;
 
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
-use crate::layer::{Layer, Light, Onto, draw_light};
-use crate::screen::{BLACK, BYTES_A_PIXEL, Exposure, shown};
-use crate::simd::{self, Work};
-use crate::surfaces::{Block, SIDE};
-use crate::{Cancelled, Scene, Surfaces, Workers};
+use crate::layer::{LayerTarget, LightLayer, RelitLight, draw_light};
+use crate::screen::{BLACK, BYTES_PER_PIXEL, Exposure, tone_mapped_rgba8};
+use crate::simd::{self, SimdTask};
+use crate::surfaces::{BLOCK_SIDE, PixelBlock};
+use crate::{Cancelled, CasterScene, Surfaces, Workers};
 
 /// Blocks that a thread adds up at once.
-const BLOCKS_A_TURN: usize = 256;
+const BLOCKS_PER_CHUNK: usize = 256;
 
 /// A layer and the factors of what it scatters and mirrors: linear RGB.
 #[derive(Clone, Copy, Debug)]
-pub struct Term<'a> {
+pub struct LayerTerm<'a> {
     /// Of the same surfaces as its neighbours.
-    pub layer: &'a Layer,
+    pub layer: &'a LightLayer,
     /// Factor of what is scattered.
     pub diffuse: [f32; 3],
     /// Factor of what is mirrored.
@@ -26,18 +26,18 @@ pub struct Term<'a> {
 
 /// What adds up to a picture, or to a sum, of the same surfaces; nothing where there is none.
 #[derive(Clone, Copy, Debug)]
-pub enum Terms<'a> {
+pub enum LayerTerms<'a> {
     /// Layers with their factors.
-    Layers(&'a [Term<'a>]),
+    Layers(&'a [LayerTerm<'a>]),
     /// Sums as they are.
-    Sums(&'a [&'a Sum]),
+    Sums(&'a [&'a LayerSum]),
 }
 
 /// Linear radiance of each block of surfaces that some lights add up to.
 #[derive(Clone, Debug, Default)]
-pub struct Sum(Vec<Vec3s>);
+pub struct LayerSum(Vec<Vec3s>);
 
-impl Sum {
+impl LayerSum {
     /// Of how many blocks of surfaces it is.
     pub fn block_count(&self) -> usize {
         self.0.len()
@@ -49,7 +49,7 @@ impl Sum {
     }
 }
 
-impl Terms<'_> {
+impl LayerTerms<'_> {
     /// What they add up to on one block.
     #[inline(always)]
     fn sum_on(&self, block: usize) -> Vec3s {
@@ -58,7 +58,7 @@ impl Terms<'_> {
             Self::Layers(terms) => {
                 for term in *terms {
                     let texel = &term.layer.0[block];
-                    total = total + texel.weighed([term.diffuse, term.specular]);
+                    total = total + texel.weighted_sum([term.diffuse, term.specular]);
                 }
             }
             Self::Sums(sums) => {
@@ -72,11 +72,11 @@ impl Terms<'_> {
 }
 
 /// Adds up `terms` of `surfaces`.
-pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: Terms, Sum(into): &mut Sum) {
+pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: LayerTerms, LayerSum(into): &mut LayerSum) {
     into.resize(surfaces.block_count(), Vec3s::splat([0.0; 3]));
     workers.run(|| {
-        into.par_chunks_mut(BLOCKS_A_TURN).enumerate().for_each(|(turn, into)| {
-            simd::run(Added { terms, first: turn * BLOCKS_A_TURN, into });
+        into.par_chunks_mut(BLOCKS_PER_CHUNK).enumerate().for_each(|(turn, into)| {
+            simd::run(AddTerms { terms, first: turn * BLOCKS_PER_CHUNK, into });
         });
     });
 }
@@ -86,21 +86,21 @@ pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: Terms, Sum(into): &mut
 pub fn add_light(
     workers: &Workers,
     surfaces: &Surfaces,
-    scene: &Scene,
-    light: (&Light, Option<&DepthMap>),
+    scene: &CasterScene,
+    light: (&RelitLight, Option<&DepthMap>),
     (pixels, factors): ([u32; 4], [[f32; 3]; 2]),
-    Sum(into): &mut Sum,
+    LayerSum(into): &mut LayerSum,
 ) -> Result<u64, Cancelled> {
-    draw_light(workers, surfaces, scene, light, pixels, Onto::Sum(into, factors))
+    draw_light(workers, surfaces, scene, light, pixels, LayerTarget::Sum(into, factors))
 }
 
-struct Added<'a> {
-    terms: Terms<'a>,
+struct AddTerms<'a> {
+    terms: LayerTerms<'a>,
     first: usize,
     into: &'a mut [Vec3s],
 }
 
-impl Work for Added<'_> {
+impl SimdTask for AddTerms<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -118,21 +118,21 @@ impl Work for Added<'_> {
 pub fn add_sample(
     workers: &Workers,
     surfaces: &Surfaces,
-    terms: Terms,
+    terms: LayerTerms,
     (fill_factor, weight): (f32, f32),
     radiance: &mut [[f32; 4]],
 ) {
     let width = surfaces.size()[0] as usize;
     workers.run(|| {
-        radiance.par_chunks_mut(SIDE * width).enumerate().for_each(|(row, pixels)| {
-            simd::run(Sampled { surfaces, terms, fill_factor, weight, row, width, pixels });
+        radiance.par_chunks_mut(BLOCK_SIDE * width).enumerate().for_each(|(row, pixels)| {
+            simd::run(AddSample { surfaces, terms, fill_factor, weight, row, width, pixels });
         });
     });
 }
 
-struct Sampled<'a> {
+struct AddSample<'a> {
     surfaces: &'a Surfaces,
-    terms: Terms<'a>,
+    terms: LayerTerms<'a>,
     fill_factor: f32,
     weight: f32,
     row: usize,
@@ -140,17 +140,18 @@ struct Sampled<'a> {
     pixels: &'a mut [[f32; 4]],
 }
 
-impl Work for Sampled<'_> {
+impl SimdTask for AddSample<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { surfaces, terms, fill_factor, weight, row, width, pixels } = self;
-        for index in surfaces.rows[row]..surfaces.rows[row + 1] {
-            let radiance = shown_radiance(surfaces, &terms, fill_factor, index) * F32s::splat(weight);
+        for index in surfaces.row_starts[row]..surfaces.row_starts[row + 1] {
+            let radiance = total_radiance(surfaces, &terms, fill_factor, index) * F32s::splat(weight);
             let block = &surfaces.blocks[index];
             for i in 0..LANES {
-                if let Some([r, g, b, alpha]) = place(block, i, width).and_then(|at| pixels.get_mut(at)) {
+                if let Some([r, g, b, alpha]) = pixel_index(block, i, width).and_then(|at| pixels.get_mut(at))
+                {
                     *r += radiance.x.0[i];
                     *g += radiance.y.0[i];
                     *b += radiance.z.0[i];
@@ -163,15 +164,15 @@ impl Work for Sampled<'_> {
 
 /// What comes from no light, and what `terms` add.
 #[inline(always)]
-fn shown_radiance(surfaces: &Surfaces, terms: &Terms, fill_factor: f32, block: usize) -> Vec3s {
+fn total_radiance(surfaces: &Surfaces, terms: &LayerTerms, fill_factor: f32, block: usize) -> Vec3s {
     surfaces.fill[block] * F32s::splat(fill_factor) + terms.sum_on(block)
 }
 
 /// Where one of a block's pixels lies in its row of blocks, where it sees something.
 #[inline(always)]
-fn place(block: &Block, lane: usize, width: usize) -> Option<usize> {
-    let x = block.corner[0] as usize + lane % SIDE;
-    (block.triangle.0[lane] != 0).then_some(lane / SIDE * width + x)
+fn pixel_index(block: &PixelBlock, lane: usize, width: usize) -> Option<usize> {
+    let x = block.corner[0] as usize + lane % BLOCK_SIDE;
+    (block.triangle.0[lane] != 0).then_some(lane / BLOCK_SIDE * width + x)
 }
 
 /// What a screen shows of `terms` and `fill_factor` times the fill: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel, rows
@@ -179,13 +180,13 @@ fn place(block: &Block, lane: usize, width: usize) -> Option<usize> {
 pub fn display(
     workers: &Workers,
     surfaces: &Surfaces,
-    terms: Terms,
+    terms: LayerTerms,
     (fill_factor, exposure): (f32, Exposure),
 ) -> Vec<u8> {
     let [width, height] = surfaces.size().map(|side| side as usize);
-    let mut bytes = vec![0; BYTES_A_PIXEL * width * height];
+    let mut bytes = vec![0; BYTES_PER_PIXEL * width * height];
     workers.run(|| {
-        bytes.par_chunks_mut(BYTES_A_PIXEL * SIDE * width).enumerate().for_each(|(row, bytes)| {
+        bytes.par_chunks_mut(BYTES_PER_PIXEL * BLOCK_SIDE * width).enumerate().for_each(|(row, bytes)| {
             simd::run(Display { surfaces, terms, fill_factor, exposure, row, width, bytes });
         });
     });
@@ -194,7 +195,7 @@ pub fn display(
 
 struct Display<'a> {
     surfaces: &'a Surfaces,
-    terms: Terms<'a>,
+    terms: LayerTerms<'a>,
     fill_factor: f32,
     exposure: Exposure,
     row: usize,
@@ -202,23 +203,23 @@ struct Display<'a> {
     bytes: &'a mut [u8],
 }
 
-impl Work for Display<'_> {
+impl SimdTask for Display<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { surfaces, terms, fill_factor, exposure, row, width, bytes } = self;
-        let pixels = bytes.as_chunks_mut::<BYTES_A_PIXEL>().0;
+        let pixels = bytes.as_chunks_mut::<BYTES_PER_PIXEL>().0;
         // Where nothing is seen it is black.
         pixels.fill(BLACK.0[0].to_le_bytes());
-        for index in surfaces.rows[row]..surfaces.rows[row + 1] {
-            let radiance = shown_radiance(surfaces, &terms, fill_factor, index);
+        for index in surfaces.row_starts[row]..surfaces.row_starts[row + 1] {
+            let radiance = total_radiance(surfaces, &terms, fill_factor, index);
             let block = &surfaces.blocks[index];
             let seen = !block.triangle.equals(U32s::splat(0));
-            let shown = U32s::select(seen, shown(radiance, exposure), BLACK);
+            let shown = U32s::select(seen, tone_mapped_rgba8(radiance, exposure), BLACK);
             let x = block.corner[0] as usize;
-            let columns = SIDE.min(width - x);
-            for (row, shown) in pixels.chunks_mut(width).zip(shown.0.as_chunks::<SIDE>().0) {
+            let columns = BLOCK_SIDE.min(width - x);
+            for (row, shown) in pixels.chunks_mut(width).zip(shown.0.as_chunks::<BLOCK_SIDE>().0) {
                 for (pixel, shown) in row[x..x + columns].iter_mut().zip(shown) {
                     *pixel = shown.to_le_bytes();
                 }

@@ -60,7 +60,7 @@ pub(crate) fn exp2(x: F32s) -> F32s {
 }
 
 /// Angle of the vector (x, y) from the first axis, from -pi to pi: off by 4e-7. The polynomial in `z = (least / most)^2` is the
-/// one of the least largest relative error from 0 to 1, as in filter.wgsl.
+/// one of the least largest relative error from 0 to 1, as in profile.wgsl.
 #[inline(always)]
 pub(crate) fn atan2(y: F32s, x: F32s) -> F32s {
     let (across, along) = (y.abs(), x.abs());

@@ -2,45 +2,45 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use crate::brdf::reflected;
+use crate::brdf::evaluate_brdf;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, Masks, Vec3s};
-use crate::shape::{Sample, Shape};
-use crate::simd::{self, Work};
-use crate::surfaces::{Block, SIDE, Surface};
-use crate::{Bent, Cancelled, Directional, Omni, Scene, Spot, Surfaces, Workers};
-use light::{Lanes, LightFilter, Mask};
+use crate::shape::{LightSampleLanes, RelitShape};
+use crate::simd::{self, SimdTask};
+use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes};
+use crate::{Cancelled, CasterScene, RelitBent, RelitDirectional, RelitOmni, RelitSpot, Surfaces, Workers};
+use light::{Lanes, LightProfile, Mask};
 
 /// Blocks that a thread takes at once: a quarter of a millisecond or so.
-const BLOCKS_A_TURN: usize = 64;
+const BLOCKS_PER_CHUNK: usize = 64;
 /// The same where what is drawn is added to a sum at once: 12 KiB of it, which stay next to the core.
-const ADDED_A_TURN: usize = 32;
+const SUM_BLOCKS_PER_CHUNK: usize = 32;
 
 /// A light as it is drawn.
 #[derive(Debug)]
-pub enum Light {
+pub enum RelitLight {
     /// A BendyLight.
-    Bent(Box<Bent>),
+    Bent(Box<RelitBent>),
     /// A spotlight.
-    Spot(Box<Spot>),
+    Spot(Box<RelitSpot>),
     /// An omni light.
-    Omni(Box<Omni>),
+    Omni(Box<RelitOmni>),
     /// A directional light.
-    Directional(Box<Directional>),
+    Directional(Box<RelitDirectional>),
 }
 
 /// What one light alone scatters and mirrors, before factors of all of it: linear radiance, of each block of surfaces.
 #[derive(Clone, Debug, Default)]
-pub struct Layer(pub(crate) Vec<Texel>);
+pub struct LightLayer(pub(crate) Vec<LayerBlock>);
 
 /// Of sixteen pixels: what they scatter, and what they mirror.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Texel {
+pub(crate) struct LayerBlock {
     pub diffuse: Vec3s,
     pub specular: Vec3s,
 }
 
-impl Texel {
+impl LayerBlock {
     const NOTHING: Self = {
         let zero = F32s([0.0; LANES]);
         let nothing = Vec3s { x: zero, y: zero, z: zero };
@@ -49,20 +49,20 @@ impl Texel {
 
     /// What the eye gets of it, by factors of what is scattered and of what is mirrored: linear RGB.
     #[inline(always)]
-    pub fn weighed(&self, [diffuse, specular]: [[f32; 3]; 2]) -> Vec3s {
+    pub fn weighted_sum(&self, [diffuse, specular]: [[f32; 3]; 2]) -> Vec3s {
         Vec3s::splat(diffuse) * self.diffuse + Vec3s::splat(specular) * self.specular
     }
 }
 
 /// What becomes of what a light adds, block by block of the surfaces.
-pub(crate) enum Onto<'a> {
+pub(crate) enum LayerTarget<'a> {
     /// It is kept.
-    Layer(&'a mut [Texel]),
+    Layer(&'a mut [LayerBlock]),
     /// It is added to what there is, by factors of what is scattered and of what is mirrored.
     Sum(&'a mut [Vec3s], [[f32; 3]; 2]),
     /// How much of the light nothing is in the way of takes the place of what is scattered, and 1 within the light that of what
     /// is mirrored.
-    Visibility(&'a mut [Texel]),
+    Visibility(&'a mut [LayerBlock]),
 }
 
 /// What is drawn of a light.
@@ -72,10 +72,10 @@ enum Quantity {
     Visibility,
 }
 
-impl Layer {
+impl LightLayer {
     /// Bytes of the layer of so many blocks of surfaces.
     pub fn bytes(block_count: usize) -> u64 {
-        (block_count * size_of::<Texel>()) as u64
+        (block_count * size_of::<LayerBlock>()) as u64
     }
 }
 
@@ -84,13 +84,13 @@ impl Layer {
 pub fn draw_layer(
     workers: &Workers,
     surfaces: &Surfaces,
-    scene: &Scene,
-    (light, map): (&Light, Option<&DepthMap>),
+    scene: &CasterScene,
+    (light, map): (&RelitLight, Option<&DepthMap>),
     pixels: [u32; 4],
-    Layer(texels): &mut Layer,
+    LightLayer(texels): &mut LightLayer,
 ) -> Result<u64, Cancelled> {
-    workers.resize(texels, surfaces.blocks.len(), Texel::NOTHING)?;
-    draw_light(workers, surfaces, scene, (light, map), pixels, Onto::Layer(texels))
+    workers.resize(texels, surfaces.blocks.len(), LayerBlock::NOTHING)?;
+    draw_light(workers, surfaces, scene, (light, map), pixels, LayerTarget::Layer(texels))
 }
 
 /// How much of `light` nothing is in the way of, 1 where that is all, as [`draw_layer`] has it: grey, with alpha 1 where the
@@ -98,17 +98,18 @@ pub fn draw_layer(
 pub fn visibility_of(
     workers: &Workers,
     surfaces: &Surfaces,
-    scene: &Scene,
-    light: (&Light, Option<&DepthMap>),
+    scene: &CasterScene,
+    light: (&RelitLight, Option<&DepthMap>),
     pixels: [u32; 4],
 ) -> Result<Vec<[f32; 4]>, Cancelled> {
-    let mut texels = vec![Texel::NOTHING; surfaces.blocks.len()];
-    draw_light(workers, surfaces, scene, light, pixels, Onto::Visibility(&mut texels))?;
+    let mut texels = vec![LayerBlock::NOTHING; surfaces.blocks.len()];
+    draw_light(workers, surfaces, scene, light, pixels, LayerTarget::Visibility(&mut texels))?;
     let [width, height] = surfaces.size().map(|side| side as usize);
     let mut picture = vec![[0.0; 4]; width * height];
     for (block, texel) in surfaces.blocks.iter().zip(&texels) {
         for i in 0..LANES {
-            let (x, y) = (block.corner[0] as usize + i % SIDE, block.corner[1] as usize + i / SIDE);
+            let (x, y) =
+                (block.corner[0] as usize + i % BLOCK_SIDE, block.corner[1] as usize + i / BLOCK_SIDE);
             if x < width && y < height {
                 let (visible, inside) = (texel.diffuse.x.0[i], texel.specular.x.0[i]);
                 picture[y * width + x] = [visible, visible, visible, inside];
@@ -122,49 +123,52 @@ pub fn visibility_of(
 pub(crate) fn draw_light(
     workers: &Workers,
     surfaces: &Surfaces,
-    scene: &Scene,
-    (light, map): (&Light, Option<&DepthMap>),
+    scene: &CasterScene,
+    (light, map): (&RelitLight, Option<&DepthMap>),
     pixels: [u32; 4],
-    onto: Onto,
+    onto: LayerTarget,
 ) -> Result<u64, Cancelled> {
     match light {
-        Light::Bent(bent) => draw(workers, surfaces, scene, (&**bent, map), pixels, onto),
-        Light::Spot(spot) => draw(workers, surfaces, scene, (&**spot, map), pixels, onto),
-        Light::Omni(omni) => draw(workers, surfaces, scene, (&**omni, map), pixels, onto),
-        Light::Directional(sun) => draw(workers, surfaces, scene, (&**sun, map), pixels, onto),
+        RelitLight::Bent(bent) => draw(workers, surfaces, scene, (&**bent, map), pixels, onto),
+        RelitLight::Spot(spot) => draw(workers, surfaces, scene, (&**spot, map), pixels, onto),
+        RelitLight::Omni(omni) => draw(workers, surfaces, scene, (&**omni, map), pixels, onto),
+        RelitLight::Directional(sun) => draw(workers, surfaces, scene, (&**sun, map), pixels, onto),
     }
 }
 
-fn draw<S: Shape>(
+fn draw<S: RelitShape>(
     workers: &Workers,
     surfaces: &Surfaces,
-    scene: &Scene,
+    scene: &CasterScene,
     (shape, map): (&S, Option<&DepthMap>),
     pixels: [u32; 4],
-    onto: Onto,
+    onto: LayerTarget,
 ) -> Result<u64, Cancelled> {
-    let of = if matches!(onto, Onto::Visibility(_)) { Quantity::Visibility } else { Quantity::Reflected };
+    let of =
+        if matches!(onto, LayerTarget::Visibility(_)) { Quantity::Visibility } else { Quantity::Reflected };
     let looked_at = AtomicU64::new(0);
-    let turn = |blocks: &[Block], texels: &mut [Texel]| {
-        let pixels = simd::run(Turn { shape, surfaces, scene, map, pixels, of, blocks, texels });
+    let turn = |blocks: &[PixelBlock], texels: &mut [LayerBlock]| {
+        let pixels =
+            simd::run(DrawChunk { shape, surfaces, scene, map, pixels, quantity: of, blocks, texels });
         looked_at.fetch_add(pixels, Ordering::Relaxed);
     };
     // Some turns cost twenty times as much as others.
     match onto {
-        Onto::Layer(texels) | Onto::Visibility(texels) => {
-            let turns = texels.chunks_mut(BLOCKS_A_TURN).zip(surfaces.blocks.chunks(BLOCKS_A_TURN));
+        LayerTarget::Layer(texels) | LayerTarget::Visibility(texels) => {
+            let turns = texels.chunks_mut(BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(BLOCKS_PER_CHUNK));
             workers.each(turns, |(texels, blocks)| {
                 turn(blocks, texels);
                 true
             })?;
         }
-        Onto::Sum(sums, factors) => {
-            let turns = sums.chunks_mut(ADDED_A_TURN).zip(surfaces.blocks.chunks(ADDED_A_TURN));
+        LayerTarget::Sum(sums, factors) => {
+            let turns =
+                sums.chunks_mut(SUM_BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(SUM_BLOCKS_PER_CHUNK));
             workers.each(turns, |(sums, blocks)| {
-                let mut texels = [Texel::NOTHING; ADDED_A_TURN];
+                let mut texels = [LayerBlock::NOTHING; SUM_BLOCKS_PER_CHUNK];
                 let texels = &mut texels[..blocks.len()];
                 turn(blocks, texels);
-                simd::run(Added { texels, factors, sums });
+                simd::run(AddBlocks { texels, factors, sums });
                 true
             })?;
         }
@@ -172,43 +176,43 @@ fn draw<S: Shape>(
     Ok(looked_at.into_inner())
 }
 
-struct Added<'a> {
-    texels: &'a [Texel],
+struct AddBlocks<'a> {
+    texels: &'a [LayerBlock],
     factors: [[f32; 3]; 2],
     sums: &'a mut [Vec3s],
 }
 
-impl Work for Added<'_> {
+impl SimdTask for AddBlocks<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         for (texel, sum) in self.texels.iter().zip(self.sums) {
-            *sum = *sum + texel.weighed(self.factors);
+            *sum = *sum + texel.weighted_sum(self.factors);
         }
     }
 }
 
-struct Turn<'a, S> {
+struct DrawChunk<'a, S> {
     shape: &'a S,
     surfaces: &'a Surfaces,
-    scene: &'a Scene<'a>,
+    scene: &'a CasterScene<'a>,
     map: Option<&'a DepthMap>,
     pixels: [u32; 4],
-    of: Quantity,
-    blocks: &'a [Block],
-    texels: &'a mut [Texel],
+    quantity: Quantity,
+    blocks: &'a [PixelBlock],
+    texels: &'a mut [LayerBlock],
 }
 
-impl<S: Shape> Work for Turn<'_, S> {
+impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
     type Output = u64;
 
     #[inline(always)]
     fn run(self) -> u64 {
-        let Self { shape, surfaces, scene, map, pixels, of, blocks, texels } = self;
+        let Self { shape, surfaces, scene, map, pixels, quantity: of, blocks, texels } = self;
         let mut looked_at = 0;
         for (block, texel) in blocks.iter().zip(texels) {
-            *texel = Texel::NOTHING;
+            *texel = LayerBlock::NOTHING;
             if !touches(block.corner, pixels) {
                 continue;
             }
@@ -216,12 +220,12 @@ impl<S: Shape> Work for Turn<'_, S> {
             let surface = surfaces.surface(block);
             let mut asked = surface.exists;
             if scene.links.bits.is_some() {
-                asked = asked & lit(scene, &surface);
+                asked = asked & light_linked(scene, &surface);
             }
             let sample = shape.sample(scene, map, &surface, asked);
             if sample.inside.any() {
                 *texel = match of {
-                    Quantity::Reflected => reflection(shape.light_filter(), &surface, &sample),
+                    Quantity::Reflected => reflection(shape.light_profile(), &surface, &sample),
                     Quantity::Visibility => visibility(&sample),
                 };
             }
@@ -234,16 +238,16 @@ impl<S: Shape> Work for Turn<'_, S> {
 #[inline(always)]
 fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
     let [left, top] = corner.map(u32::from);
-    left + SIDE as u32 > x && left < x + width && top + SIDE as u32 > y && top < y + height
+    left + BLOCK_SIDE as u32 > x && left < x + width && top + BLOCK_SIDE as u32 > y && top < y + height
 }
 
 /// The surfaces that the light shows on.
 #[inline(always)]
-fn lit(scene: &Scene, surface: &Surface) -> Masks {
+fn light_linked(scene: &CasterScene, surface: &SurfaceLanes) -> Masks {
     let mut lit = Masks::of(false);
     for i in 0..LANES {
         let triangle = surface.triangle.0[i];
-        if triangle != 0 && scene.links.is_lit(triangle - 1) {
+        if triangle != 0 && scene.links.is_light_linked(triangle - 1) {
             lit.0[i] = u32::MAX;
         }
     }
@@ -251,22 +255,25 @@ fn lit(scene: &Scene, surface: &Surface) -> Masks {
 }
 
 #[inline(always)]
-fn visibility(sample: &Sample) -> Texel {
+fn visibility(sample: &LightSampleLanes) -> LayerBlock {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let visible = F32s::select(sample.inside, sample.visibility, zero);
     let inside = F32s::select(sample.inside, one, zero);
-    Texel { diffuse: F32s::vec3([visible, visible, visible]), specular: F32s::vec3([inside, inside, inside]) }
+    LayerBlock {
+        diffuse: F32s::vec3([visible, visible, visible]),
+        specular: F32s::vec3([inside, inside, inside]),
+    }
 }
 
 #[inline(always)]
-fn reflection(filter: &LightFilter, surface: &Surface, sample: &Sample) -> Texel {
+fn reflection(filter: &LightProfile, surface: &SurfaceLanes, sample: &LightSampleLanes) -> LayerBlock {
     let shadow = Vec3s::splat(filter.shadow_color.min(glam::DVec3::splat(1e30)).as_vec3().to_array());
     let white = Vec3s::splat([1.0; 3]);
     let arriving =
         sample.irradiance * (shadow * (F32s::splat(1.0) - sample.visibility) + white * sample.visibility);
-    let lobes = reflected(surface, sample.direction);
+    let lobes = evaluate_brdf(surface, sample.direction);
     let nothing = Vec3s::splat([0.0; 3]);
-    Texel {
+    LayerBlock {
         diffuse: F32s::select_vec(sample.inside, lobes.diffuse * arriving, nothing),
         specular: F32s::select_vec(sample.inside, lobes.specular * arriving, nothing),
     }

@@ -32,18 +32,20 @@ mod surfaces;
 mod visibility;
 mod workers;
 
-pub use alpha_test::{AlphaTest, AlphaTests, Wrap};
-pub use bent::{Bent, BentFace, BentMap, BentMapPlace, BentWork, Casters, Slab, TubeSpace};
-pub use composite::{Sum, Term, Terms, add_light, add_sample, display, sum};
+pub use alpha_test::{AlphaTest, AlphaTests, TexelWrap};
+pub use bent::{
+    BentCasters, BentFace, BentMap, BentMapBuilder, BentMapParams, MapSlab, RelitBent, TubeSpace,
+};
+pub use composite::{LayerSum, LayerTerm, LayerTerms, add_light, add_sample, display, sum};
 pub use depth_map::DepthMap;
-pub use layer::{Layer, Light, draw_layer, visibility_of};
-pub use scene::{Hierarchy, HierarchyNode, Links, Scene};
+pub use layer::{LightLayer, RelitLight, draw_layer, visibility_of};
+pub use scene::{CasterHierarchy, CasterHierarchyNode, CasterLinks, CasterScene};
 pub use screen::{Exposure, display_radiance};
 pub use shadow_filter::ShadowFilter;
-pub use sixteen::{SixteenCases, roots_of_sixteen};
+pub use sixteen::{SolverBatch, solve_batch};
 pub use straight::{
-    Directional, DirectionalMapPlace, HoledCasters, HoledRun, Omni, OmniMapPlace, Spot, SpotMapPlace,
-    StraightFace, StraightMap, StraightWork,
+    AlphaTestedCasters, AlphaTestedRun, DirectionalMapParams, OmniMapParams, RelitDirectional, RelitOmni,
+    RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
 };
-pub use surfaces::{Camera, Fill, Gbuffer, Surfaces};
-pub use workers::{Cancelled, Workers, Yielding};
+pub use surfaces::{CameraRays, FillColors, GbufferRows, Surfaces};
+pub use workers::{Cancelled, Workers, YieldPolicy};

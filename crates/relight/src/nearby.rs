@@ -2,11 +2,11 @@
 
 use glam::{Vec3, Vec3Swizzles};
 
-use crate::scene::{HierarchyNode, Scene, weights_at};
+use crate::scene::{CasterHierarchyNode, CasterScene, weights_at};
 
 /// A surface as a way to it asks for it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Met {
+pub(crate) struct ReceiverPoint {
     pub position: Vec3,
     /// Unit shading normal.
     pub normal: Vec3,
@@ -18,7 +18,7 @@ pub(crate) struct Met {
     pub triangle: u32,
 }
 
-impl Met {
+impl ReceiverPoint {
     /// Where light has to arrive for the surface to be lit.
     pub fn shadow_position(&self) -> Vec3 {
         self.position + self.terminator_offset * self.normal
@@ -26,14 +26,14 @@ impl Met {
 }
 
 /// What f32 makes of positions of this size.
-pub(crate) fn rounding(position: Vec3) -> f32 {
+pub(crate) fn rounding_error(position: Vec3) -> f32 {
     position.abs().max_element() * (1.0 / 2_097_152.0)
 }
 
 /// Whether light that comes along `arriving`, a unit vector towards it, passes through the surface's own triangle from behind.
-pub(crate) fn is_in_its_own_way(scene: &Scene, surface: &Met, arriving: Vec3) -> bool {
+pub(crate) fn is_self_shadowed(scene: &CasterScene, surface: &ReceiverPoint, arriving: Vec3) -> bool {
     let facing = surface.geometric_normal.dot(arriving);
-    if facing > 0.0 || !scene.links.throws_shadow(surface.triangle) {
+    if facing > 0.0 || !scene.links.casts_shadow(surface.triangle) {
         return false;
     }
     let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
@@ -43,10 +43,10 @@ pub(crate) fn is_in_its_own_way(scene: &Scene, surface: &Met, arriving: Vec3) ->
 
 /// Whether light that was at `there` just before it arrives in front of the surface came through the surface's own triangle, as
 /// only light that bends may.
-pub(crate) fn is_behind_its_own(scene: &Scene, surface: &Met, there: Vec3) -> bool {
+pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint, there: Vec3) -> bool {
     let height = surface.geometric_normal.dot(there - surface.position);
-    if height >= -(rounding(there) + surface.depth * (1.0 / 2_097_152.0))
-        || !scene.links.throws_shadow(surface.triangle)
+    if height >= -(rounding_error(there) + surface.depth * (1.0 / 2_097_152.0))
+        || !scene.links.casts_shadow(surface.triangle)
     {
         return false;
     }
@@ -54,20 +54,25 @@ pub(crate) fn is_behind_its_own(scene: &Scene, surface: &Met, there: Vec3) -> bo
     weights.min_element() >= 0.0 && !scene.has_hole(surface.triangle, weights)
 }
 
-/// Whether a triangle lies between `start` and `start + way`, and is there: another than `own`, and none that starts within the
+/// Whether a triangle lies between `arrive` and `start + way`, and is there: another than `own`, and none that starts within the
 /// rounding of a surface so far from the viewer.
-pub(crate) fn is_met(scene: &Scene, (start, way): (Vec3, Vec3), own: Option<u32>, depth: f32) -> bool {
+pub(crate) fn is_segment_occluded(
+    scene: &CasterScene,
+    (start, way): (Vec3, Vec3),
+    own: Option<u32>,
+    depth: f32,
+) -> bool {
     let end = start + way;
-    let slack = rounding(start) + depth * (1.0 / 2_097_152.0);
-    let segment = (start + 0.5 * way, 0.5 * way, slack + rounding(end));
+    let slack = rounding_error(start) + depth * (1.0 / 2_097_152.0);
+    let segment = (start + 0.5 * way, 0.5 * way, slack + rounding_error(end));
     let mut index = 0;
     while let Some(node) = scene.hierarchy.nodes.get(index) {
         let is_leaf = node.triangle_count > 0;
-        let passed_by = is_beside(node, segment);
+        let passed_by = misses_box(node, segment);
         if is_leaf && !passed_by {
             let of_leaf = node.next as usize..(node.next + node.triangle_count) as usize;
             for &triangle in &scene.hierarchy.triangles[of_leaf] {
-                if Some(triangle) != own && lies_between(scene, triangle, (start, way), slack) {
+                if Some(triangle) != own && segment_hits_triangle(scene, triangle, (start, way), slack) {
                     return true;
                 }
             }
@@ -80,7 +85,7 @@ pub(crate) fn is_met(scene: &Scene, (start, way): (Vec3, Vec3), own: Option<u32>
 /// Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and what is
 /// square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle` plus up to once
 /// `half` either way.
-fn is_beside(node: &HierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> bool {
+fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> bool {
     let (min, max) = (Vec3::from(node.min), Vec3::from(node.max));
     let between = 0.5 * (min + max) - middle;
     let box_half = (0.5 + 4.0 * f32::EPSILON) * (max - min) + slack;
@@ -89,8 +94,8 @@ fn is_beside(node: &HierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> 
     between.abs().cmpgt(box_half + reach).any() || half.cross(between).abs().cmpgt(across).any()
 }
 
-/// Whether a triangle is met between `start` and `start + way`, and is there.
-fn lies_between(scene: &Scene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
+/// Whether a triangle is met between `arrive` and `start + way`, and is there.
+fn segment_hits_triangle(scene: &CasterScene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
     let (normal, offset) = scene.plane(triangle);
     let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + way) - offset);
     if start_height.abs() <= slack || start_height * end_height >= 0.0 {
@@ -98,9 +103,7 @@ fn lies_between(scene: &Scene, triangle: u32, (start, way): (Vec3, Vec3), slack:
     }
     let at = start + way * (start_height / (start_height - end_height));
     let weights = weights_at(scene.corners(triangle), at);
-    weights.min_element() >= -1e-6
-        && scene.links.throws_shadow(triangle)
-        && !scene.has_hole(triangle, weights)
+    weights.min_element() >= -1e-6 && scene.links.casts_shadow(triangle) && !scene.has_hole(triangle, weights)
 }
 
 #[cfg(test)]

@@ -7,8 +7,8 @@
 //! Then each band is drawn by one thread. Which depth wins does not depend on the order, and so a map has the same bytes
 //! however many threads draw it.
 
+mod alpha_tested;
 mod clip;
-mod holed;
 mod large;
 mod project;
 mod rule;
@@ -27,31 +27,31 @@ use rayon::prelude::*;
 use crate::alpha_test::AlphaTests;
 use crate::depth_map::stride;
 use crate::{Cancelled, Workers};
-use holed::HoledPiece;
+use alpha_tested::AlphaTestedPiece;
 use project::Projection;
-use rule::{Bent, Orthographic, Perspective, Rule};
-use setup::{Piece, SetUp};
-use wide::{COUNT, Ints};
+use rule::{BentDepthTest, DepthTest, OrthographicDepthTest, PerspectiveDepthTest};
+use setup::{OpaquePiece, SetUp};
+use wide::{Ints, LANE_INDICES};
 
 /// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte, which stays next to the core.
 const BAND: usize = 64;
 /// Texels of bounding boxes after which a thread looks whether it has to give way: some tens of microseconds.
-const LOOK_AFTER: usize = 1 << 16;
+const YIELD_CHECK_TEXELS: usize = 1 << 16;
 /// What small triangles count as between two looks.
-const SMALL_A_LOOK: usize = 1 << 10;
+const YIELD_CHECK_TRIANGLES: usize = 1 << 10;
 /// Triangles that one thread sets up at once.
-const PIECE: usize = 2048;
+const TRIANGLES_PER_PIECE: usize = 2048;
 /// Most texels a side: corners in 1/256 of a texel are exact in f32 as far as the guard band, which is twice as wide.
-pub const MOST_SIDE: usize = 8192;
+pub const MAX_SIDE: usize = 8192;
 
 /// Three corners: each a homogeneous place (X, Y, Z), and a value that perspective interpolates.
-pub type Triangle = [[f32; 4]; 3];
+pub type RasterTriangle = [[f32; 4]; 3];
 
 /// A triangle with an alpha test.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HoledTriangle {
+pub struct AlphaTestedTriangle {
     /// As others have them.
-    pub corners: Triangle,
+    pub corners: RasterTriangle,
     /// (u, v, alpha) of each corner.
     pub uv_alpha: [[f32; 3]; 3],
     /// Which of the tests it has.
@@ -60,7 +60,7 @@ pub struct HoledTriangle {
 
 /// Triangles with alpha tests, to be drawn with others.
 #[derive(Clone, Copy, Debug)]
-pub struct Holed<'a, Chunk> {
+pub struct AlphaTestedTriangles<'a, Chunk> {
     /// The triangles.
     pub chunks: &'a [Chunk],
     /// All tests.
@@ -69,12 +69,12 @@ pub struct Holed<'a, Chunk> {
 
 /// What a texel stores of what is nearest there.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Depths {
+pub enum DepthRule {
     /// The least `value * depth_per_value / (row[0] + row[1] * (i + 0.5))` in row `i`, at least 0; 1 where there is
     /// nothing. What has w >= 10^-30 is drawn.
     Bent {
         /// What depths are divided by: the first, plus the second for each row.
-        row: [f32; 2],
+        row_divisor: [f32; 2],
         /// Depth of a value of 1.
         depth_per_value: f32,
     },
@@ -89,35 +89,36 @@ pub enum Depths {
 
 /// How a face of a map is drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Face {
+pub struct MapFace {
     /// From places to clip coordinates (x, y, w): |x| <= w and |y| <= w are on the face, y is up.
-    pub clip_from_place: Mat3,
+    pub clip_from_map: Mat3,
     /// What is stored.
-    pub depths: Depths,
+    pub depths: DepthRule,
 }
 
-/// Memory of [`draw_face_with_holes`], kept from one drawing to the next.
+/// Memory of [`draw_face_with_alpha_tests`], kept from one drawing to the next.
 #[derive(Debug, Default)]
-pub struct Scratch {
-    pieces: Vec<Piece>,
-    holed: Vec<HoledPiece>,
-    /// For [`Rule::in_row`].
+pub struct RasterMemory {
+    pieces: Vec<OpaquePiece>,
+    holed: Vec<AlphaTestedPiece>,
+    /// For [`DepthTest::row_factor`].
     rows: Vec<f32>,
 }
 
-/// As [`draw_face_with_holes`] without any that have some, onto rows without gaps.
+/// As [`draw_face_with_alpha_tests`] without any that have some, onto rows without gaps.
 #[cfg(test)]
-fn draw_face<Chunk: AsRef<[Triangle]> + Sync>(
-    face: &Face,
+fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
+    face: &MapFace,
     chunks: &[Chunk],
     workers: &Workers,
-    scratch: &mut Scratch,
+    scratch: &mut RasterMemory,
     texels: &mut [f32],
     side: usize,
 ) {
-    let none = Holed::<&[HoledTriangle]> { chunks: &[], tests: AlphaTests::default() };
+    let none = AlphaTestedTriangles::<&[AlphaTestedTriangle]> { chunks: &[], tests: AlphaTests::default() };
     let mut with_gaps = vec![0.0; side * stride(side)];
-    draw_face_with_holes(face, chunks, &none, workers, scratch, &mut with_gaps, side).expect("not cancelled");
+    draw_face_with_alpha_tests(face, chunks, &none, workers, scratch, &mut with_gaps, side)
+        .expect("not cancelled");
     texels.copy_from_slice(&without_gaps(&with_gaps, side));
 }
 
@@ -128,59 +129,63 @@ fn without_gaps(texels: &[f32], side: usize) -> Vec<f32> {
 }
 
 /// Draws triangles, and those that have holes, onto a face of `side` texels a side: `texels`, as a [`DepthMap`] has them.
-pub fn draw_face_with_holes<Chunk: AsRef<[Triangle]> + Sync, HoledChunk: AsRef<[HoledTriangle]> + Sync>(
-    face: &Face,
+pub fn draw_face_with_alpha_tests<
+    Chunk: AsRef<[RasterTriangle]> + Sync,
+    HoledChunk: AsRef<[AlphaTestedTriangle]> + Sync,
+>(
+    face: &MapFace,
     chunks: &[Chunk],
-    holed: &Holed<HoledChunk>,
+    holed: &AlphaTestedTriangles<HoledChunk>,
     workers: &Workers,
-    scratch: &mut Scratch,
+    scratch: &mut RasterMemory,
     texels: &mut [f32],
     side: usize,
 ) -> Result<(), Cancelled> {
-    assert!(side <= MOST_SIDE && texels.len() == side * stride(side), "a face of {side} texels a side");
-    let Scratch { pieces, holed: holed_pieces, rows } = scratch;
-    let slices: Vec<&[Triangle]> = chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
-    pieces.resize_with(slices.len(), Piece::default);
-    let holed_slices: Vec<&[HoledTriangle]> =
-        holed.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(PIECE)).collect();
-    holed_pieces.resize_with(holed_slices.len(), HoledPiece::default);
+    assert!(side <= MAX_SIDE && texels.len() == side * stride(side), "a face of {side} texels a side");
+    let RasterMemory { pieces, holed: holed_pieces, rows } = scratch;
+    let slices: Vec<&[RasterTriangle]> =
+        chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
+    pieces.resize_with(slices.len(), OpaquePiece::default);
+    let holed_slices: Vec<&[AlphaTestedTriangle]> =
+        holed.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
+    holed_pieces.resize_with(holed_slices.len(), AlphaTestedPiece::default);
     let projection = Projection::new(face, side);
-    let set_up = |(piece, triangles): (&mut Piece, &[Triangle])| {
+    let set_up = |(piece, triangles): (&mut OpaquePiece, &[RasterTriangle])| {
         Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
     };
-    let set_up_holed = |(piece, triangles): (&mut HoledPiece, &[HoledTriangle])| {
+    let set_up_holed = |(piece, triangles): (&mut AlphaTestedPiece, &[AlphaTestedTriangle])| {
         piece.set_up(triangles, &projection);
     };
     workers.run(|| {
         pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
         holed_pieces.par_iter_mut().zip(holed_slices.into_par_iter()).for_each(set_up_holed);
     });
-    let seen = Seen { pieces, holed: holed_pieces, tests: holed.tests };
+    let seen = SetUpTriangles { pieces, holed: holed_pieces, tests: holed.tests };
     match face.depths {
-        Depths::Bent { row: [first, each], depth_per_value } => {
+        DepthRule::Bent { row_divisor: [first, each], depth_per_value } => {
             let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
             rows.clear();
             rows.extend((0..side).map(in_row));
-            draw_bands(workers, Bent { rows }, seen, texels, side)
+            draw_bands(workers, BentDepthTest { rows }, seen, texels, side)
         }
-        Depths::Perspective { .. } => draw_bands(workers, Perspective, seen, texels, side),
-        Depths::Orthographic => draw_bands(workers, Orthographic, seen, texels, side),
+        DepthRule::Perspective { .. } => draw_bands(workers, PerspectiveDepthTest, seen, texels, side),
+        DepthRule::Orthographic => draw_bands(workers, OrthographicDepthTest, seen, texels, side),
     }
 }
 
 /// Everything that is drawn, set up.
 #[derive(Clone, Copy)]
-struct Seen<'a> {
-    pieces: &'a [Piece],
-    holed: &'a [HoledPiece],
+struct SetUpTriangles<'a> {
+    pieces: &'a [OpaquePiece],
+    holed: &'a [AlphaTestedPiece],
     tests: AlphaTests<'a>,
 }
 
 /// Draws all bands of a face. Some cost much more than others, and one may take long.
-fn draw_bands<R: Rule>(
+fn draw_bands<R: DepthTest>(
     workers: &Workers,
     rule: R,
-    seen: Seen,
+    seen: SetUpTriangles,
     texels: &mut [f32],
     side: usize,
 ) -> Result<(), Cancelled> {
@@ -207,20 +212,20 @@ struct Band<'a> {
     /// Texels from one row to the next.
     stride: usize,
     texels: &'a mut [f32],
-    /// [`COUNT`], which the compiler does not see through: what it makes of products with 0, 1, 2 and so on is slower.
-    count: Ints,
+    /// [`LANE_INDICES`], which the compiler does not see through: what it makes of products with 0, 1, 2 and so on is slower.
+    lane_indices: Ints,
 }
 
 /// Goes on with a band. False where it has to give way.
 struct DrawBand<'a, 'b, R> {
     rule: R,
-    seen: Seen<'a>,
+    seen: SetUpTriangles<'a>,
     work: &'a mut BandWork<'b>,
     stride: usize,
     workers: &'a Workers,
 }
 
-impl<R: Rule> WithSimd for DrawBand<'_, '_, R> {
+impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
     type Output = bool;
 
     #[expect(clippy::inline_always, reason = "pulp compiles it for the vectors that it found")]
@@ -233,19 +238,20 @@ impl<R: Rule> WithSimd for DrawBand<'_, '_, R> {
             (0, 0)
         });
         let (first, height) = (index * BAND, texels.len() / stride);
-        let mut band = Band { first, end: first + height, stride, texels, count: black_box(COUNT) };
+        let mut band =
+            Band { first, end: first + height, stride, texels, lane_indices: black_box(LANE_INDICES) };
         let mut looked_at = 0;
         while piece < seen.pieces.len() + seen.holed.len() {
             if let Some(of_piece) = seen.pieces.get(piece) {
-                let (large, small) = (&of_piece.large_in[index], &of_piece.small_in[index]);
+                let (large, small) = (&of_piece.large_by_band[index], &of_piece.small_by_band[index]);
                 while triangle < large.len() {
                     let of_large = &of_piece.large[large[triangle] as usize];
                     large::draw(rule, of_large, &mut band);
                     triangle += 1;
                     looked_at += of_large.texels_in(&band);
-                    if looked_at > LOOK_AFTER {
+                    if looked_at > YIELD_CHECK_TEXELS {
                         looked_at = 0;
-                        if workers.is_due() {
+                        if workers.should_yield() {
                             *next = Some((piece, triangle));
                             return false;
                         }
@@ -253,12 +259,12 @@ impl<R: Rule> WithSimd for DrawBand<'_, '_, R> {
                 }
                 while triangle < large.len() + small.len() {
                     let from = triangle - large.len();
-                    let some = &small[from..small.len().min(from + SMALL_A_LOOK)];
+                    let some = &small[from..small.len().min(from + YIELD_CHECK_TRIANGLES)];
                     for of_small in some {
                         small::draw(rule, of_small, &mut band);
                     }
                     triangle += some.len();
-                    if workers.is_due() {
+                    if workers.should_yield() {
                         *next = Some((piece, triangle));
                         return false;
                     }
@@ -268,9 +274,9 @@ impl<R: Rule> WithSimd for DrawBand<'_, '_, R> {
                 while triangle < holed.count_in(index) {
                     looked_at += holed.draw(rule, seen.tests, (index, triangle), &mut band);
                     triangle += 1;
-                    if looked_at > LOOK_AFTER {
+                    if looked_at > YIELD_CHECK_TEXELS {
                         looked_at = 0;
-                        if workers.is_due() {
+                        if workers.should_yield() {
                             *next = Some((piece, triangle));
                             return false;
                         }

@@ -6,7 +6,7 @@ use crate::alpha_test::AlphaTests;
 
 /// Geometry in scene space: world axes, origin at the centre of the scene's bounds. Triangles with an alpha test come last.
 #[derive(Clone, Copy, Debug)]
-pub struct Scene<'a> {
+pub struct CasterScene<'a> {
     /// One a vertex.
     pub positions: &'a [[f32; 3]],
     /// Three a triangle, counter-clockwise seen from the front.
@@ -14,7 +14,7 @@ pub struct Scene<'a> {
     /// One a triangle: unit normal towards its front, and its product with any point of it; zeros where the area is 0.
     pub planes: &'a [[f32; 4]],
     /// Boxes over all triangles.
-    pub hierarchy: Hierarchy<'a>,
+    pub hierarchy: CasterHierarchy<'a>,
     /// Of each vertex: normal, uv, and colour with alpha.
     pub attributes: &'a [[f32; 9]],
     /// How many triangles have no alpha test.
@@ -22,14 +22,14 @@ pub struct Scene<'a> {
     /// The tests of the others.
     pub alpha_tests: AlphaTests<'a>,
     /// What the light's links leave.
-    pub links: Links<'a>,
+    pub links: CasterLinks<'a>,
 }
 
 /// Boxes over triangles, depth first.
 #[derive(Clone, Copy, Debug)]
-pub struct Hierarchy<'a> {
+pub struct CasterHierarchy<'a> {
     /// A node before those within it.
-    pub nodes: &'a [HierarchyNode],
+    pub nodes: &'a [CasterHierarchyNode],
     /// Triangles in the order of the leaves.
     pub triangles: &'a [u32],
 }
@@ -37,10 +37,10 @@ pub struct Hierarchy<'a> {
 /// Of a node that is passed by the next to look at is `next`, of others the following one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-pub struct HierarchyNode {
+pub struct CasterHierarchyNode {
     /// Least corner.
     pub min: [f32; 3],
-    /// Of a leaf: how many triangles it has, from `next` on in [`Hierarchy::triangles`]. Zero: the node has children.
+    /// Of a leaf: how many triangles it has, from `next` on in [`CasterHierarchy::triangles`]. Zero: the node has children.
     pub triangle_count: u32,
     /// Greatest corner.
     pub max: [f32; 3],
@@ -50,20 +50,20 @@ pub struct HierarchyNode {
 
 /// Which triangles count for a light.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Links<'a> {
+pub struct CasterLinks<'a> {
     /// Two bits a triangle, 32 of them a word: in `[0]` whether the light shows on it, in `[1]` whether it throws shadows.
     /// `None` where all do.
     pub bits: Option<&'a [[u32; 2]]>,
 }
 
-impl Links<'_> {
+impl CasterLinks<'_> {
     /// Whether the light shows on a triangle.
-    pub(crate) fn is_lit(&self, triangle: u32) -> bool {
+    pub(crate) fn is_light_linked(&self, triangle: u32) -> bool {
         self.has_bit(0, triangle)
     }
 
     /// Whether a triangle throws shadows.
-    pub(crate) fn throws_shadow(&self, triangle: u32) -> bool {
+    pub(crate) fn casts_shadow(&self, triangle: u32) -> bool {
         self.has_bit(1, triangle)
     }
 
@@ -72,7 +72,7 @@ impl Links<'_> {
     }
 }
 
-impl Scene<'_> {
+impl CasterScene<'_> {
     /// A triangle's corners.
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         let first = 3 * triangle as usize;

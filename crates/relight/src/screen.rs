@@ -6,12 +6,12 @@ use rayon::prelude::*;
 use crate::Workers;
 use crate::elementary::pow;
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
-use crate::simd::{self, Work};
+use crate::simd::{self, SimdTask};
 
 /// Bytes of a pixel on a screen: RGBA.
-pub(crate) const BYTES_A_PIXEL: usize = 4;
+pub(crate) const BYTES_PER_PIXEL: usize = 4;
 /// Pixels that a thread shows at once.
-const PIXELS_A_TURN: usize = 4096;
+const PIXELS_PER_CHUNK: usize = 4096;
 
 /// How bright a screen shows radiance.
 #[derive(Clone, Copy, Debug)]
@@ -25,34 +25,34 @@ pub struct Exposure {
 /// What a screen shows of `radiance`, linear RGBA. Alpha only tells how much of a pixel shows a surface, and the rest is
 /// black: it is not looked at.
 pub fn display_radiance(workers: &Workers, radiance: &[[f32; 4]], exposure: Exposure) -> Vec<u8> {
-    let mut bytes = vec![0; BYTES_A_PIXEL * radiance.len()];
+    let mut bytes = vec![0; BYTES_PER_PIXEL * radiance.len()];
     workers.run(|| {
-        let turns = bytes.par_chunks_mut(BYTES_A_PIXEL * PIXELS_A_TURN);
-        let turns = turns.zip(radiance.par_chunks(PIXELS_A_TURN));
-        turns.for_each(|(bytes, radiance)| simd::run(Shown { radiance, exposure, bytes }));
+        let turns = bytes.par_chunks_mut(BYTES_PER_PIXEL * PIXELS_PER_CHUNK);
+        let turns = turns.zip(radiance.par_chunks(PIXELS_PER_CHUNK));
+        turns.for_each(|(bytes, radiance)| simd::run(DisplayPixels { radiance, exposure, bytes }));
     });
     bytes
 }
 
-struct Shown<'a> {
+struct DisplayPixels<'a> {
     radiance: &'a [[f32; 4]],
     exposure: Exposure,
     bytes: &'a mut [u8],
 }
 
-impl Work for Shown<'_> {
+impl SimdTask for DisplayPixels<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
         let Self { radiance, exposure, bytes } = self;
-        let pixels = bytes.as_chunks_mut::<BYTES_A_PIXEL>().0;
+        let pixels = bytes.as_chunks_mut::<BYTES_PER_PIXEL>().0;
         for (radiance, pixels) in radiance.chunks(LANES).zip(pixels.chunks_mut(LANES)) {
             let mut linear = Vec3s::splat([0.0; 3]);
             for (i, [r, g, b, _]) in radiance.iter().enumerate() {
                 (linear.x.0[i], linear.y.0[i], linear.z.0[i]) = (*r, *g, *b);
             }
-            let shown = shown(linear, exposure);
+            let shown = tone_mapped_rgba8(linear, exposure);
             for (pixel, shown) in pixels.iter_mut().zip(shown.0) {
                 *pixel = shown.to_le_bytes();
             }
@@ -91,7 +91,7 @@ pub(crate) const BLACK: U32s = U32s([0xff00_0000; LANES]);
 
 /// The channels' bytes, red the lowest.
 #[inline(always)]
-pub(crate) fn shown(linear: Vec3s, exposure: Exposure) -> U32s {
+pub(crate) fn tone_mapped_rgba8(linear: Vec3s, exposure: Exposure) -> U32s {
     let (brightest, factor) = (F32s::splat(exposure.brightest), F32s::splat(exposure.factor));
     let [r, g, b] = F32s::coordinates(linear);
     let exposed = F32s::vec3([r.least(brightest), g.least(brightest), b.least(brightest)]) * factor;

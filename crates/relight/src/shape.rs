@@ -1,15 +1,15 @@
 //! What every shape of light brings.
 
-use light::LightFilter;
+use light::LightProfile;
 
-use crate::Scene;
+use crate::CasterScene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::surfaces::Surface;
+use crate::surfaces::SurfaceLanes;
 
 /// What sixteen pixels get of a light, without the shadow of where nothing is `inside`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Sample {
+pub(crate) struct LightSampleLanes {
     /// Whether the light's volume holds the surface, in shadow or not.
     pub inside: Masks,
     /// Unit vector to where light comes from.
@@ -21,9 +21,15 @@ pub(crate) struct Sample {
 }
 
 /// A shape of light.
-pub(crate) trait Shape: Sync {
+pub(crate) trait RelitShape: Sync {
     /// What becomes of its light on its way.
-    fn light_filter(&self) -> &LightFilter;
+    fn light_profile(&self) -> &LightProfile;
     /// What surfaces get of it, where they are `asked` for. `map` is there where anything shadows it.
-    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample;
+    fn sample(
+        &self,
+        scene: &CasterScene,
+        map: Option<&DepthMap>,
+        surface: &SurfaceLanes,
+        asked: Masks,
+    ) -> LightSampleLanes;
 }

@@ -3,21 +3,21 @@
 use glam::Vec3;
 use light::{Curve, Lanes, Roots, increasing_roots};
 
-use crate::bent::curve_in_lanes;
+use crate::bent::splat_curve;
 use crate::lanes::{F32s, LANES, Vec3s};
-use crate::simd::{self, Work};
+use crate::simd::{self, SimdTask};
 
 /// A point on a curve each, sixteen of them.
 #[derive(Clone, Debug)]
-pub struct SixteenCases {
+pub struct SolverBatch {
     curve: Curve<F32s>,
     q: Vec3s,
 }
 
-impl SixteenCases {
+impl SolverBatch {
     /// Any curves, whatever their boxes, frames and radii.
     pub fn new(cases: &[(Curve<f32>, Vec3); LANES]) -> Self {
-        let mut sixteen = Self { curve: curve_in_lanes(&cases[0].0), q: Vec3s::splat([0.0; 3]) };
+        let mut sixteen = Self { curve: splat_curve(&cases[0].0), q: Vec3s::splat([0.0; 3]) };
         for (lane, (curve, q)) in cases.iter().enumerate() {
             let Curve { b0, b2, d0, d1, a, .. } = &mut sixteen.curve;
             let vectors = [(b0, curve.b0), (b2, curve.b2), (d0, curve.d0), (d1, curve.d1), (a, curve.a)];
@@ -29,14 +29,14 @@ impl SixteenCases {
     }
 }
 
-struct Solve<'a>(&'a SixteenCases);
+struct Solve<'a>(&'a SolverBatch);
 
-impl Work for Solve<'_> {
+impl SimdTask for Solve<'_> {
     type Output = Roots<F32s>;
 
     #[inline(always)]
     fn run(self) -> Roots<F32s> {
-        let SixteenCases { curve, q } = self.0;
+        let SolverBatch { curve, q } = self.0;
         let f0 = -F32s::dot(*q - curve.b0, curve.d0);
         let f1 = -F32s::dot(*q - curve.b2, curve.d1);
         increasing_roots(curve, *q, f0, f1)
@@ -44,7 +44,7 @@ impl Work for Solve<'_> {
 }
 
 /// The increasing roots of each case, as [`light::increasing_roots`] has them.
-pub fn roots_of_sixteen(cases: &SixteenCases) -> [Roots<f32>; LANES] {
+pub fn solve_batch(cases: &SolverBatch) -> [Roots<f32>; LANES] {
     let roots = simd::run(Solve(cases));
     std::array::from_fn(|lane| Roots {
         left: roots.left.0[lane],

@@ -5,16 +5,16 @@ use light::{Lanes, Mask};
 
 use crate::encoding::unit_from_bits;
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
-use crate::simd::{self, Work};
-use crate::{Cancelled, Scene, Workers};
+use crate::simd::{self, SimdTask};
+use crate::{Cancelled, CasterScene, Workers};
 
 /// Pixels along each side of a block.
-pub(crate) const SIDE: usize = 4;
+pub(crate) const BLOCK_SIDE: usize = 4;
 
 /// The camera's rays, as `view.wgsl` has them: the sample of pixel (x, y) of the picture lies on the ray from
 /// `origin + x origin_dx + y origin_dy`; likewise its direction, which advances one unit along the view axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub struct CameraRays {
     /// Of the first pixel's ray.
     pub origin: [f32; 3],
     /// To the next pixel to the right.
@@ -36,11 +36,11 @@ pub struct Camera {
 
 /// A G-buffer as it was read back, rows from the top.
 #[derive(Clone, Copy, Debug)]
-pub struct Gbuffer<'a> {
+pub struct GbufferRows<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
     /// Texels from one row to the next, at least the width.
-    pub row: usize,
+    pub row_stride: usize,
     /// Shading normal, triangle + 1, material: see `gbuffer.wgsl`.
     pub packed: &'a [[u32; 4]],
     /// The depth buffer.
@@ -51,7 +51,7 @@ pub struct Gbuffer<'a> {
 
 /// Sixteen pixels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Block {
+pub(crate) struct PixelBlock {
     /// Distance along the view axis.
     pub depth: F32s,
     /// Octahedral, as in the G-buffer.
@@ -71,17 +71,17 @@ pub(crate) struct Block {
 #[derive(Debug)]
 pub struct Surfaces {
     size: [u32; 2],
-    camera: Camera,
-    pub(crate) blocks: Vec<Block>,
+    camera: CameraRays,
+    pub(crate) blocks: Vec<PixelBlock>,
     /// What each block reflects of the fill, all of it.
     pub(crate) fill: Vec<Vec3s>,
     /// Where each row of blocks begins, and where the last one ends.
-    pub(crate) rows: Vec<usize>,
+    pub(crate) row_starts: Vec<usize>,
 }
 
 /// What sixteen pixels see.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface {
+pub(crate) struct SurfaceLanes {
     /// Which of them see anything; the rest means nothing where they do not.
     pub exists: Masks,
     /// Scene space.
@@ -106,11 +106,11 @@ impl Surfaces {
     /// Those of a G-buffer of `scene`.
     pub fn new(
         workers: &Workers,
-        scene: &Scene,
-        (camera, fill): (Camera, Fill),
-        gbuffer: &Gbuffer,
+        scene: &CasterScene,
+        (camera, fill): (CameraRays, FillColors),
+        gbuffer: &GbufferRows,
     ) -> Result<Self, Cancelled> {
-        let height_in_blocks = (gbuffer.size[1] as usize).div_ceil(SIDE);
+        let height_in_blocks = (gbuffer.size[1] as usize).div_ceil(BLOCK_SIDE);
         let mut rows = Vec::new();
         rows.resize_with(height_in_blocks, Default::default);
         workers.each(rows.iter_mut().enumerate(), |(row, into)| {
@@ -119,11 +119,11 @@ impl Surfaces {
         })?;
         let count = rows.iter().map(|(blocks, _)| blocks.len()).sum();
         let (blocks, fill) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut surfaces = Self { size: gbuffer.size, camera, blocks, fill, rows: vec![0] };
+        let mut surfaces = Self { size: gbuffer.size, camera, blocks, fill, row_starts: vec![0] };
         for (blocks, fill) in rows {
             surfaces.blocks.extend(blocks);
             surfaces.fill.extend(fill);
-            surfaces.rows.push(surfaces.blocks.len());
+            surfaces.row_starts.push(surfaces.blocks.len());
             // Memory that is new takes long to come.
             workers.yield_point()?;
         }
@@ -146,29 +146,29 @@ impl Surfaces {
     }
 
     /// How many blocks see something at most in so many pixels.
-    pub fn most_blocks(size: [u32; 2]) -> usize {
-        size.map(|side| (side as usize).div_ceil(SIDE)).iter().product()
+    pub fn max_blocks(size: [u32; 2]) -> usize {
+        size.map(|side| (side as usize).div_ceil(BLOCK_SIDE)).iter().product()
     }
 
     /// Of so many blocks.
     pub fn bytes_of(block_count: usize) -> u64 {
-        (block_count * (size_of::<Block>() + size_of::<Vec3s>())) as u64
+        (block_count * (size_of::<PixelBlock>() + size_of::<Vec3s>())) as u64
     }
 
     /// What a block's pixels see.
     #[inline(always)]
-    pub(crate) fn surface(&self, block: &Block) -> Surface {
+    pub(crate) fn surface(&self, block: &PixelBlock) -> SurfaceLanes {
         surface_of(&self.camera, block)
     }
 }
 
 /// What a block's pixels see.
 #[inline(always)]
-fn surface_of(camera: &Camera, block: &Block) -> Surface {
+fn surface_of(camera: &CameraRays, block: &PixelBlock) -> SurfaceLanes {
     let (origin, direction) = rays(camera, block.corner);
     let (base_color, metallic, roughness) = crate::encoding::material_from_bits(block.material);
     let length = F32s::length(direction);
-    Surface {
+    SurfaceLanes {
         exists: !block.triangle.equals(U32s::splat(0)),
         position: origin + direction * block.depth,
         depth: block.depth,
@@ -185,16 +185,16 @@ fn surface_of(camera: &Camera, block: &Block) -> Surface {
 
 /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction; linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fill {
+pub struct FillColors {
     /// From above.
     pub sky: [f32; 3],
     /// From below.
     pub ground: [f32; 3],
 }
 
-impl Fill {
+impl FillColors {
     #[inline(always)]
-    fn toward(&self, height: F32s) -> Vec3s {
+    fn hemisphere_at(&self, height: F32s) -> Vec3s {
         let share = height * F32s::splat(0.5) + F32s::splat(0.5);
         Vec3s::splat(self.ground) * (F32s::splat(1.0) - share) + Vec3s::splat(self.sky) * share
     }
@@ -202,13 +202,13 @@ impl Fill {
     /// What surfaces reflect of it. Dielectrics scatter what arrives about the normal, metals mirror what arrives about the
     /// reflected ray; both with the base colour as their albedo, so that a white surface returns what it gets.
     #[inline(always)]
-    fn reflected(&self, surface: &Surface) -> Vec3s {
+    fn reflected_by(&self, surface: &SurfaceLanes) -> Vec3s {
         let (one, two) = (F32s::splat(1.0), F32s::splat(2.0));
         let normal = surface.normal;
         let mirrored = two * F32s::dot(normal, surface.to_eye) * normal.y - surface.to_eye.y;
         let rough = surface.roughness;
-        let diffuse = self.toward(normal.y);
-        let specular = self.toward(mirrored * (one - rough) + normal.y * rough);
+        let diffuse = self.hemisphere_at(normal.y);
+        let specular = self.hemisphere_at(mirrored * (one - rough) + normal.y * rough);
         let arriving = diffuse * (one - surface.metallic) + specular * surface.metallic;
         F32s::select_vec(surface.exists, surface.base_color * arriving, Vec3s::splat([0.0; 3]))
     }
@@ -216,13 +216,13 @@ impl Fill {
 
 /// The rays of a block's pixels: where they start, and their directions.
 #[inline(always)]
-fn rays(camera: &Camera, [left, top]: [u16; 2]) -> (Vec3s, Vec3s) {
+fn rays(camera: &CameraRays, [left, top]: [u16; 2]) -> (Vec3s, Vec3s) {
     let (mut x, mut y) = (F32s::splat(0.0), F32s::splat(0.0));
     // Whole numbers, and exact.
     let (left, top) = (camera.tile_origin[0] + f32::from(left), camera.tile_origin[1] + f32::from(top));
     for i in 0..LANES {
-        x.0[i] = left + (i % SIDE) as f32;
-        y.0[i] = top + (i / SIDE) as f32;
+        x.0[i] = left + (i % BLOCK_SIDE) as f32;
+        y.0[i] = top + (i / BLOCK_SIDE) as f32;
     }
     (
         along(camera.origin, (camera.origin_dx, x), (camera.origin_dy, y)),
@@ -236,28 +236,28 @@ fn along(base: [f32; 3], (dx, x): ([f32; 3], F32s), (dy, y): ([f32; 3], F32s)) -
 }
 
 struct RowOfBlocks<'a> {
-    scene: &'a Scene<'a>,
-    camera: &'a Camera,
-    fill: &'a Fill,
-    gbuffer: &'a Gbuffer<'a>,
+    scene: &'a CasterScene<'a>,
+    camera: &'a CameraRays,
+    fill: &'a FillColors,
+    gbuffer: &'a GbufferRows<'a>,
     row: usize,
 }
 
-impl Work for RowOfBlocks<'_> {
-    type Output = (Vec<Block>, Vec<Vec3s>);
+impl SimdTask for RowOfBlocks<'_> {
+    type Output = (Vec<PixelBlock>, Vec<Vec3s>);
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         let Self { scene, camera, fill, gbuffer, row } = self;
         let width = gbuffer.size[0] as usize;
-        let mut blocks = Vec::with_capacity(width.div_ceil(SIDE));
-        let mut filled = Vec::with_capacity(width.div_ceil(SIDE));
-        for column in 0..width.div_ceil(SIDE) {
-            let corner = [(SIDE * column) as u16, (SIDE * row) as u16];
-            let (block, z) = loaded(scene, gbuffer, corner);
+        let mut blocks = Vec::with_capacity(width.div_ceil(BLOCK_SIDE));
+        let mut filled = Vec::with_capacity(width.div_ceil(BLOCK_SIDE));
+        for column in 0..width.div_ceil(BLOCK_SIDE) {
+            let corner = [(BLOCK_SIDE * column) as u16, (BLOCK_SIDE * row) as u16];
+            let (block, z) = load_block(scene, gbuffer, corner);
             if !block.triangle.equals(U32s::splat(0)).all() {
-                let block = placed(scene, camera, block, z);
-                filled.push(fill.reflected(&surface_of(camera, &block)));
+                let block = with_depth(scene, camera, block, z);
+                filled.push(fill.reflected_by(&surface_of(camera, &block)));
                 blocks.push(block);
             }
         }
@@ -267,10 +267,10 @@ impl Work for RowOfBlocks<'_> {
 
 /// A block without its depth, and the z of its pixels; its geometric normals are those of triangles' fronts.
 #[inline(always)]
-fn loaded(scene: &Scene, gbuffer: &Gbuffer, corner: [u16; 2]) -> (Block, F32s) {
+fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (PixelBlock, F32s) {
     let [width, height] = gbuffer.size.map(|side| side as usize);
     let (zero, none) = (F32s::splat(0.0), U32s::splat(0));
-    let mut block = Block {
+    let mut block = PixelBlock {
         depth: zero,
         normal: none,
         geometric_normal: Vec3s::splat([0.0; 3]),
@@ -281,11 +281,11 @@ fn loaded(scene: &Scene, gbuffer: &Gbuffer, corner: [u16; 2]) -> (Block, F32s) {
     };
     let mut z = zero;
     for i in 0..LANES {
-        let (x, y) = (corner[0] as usize + i % SIDE, corner[1] as usize + i / SIDE);
+        let (x, y) = (corner[0] as usize + i % BLOCK_SIDE, corner[1] as usize + i / BLOCK_SIDE);
         if x >= width || y >= height {
             continue;
         }
-        let pixel = y * gbuffer.row + x;
+        let pixel = y * gbuffer.row_stride + x;
         let [normal, triangle, low, high] = gbuffer.packed[pixel];
         if triangle == 0 {
             continue;
@@ -305,7 +305,7 @@ fn loaded(scene: &Scene, gbuffer: &Gbuffer, corner: [u16; 2]) -> (Block, F32s) {
 /// The block with its depths, cut with the planes of its triangles as in `depth_on` of `view.wgsl`, and its normals towards the
 /// viewer.
 #[inline(always)]
-fn placed(scene: &Scene, camera: &Camera, mut block: Block, z: F32s) -> Block {
+fn with_depth(scene: &CasterScene, camera: &CameraRays, mut block: PixelBlock, z: F32s) -> PixelBlock {
     let (origin, direction) = rays(camera, block.corner);
     let mut offset = F32s::splat(0.0);
     for i in 0..LANES {

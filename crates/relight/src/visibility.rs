@@ -4,9 +4,9 @@ use light::{Lanes, Mask};
 
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
-use crate::nearby::{self, Met};
-use crate::surfaces::Surface;
-use crate::{Scene, ShadowFilter};
+use crate::nearby::{self, ReceiverPoint};
+use crate::surfaces::SurfaceLanes;
+use crate::{CasterScene, ShadowFilter};
 
 /// A receiver on a map. Each shape of light has its own.
 pub(crate) trait Receiver {
@@ -20,16 +20,16 @@ pub(crate) trait Receiver {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LitTexels {
     /// By all that the map can tell.
-    pub told: [Masks; 4],
+    pub resolved: [Masks; 4],
     /// If what is near to the receiver is left to the scene.
-    pub left: [Masks; 4],
+    pub deferred: [Masks; 4],
 }
 
 /// Shares of the light that the filter lets through, both ways of [`LitTexels`].
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shares {
-    pub told: F32s,
-    pub left: F32s,
+pub(crate) struct VisibilityShares {
+    pub resolved: F32s,
+    pub deferred: F32s,
 }
 
 /// The four texels from a corner on, row after row; what lies beside the map is the nearest of it.
@@ -76,25 +76,32 @@ fn texel(texels: &[f32], at: u32) -> f32 {
 /// Sum over four texels, weighted by column and row: 1 to the last bit where all are lit.
 #[inline(always)]
 fn weighted(lit: &[Masks; 4], columns: [F32s; 2], rows: [F32s; 2]) -> F32s {
-    let top = columns[0] * share(lit[0]) + columns[1] * share(lit[1]);
-    let bottom = columns[0] * share(lit[2]) + columns[1] * share(lit[3]);
+    let top = columns[0] * mask_to_float(lit[0]) + columns[1] * mask_to_float(lit[1]);
+    let bottom = columns[0] * mask_to_float(lit[2]) + columns[1] * mask_to_float(lit[3]);
     rows[0] * top + rows[1] * bottom
 }
 
 /// 1 of what is lit.
 #[inline(always)]
-fn share(lit: Masks) -> F32s {
+fn mask_to_float(lit: Masks) -> F32s {
     F32s::select(lit, F32s::splat(1.0), F32s::splat(0.0))
 }
 
 #[inline(always)]
-fn weighted_both(lit: &LitTexels, columns: [F32s; 2], rows: [F32s; 2]) -> Shares {
-    Shares { told: weighted(&lit.told, columns, rows), left: weighted(&lit.left, columns, rows) }
+fn weighted_both(lit: &LitTexels, columns: [F32s; 2], rows: [F32s; 2]) -> VisibilityShares {
+    VisibilityShares {
+        resolved: weighted(&lit.resolved, columns, rows),
+        deferred: weighted(&lit.deferred, columns, rows),
+    }
 }
 
 /// Shares of the light that `filter` lets through.
 #[inline(always)]
-pub(crate) fn filtered<R: Receiver>(receiver: &R, map: &DepthMap, filter: ShadowFilter) -> Shares {
+pub(crate) fn filter_visibility<R: Receiver>(
+    receiver: &R,
+    map: &DepthMap,
+    filter: ShadowFilter,
+) -> VisibilityShares {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     let [x, y] = receiver.texel();
     let first = [x.floor(), y.floor()];
@@ -110,36 +117,40 @@ pub(crate) fn filtered<R: Receiver>(receiver: &R, map: &DepthMap, filter: Shadow
     }
     let low = [[one - blend[0], one], [one - blend[1], one]];
     let high = [[one, blend[0]], [one, blend[1]]];
-    let mut sum = Shares { told: zero, left: zero };
+    let mut sum = VisibilityShares { resolved: zero, deferred: zero };
     for (columns, dx) in [(low[0], -1.0), (high[0], 1.0)] {
         for (rows, dy) in [(low[1], -1.0), (high[1], 1.0)] {
             let corner = [first[0] + F32s::splat(dx), first[1] + F32s::splat(dy)];
             let shares = weighted_both(&receiver.lit_texels(map, corner), columns, rows);
-            (sum.told, sum.left) = (sum.told + shares.told, sum.left + shares.left);
+            (sum.resolved, sum.deferred) = (sum.resolved + shares.resolved, sum.deferred + shares.deferred);
         }
     }
     let ninth = F32s::splat(9.0);
-    Shares { told: sum.told / ninth, left: sum.left / ninth }
+    VisibilityShares { resolved: sum.resolved / ninth, deferred: sum.deferred / ninth }
 }
 
 /// Where the scene is to tell of what is near, and the map of the rest: where light grazes and the texels around do not all let
 /// it through.
 #[inline(always)]
-pub(crate) fn asks_scene(shares: Shares, grazes: Masks) -> Masks {
-    grazes & shares.told.lt(F32s::splat(1.0)) & shares.left.gt(F32s::splat(0.0))
+pub(crate) fn needs_exact_trace(shares: VisibilityShares, grazes: Masks) -> Masks {
+    grazes & shares.resolved.lt(F32s::splat(1.0)) & shares.deferred.gt(F32s::splat(0.0))
 }
 
-/// Share of the light that reaches the surface, given both shares of [`filtered`]. Of lanes that ask the scene `is_blocked` says
+/// Share of the light that reaches the surface, given both shares of [`filter_visibility`]. Of lanes that ask the scene `is_blocked` says
 /// whether something lies on the last piece of light's way.
 #[inline(always)]
-pub(crate) fn decided(shares: Shares, asks: Masks, is_blocked: impl Fn(usize) -> bool) -> F32s {
+pub(crate) fn resolve_visibility(
+    shares: VisibilityShares,
+    asks: Masks,
+    is_blocked: impl Fn(usize) -> bool,
+) -> F32s {
     if !asks.any() {
-        return shares.told;
+        return shares.resolved;
     }
-    let mut visibility = shares.told;
+    let mut visibility = shares.resolved;
     for i in 0..LANES {
         if asks.lane(i) {
-            visibility.0[i] = if is_blocked(i) { 0.0 } else { shares.left.0[i] };
+            visibility.0[i] = if is_blocked(i) { 0.0 } else { shares.deferred.0[i] };
         }
     }
     visibility
@@ -147,16 +158,21 @@ pub(crate) fn decided(shares: Shares, asks: Masks, is_blocked: impl Fn(usize) ->
 
 /// The same where the last piece of light's way, reversed, is the straight `way`.
 #[inline(always)]
-pub(crate) fn decided_along(
-    scene: &Scene,
-    surface: &Surface,
-    shares: Shares,
+pub(crate) fn resolve_along_segment(
+    scene: &CasterScene,
+    surface: &SurfaceLanes,
+    shares: VisibilityShares,
     grazes: Masks,
     way: Vec3s,
 ) -> F32s {
-    decided(shares, asks_scene(shares, grazes), |i| {
-        let met = surface.met(i);
-        nearby::is_met(scene, (met.shadow_position(), way.lane(i)), Some(met.triangle), met.depth)
+    resolve_visibility(shares, needs_exact_trace(shares, grazes), |i| {
+        let met = surface.receiver_point(i);
+        nearby::is_segment_occluded(
+            scene,
+            (met.shadow_position(), way.lane(i)),
+            Some(met.triangle),
+            met.depth,
+        )
     })
 }
 
@@ -164,7 +180,7 @@ pub(crate) fn decided_along(
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facing {
     /// Which of those asked for it meets from in front, with nothing of themselves in its way.
-    pub asked: Masks,
+    pub active: Masks,
     /// Whose triangles face the light too.
     pub faces_light: Masks,
     /// Unit normals of the planes that a map is compared with, scene space.
@@ -173,15 +189,15 @@ pub(crate) struct Facing {
 
 /// Those of `asked`, where `to_light` are unit vectors to where light comes from.
 #[inline(always)]
-pub(crate) fn facing(scene: &Scene, surface: &Surface, to_light: Vec3s, asked: Masks) -> Facing {
+pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3s, asked: Masks) -> Facing {
     let zero = F32s::splat(0.0);
     // Light that arrives from behind meets the surface's other side.
     let asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
-    let asked = asked & !in_their_own_way(scene, surface, to_light, asked);
+    let asked = asked & !self_shadowed_lanes(scene, surface, to_light, asked);
     // A facet that faces away lies behind the plane of the smooth surface.
     let faces_light = F32s::dot(surface.geometric_normal, to_light).gt(zero);
     let normal = F32s::select_vec(faces_light, surface.geometric_normal, surface.normal);
-    Facing { asked, faces_light, normal }
+    Facing { active: asked, faces_light, normal }
 }
 
 /// Middle and 1 / half size of what is drawn of each lane's face, given those of all faces.
@@ -211,14 +227,15 @@ pub(crate) fn texel_at(fit: [F32s; 4], [x, y]: [F32s; 2], side: F32s) -> [F32s; 
 
 /// Which of `asked` are in the way of the light that comes along `arriving`, unit vectors towards it.
 #[inline(always)]
-fn in_their_own_way(scene: &Scene, surface: &Surface, arriving: Vec3s, asked: Masks) -> Masks {
+fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Vec3s, asked: Masks) -> Masks {
     let faces_away = F32s::dot(surface.geometric_normal, arriving).le(F32s::splat(0.0));
     let mut in_the_way = Masks::of(false);
     if !(asked & faces_away).any() {
         return in_the_way;
     }
     for i in 0..LANES {
-        if (asked & faces_away).lane(i) && nearby::is_in_its_own_way(scene, &surface.met(i), arriving.lane(i))
+        if (asked & faces_away).lane(i)
+            && nearby::is_self_shadowed(scene, &surface.receiver_point(i), arriving.lane(i))
         {
             in_the_way.0[i] = u32::MAX;
         }
@@ -226,7 +243,7 @@ fn in_their_own_way(scene: &Scene, surface: &Surface, arriving: Vec3s, asked: Ma
     in_the_way
 }
 
-impl Surface {
+impl SurfaceLanes {
     /// Where light has to arrive for the surfaces to be lit.
     #[inline(always)]
     pub fn shadow_position(&self) -> Vec3s {
@@ -234,8 +251,8 @@ impl Surface {
     }
 
     /// One lane's, which exists.
-    pub(crate) fn met(&self, lane: usize) -> Met {
-        Met {
+    pub(crate) fn receiver_point(&self, lane: usize) -> ReceiverPoint {
+        ReceiverPoint {
             position: self.position.lane(lane),
             normal: self.normal.lane(lane),
             geometric_normal: self.geometric_normal.lane(lane),

@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 #[derive(Debug)]
 pub struct Workers {
     pool: ThreadPool,
-    yielding: Yielding,
+    yielding: YieldPolicy,
 }
 
 /// Bytes of new memory that are written before others may come: some milliseconds on a machine whose pages come slowly.
@@ -16,17 +16,17 @@ const NEW_BYTES_AT_ONCE: usize = 1 << 20;
 
 /// When work that may take long gives way to others, and how; by default never.
 #[derive(Clone, Default)]
-pub struct Yielding(Option<Arc<Calls>>);
+pub struct YieldPolicy(Option<Arc<YieldCallbacks>>);
 
 /// What is asked at a yield point.
-struct Calls {
-    is_due: Box<dyn Fn() -> bool + Send + Sync>,
-    give_way: Box<dyn Fn() -> bool + Send + Sync>,
-    aside: Box<Aside>,
+struct YieldCallbacks {
+    should_yield: Box<dyn Fn() -> bool + Send + Sync>,
+    yield_now: Box<dyn Fn() -> bool + Send + Sync>,
+    run_in_background: Box<BackgroundRunner>,
 }
 
 /// Does the work that it is given, and says whether what that belongs to goes on.
-type Aside = dyn Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync;
+type BackgroundRunner = dyn Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync;
 
 /// The work was cancelled where it gave way: what it has made is of no use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,8 +39,8 @@ struct Queue<I, T> {
     begun: Vec<T>,
 }
 
-impl Yielding {
-    /// `is_due` says, on any thread and at once, whether others are to come next; then `give_way` is called on the thread that
+impl YieldPolicy {
+    /// `should_yield` says, on any thread and at once, whether others are to come next; then `yield_now` is called on the thread that
     /// asked for the work, and returns when it may go on: false where it is cancelled. `aside` does work that takes long while
     /// others have their turn, and returns when that is done and it may go on.
     pub fn new(
@@ -49,32 +49,36 @@ impl Yielding {
         aside: impl Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync + 'static,
     ) -> Self {
         let (is_due, give_way, aside) = (Box::new(is_due), Box::new(give_way), Box::new(aside));
-        Self(Some(Arc::new(Calls { is_due, give_way, aside })))
+        Self(Some(Arc::new(YieldCallbacks {
+            should_yield: is_due,
+            yield_now: give_way,
+            run_in_background: aside,
+        })))
     }
 
     /// Whether others are to come next.
-    pub fn is_due(&self) -> bool {
-        self.0.as_deref().is_some_and(|calls| (calls.is_due)())
+    pub fn should_yield(&self) -> bool {
+        self.0.as_deref().is_some_and(|calls| (calls.should_yield)())
     }
 
     /// Lets others come next where that is due.
-    pub fn point(&self) -> Result<(), Cancelled> {
+    pub fn yield_point(&self) -> Result<(), Cancelled> {
         match self.0.as_deref() {
-            Some(calls) if (calls.is_due)() && !(calls.give_way)() => Err(Cancelled),
+            Some(calls) if (calls.should_yield)() && !(calls.yield_now)() => Err(Cancelled),
             _ => Ok(()),
         }
     }
 
     /// Does work that takes long and needs nothing that others draw with, while those have their turn.
-    pub fn aside<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
+    pub fn run_in_background<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
         let Some(calls) = self.0.as_deref() else { return Ok(work()) };
         let (mut work, mut done) = (Some(work), None);
-        let goes_on = (calls.aside)(&mut || done = work.take().map(|work| work()));
+        let goes_on = (calls.run_in_background)(&mut || done = work.take().map(|work| work()));
         done.filter(|_| goes_on).ok_or(Cancelled)
     }
 }
 
-impl std::fmt::Debug for Yielding {
+impl std::fmt::Debug for YieldPolicy {
     fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(if self.0.is_some() { "Yielding" } else { "Yielding(never)" })
     }
@@ -83,20 +87,20 @@ impl std::fmt::Debug for Yielding {
 impl Workers {
     /// One a core, which never give way.
     pub fn new() -> Self {
-        Self::of(0)
+        Self::with_threads(0)
     }
 
     /// So many; 0 for one a core.
-    pub fn of(count: usize) -> Self {
+    pub fn with_threads(count: usize) -> Self {
         let name = |index| format!("relight {index}");
         let pool = ThreadPoolBuilder::new().num_threads(count).thread_name(name).build();
         let pool = pool.expect("a program that cannot start threads cannot draw");
-        Self { pool, yielding: Yielding::default() }
+        Self { pool, yielding: YieldPolicy::default() }
     }
 
     /// The same, with work that gives way.
     #[must_use]
-    pub fn yielding(self, yielding: Yielding) -> Self {
+    pub fn with_yield_policy(self, yielding: YieldPolicy) -> Self {
         Self { yielding, ..self }
     }
 
@@ -111,7 +115,7 @@ impl Workers {
     }
 
     /// Has `work` done with each item, in any order, each thread with what is next when it has done one. Between items, and
-    /// where `work` returns false since [`Self::is_due`] and there is more of its item, others have their turn.
+    /// where `work` returns false since [`Self::should_yield`] and there is more of its item, others have their turn.
     pub(crate) fn each<T: Send>(
         &self,
         items: impl ExactSizeIterator<Item = T> + Send,
@@ -127,7 +131,7 @@ impl Workers {
                     if !work(&mut item) {
                         lock(&unfinished).push(item);
                     }
-                    if self.is_due() {
+                    if self.should_yield() {
                         break;
                     }
                 }
@@ -138,7 +142,7 @@ impl Workers {
                 return Ok(());
             }
             drop(left);
-            self.yielding.point()?;
+            self.yielding.yield_point()?;
         }
     }
 
@@ -149,19 +153,19 @@ impl Workers {
         while items.len() < count {
             let part = (NEW_BYTES_AT_ONCE / size_of::<T>().max(1)).max(1);
             items.resize(count.min(items.len() + part), item);
-            self.yielding.point()?;
+            self.yielding.yield_point()?;
         }
         Ok(())
     }
 
     /// Lets others come next where that is due.
     pub(crate) fn yield_point(&self) -> Result<(), Cancelled> {
-        self.yielding.point()
+        self.yielding.yield_point()
     }
 
     /// Whether work is to give way.
-    pub(crate) fn is_due(&self) -> bool {
-        self.yielding.is_due()
+    pub(crate) fn should_yield(&self) -> bool {
+        self.yielding.should_yield()
     }
 }
 
@@ -189,11 +193,11 @@ mod tests {
     use super::*;
 
     /// Counts how often work gives way, always due, and cancels it the time of that number.
-    fn counting(cancelled_at: usize) -> (Yielding, Arc<AtomicUsize>) {
+    fn counting(cancelled_at: usize) -> (YieldPolicy, Arc<AtomicUsize>) {
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
         let give_way = move || counted.fetch_add(1, Ordering::Relaxed) + 1 != cancelled_at;
-        (Yielding::new(|| true, give_way, |work| (work(), true).1), count)
+        (YieldPolicy::new(|| true, give_way, |work| (work(), true).1), count)
     }
 
     /// Each of two items waits for the other to be begun: where one thread does both, or one after the other, neither sees it.
@@ -209,7 +213,7 @@ mod tests {
             begun.load(Ordering::SeqCst) >= others
         };
         let met = AtomicUsize::new(0);
-        let ended = Workers::of(2).each([(), ()].into_iter(), |()| {
+        let ended = Workers::with_threads(2).each([(), ()].into_iter(), |()| {
             met.fetch_add(usize::from(has_met(2)), Ordering::SeqCst);
             true
         });
@@ -219,7 +223,7 @@ mod tests {
     #[test]
     fn each_item_is_finished_once_however_often_it_gives_way() {
         let (yielding, count) = counting(usize::MAX);
-        for workers in [Workers::of(2), Workers::of(2).yielding(yielding)] {
+        for workers in [Workers::with_threads(2), Workers::with_threads(2).with_yield_policy(yielding)] {
             let done: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
             // Every third takes three times.
             let items: Vec<(usize, usize)> = (0..100).map(|k| (k, if k % 3 == 0 { 3 } else { 1 })).collect();
@@ -239,14 +243,14 @@ mod tests {
     #[test]
     fn cancelled_work_ends() {
         let (yielding, count) = counting(3);
-        let workers = Workers::of(2).yielding(yielding);
+        let workers = Workers::with_threads(2).with_yield_policy(yielding);
         let ended = workers.each(0..1_000, |_| true);
         assert_eq!((ended, count.load(Ordering::Relaxed)), (Err(Cancelled), 3));
     }
     #[test]
     fn new_memory_comes_in_parts_and_holds_what_it_held() {
         let (yielding, count) = counting(4);
-        let workers = Workers::of(1).yielding(yielding);
+        let workers = Workers::with_threads(1).with_yield_policy(yielding);
         let mut items = vec![1_u64; 3];
         let part = NEW_BYTES_AT_ONCE / size_of::<u64>();
         assert_eq!(workers.resize(&mut items, 2 * part, 2), Ok(()));
@@ -266,9 +270,9 @@ mod tests {
                 }
                 goes_on
             };
-            Yielding::new(|| false, || true, aside).aside(|| 7)
+            YieldPolicy::new(|| false, || true, aside).run_in_background(|| 7)
         };
-        assert_eq!(Yielding::default().aside(|| 7), Ok(7));
+        assert_eq!(YieldPolicy::default().run_in_background(|| 7), Ok(7));
         assert_eq!(aside(true, true), Ok(7));
         assert_eq!(aside(true, false), Err(Cancelled), "its drawing is over");
         assert_eq!(aside(false, true), Err(Cancelled), "no thread could be started");

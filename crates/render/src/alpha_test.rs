@@ -5,7 +5,7 @@ use std::sync::Arc;
 use scene::{Material, Wrap};
 use wgpu::{Buffer, BufferUsages};
 
-use crate::geometry::{Draw, upload};
+use crate::geometry::{MaterialRange, upload};
 use crate::{Gpu, RenderError, gpu_structs};
 
 const TESTS: &str = "the scene's alpha tests in bytes";
@@ -13,7 +13,7 @@ const TEXELS: &str = "the alpha of the scene's textures in bytes";
 
 /// See `alpha_test.wgsl`.
 #[derive(Debug)]
-pub(crate) struct AlphaTests {
+pub(crate) struct GpuAlphaTests {
     /// One a draw with an alpha test, by their triangles.
     pub list: Vec<gpu_structs::AlphaTest>,
     /// The same on the device.
@@ -33,7 +33,7 @@ pub(crate) struct AlphaPicture {
     pub height: u32,
 }
 
-impl AlphaTests {
+impl GpuAlphaTests {
     /// `texels` have eight bits each.
     pub fn new(
         gpu: &Gpu,
@@ -46,7 +46,7 @@ impl AlphaTests {
             host_tests: list.iter().map(host_test).collect(),
             list,
             texels: upload(gpu, TEXELS, &texels, BufferUsages::STORAGE)?,
-            host_texels: gpu.host(|| texels.into()),
+            host_texels: gpu.if_native(|| texels.into()),
         })
     }
 
@@ -90,9 +90,9 @@ impl AlphaTests {
 /// A test as the processor asks it.
 fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
     let wrap = |wrap| match wrap {
-        0 => relight::Wrap::Repeat,
-        1 => relight::Wrap::Mirror,
-        _ => relight::Wrap::Edge,
+        0 => relight::TexelWrap::Repeat,
+        1 => relight::TexelWrap::MirroredRepeat,
+        _ => relight::TexelWrap::ClampToEdge,
     };
     let gpu_structs::AlphaTest { first_triangle, first_index, cutoff, factor, .. } = *test;
     let gpu_structs::AlphaTest { offset, width, height, .. } = *test;
@@ -113,7 +113,7 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
 
 /// The test of `draw`, where triangles with a test begin with the index `first_masked`.
 pub(crate) fn alpha_test(
-    draw: &Draw,
+    draw: &MaterialRange,
     first_masked: u32,
     material: &Material,
     picture: AlphaPicture,

@@ -1,8 +1,8 @@
 //! Which of a light's filters its lighting pass is compiled with.
 
-use light::{Cut, LightFilter, ProfileCurve, Section};
+use light::{DistanceRamps, LightProfile, ProfileCurve, SectionOutline};
 
-/// See the constants of `filter.wgsl` and `lighting.wgsl`. They are compiled in, so that no light computes what it does
+/// See the constants of `profile.wgsl` and `lighting.wgsl`. They are compiled in, so that no light computes what it does
 /// not have, and no branch hangs on a uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shaders by itself")]
@@ -19,12 +19,12 @@ pub(crate) struct BakedFilter {
 }
 
 impl BakedFilter {
-    pub fn of(filter: &LightFilter) -> Self {
+    pub fn of(filter: &LightProfile) -> Self {
         Self {
             profile: filter.profile.curve,
-            superellipse: filter.section != Section::Circle,
-            radial: !filter.radial.is_even(),
-            cut: filter.cut != Cut::NONE,
+            superellipse: filter.section != SectionOutline::Circle,
+            radial: !filter.radial.is_uniform(),
+            cut: filter.distance_ramps != DistanceRamps::NONE,
             shadowed: filter.shadow_enable,
         }
     }

@@ -4,12 +4,12 @@ use glam::Vec3;
 
 /// Least and greatest coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Bounds {
+pub(crate) struct BoundsF32 {
     pub min: Vec3,
     pub max: Vec3,
 }
 
-impl Bounds {
+impl BoundsF32 {
     /// Around no point.
     pub const NOTHING: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 

@@ -8,14 +8,14 @@ use crate::{RenderError, View};
 
 /// A camera over a raster.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Raster {
+pub(crate) struct CameraRaster {
     pub world_from_camera: DAffine3,
     pub projection: Projection,
     pub width: u32,
     pub height: u32,
 }
 
-impl Raster {
+impl CameraRaster {
     pub fn new(view: &View) -> Result<Self, RenderError> {
         let invalid = |why| Err(RenderError::InvalidView(why));
         if view.width == 0 || view.height == 0 {
@@ -24,10 +24,10 @@ impl Raster {
         if view.samples == 0 {
             return invalid("it has no samples; give it at least 1 a pixel");
         }
-        if !View::FILL.contains(&view.fill) {
+        if !View::FILL_RANGE.contains(&view.fill) {
             return invalid("its factor of the fill is outside its domain; give one from 0 to 1000000");
         }
-        if !View::EXPOSURE.contains(&view.exposure) {
+        if !View::EXPOSURE_RANGE.contains(&view.exposure) {
             return invalid("its exposure is outside its domain; give one from -32 to 32 stops");
         }
         let aspect_ratio = view.camera.projection.aspect_ratio();
@@ -140,7 +140,7 @@ impl Raster {
     }
 
     /// All pixels, as `[x, y, width, height]`.
-    pub fn whole(&self) -> [u32; 4] {
+    pub fn all_pixels(&self) -> [u32; 4] {
         [0, 0, self.width, self.height]
     }
 
@@ -168,7 +168,7 @@ impl Raster {
         for clip in clip() {
             // The near plane has z = w; also false where NaN.
             if !(clip.w > 0.0 && clip.z <= clip.w) {
-                return self.whole();
+                return self.all_pixels();
             }
             let at = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * size;
             low = low.min(at);
@@ -235,7 +235,7 @@ mod tests {
             Projection::Orthographic { ymag: 3.0, aspect_ratio: Some(2.0), znear: 0.0, zfar: 30.0 },
         ];
         for projection in projections {
-            let raster = Raster { world_from_camera, projection, width: 7, height: 5 };
+            let raster = CameraRaster { world_from_camera, projection, width: 7, height: 5 };
             let scene_origin = DVec3::new(3.0, -2.0, 1.0);
             let uniform = raster.uniform(DVec2::new(0.3, -0.2), 1.0, 1.0, scene_origin, [0, 0]).unwrap();
             let clip_from_scene = glam::Mat4::from_cols_array_2d(&uniform.clip_from_scene);
@@ -274,7 +274,8 @@ mod tests {
             [(100, 100, 75.0, 37.5), (400, 100, 250.0, 25.0), (200, 100, 150.0, 25.0)]
         {
             for projection in [perspective, orthographic] {
-                let raster = Raster { world_from_camera: DAffine3::IDENTITY, projection, width, height };
+                let raster =
+                    CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width, height };
                 let clip = raster.clip_from_world() * DVec4::new(0.5, 0.25, -1.0, 1.0);
                 let pixel = (DVec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5)
                     * DVec2::new(width.into(), height.into());
@@ -289,7 +290,8 @@ mod tests {
     #[test]
     fn bounds_hold_what_they_are_of() {
         let projection = Projection::Perspective { yfov: 1.0, aspect_ratio: None, znear: 0.1, zfar: None };
-        let raster = Raster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
+        let raster =
+            CameraRaster { world_from_camera: DAffine3::IDENTITY, projection, width: 100, height: 100 };
         let pixels_a_unit = 50.0 / 0.5_f64.tan();
         let [x, y, width, height] =
             raster.bounds_of(&[DVec3::new(0.1, 0.0, -1.0), DVec3::new(0.2, 0.1, -1.0)]);

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::Vec3;
 use wgpu::{Buffer, BufferUsages};
 
-use crate::alpha_test::AlphaTests;
+use crate::alpha_test::GpuAlphaTests;
+use crate::closed_components::connected;
 use crate::clusters::Clusters;
 use crate::geometry::{Vertices, upload};
 use crate::material::MaterialDraw;
-use crate::shells::connected;
 use crate::{Gpu, RenderError};
 
 #[cfg(test)]
@@ -17,10 +17,10 @@ pub(crate) mod tests;
 
 /// Meshoptimizer bounds the root of a mean of squared distances. The largest distance is up to 2.6 times
 /// that, measured on balls and bowls of 9,000 to 160,000 triangles.
-const LARGEST_OVER_MEAN: f64 = 3.0;
+const MAX_TO_RMS_ERROR: f64 = 3.0;
 /// The least such mean, of the extent of what is simplified: its square is 1.3 ulps of 1 in f32. With less,
 /// rounding decides what is collapsed: up to 6 times the mean was seen.
-const LEAST_MEAN: f64 = 4e-4;
+const MIN_RELATIVE_RMS_ERROR: f64 = 4e-4;
 
 /// The triangles that shadow maps are made of, in scene space, in the order in which their clusters have them.
 #[derive(Clone, Debug)]
@@ -90,7 +90,7 @@ impl CasterMesh {
             triangle_count: (indices.len() / 3) as u32,
             opaque_indices: opaque_indices as u32,
             clusters,
-            host: gpu.host(|| Arc::new(HostCasters { positions, indices })),
+            host: gpu.if_native(|| Arc::new(HostCasters { positions, indices })),
         })
     }
 }
@@ -99,7 +99,7 @@ impl Casters {
     /// The surface of `vertices`, of whose indices the first `opaque_indices` have no alpha test, in fewer triangles where
     /// `mesh_error` (world units) lets it stray.
     pub fn new(gpu: &Gpu, surface: (&Vertices, usize), mesh_error: f64) -> Result<Self, RenderError> {
-        gpu.aside(|| CasterMesh::new(surface, mesh_error))?.upload(gpu)
+        gpu.run_in_background(|| CasterMesh::new(surface, mesh_error))?.upload(gpu)
     }
 
     /// Of its buffers and arrays.
@@ -111,12 +111,12 @@ impl Casters {
 
 /// What throws shadows in a light: all of a scene, or what its links leave.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Casting<'a> {
+pub(crate) struct CasterSet<'a> {
     pub casters: &'a Casters,
     /// The scene's own triangles that have an alpha test.
-    pub masked: &'a [MaterialDraw],
+    pub alpha_tested: &'a [MaterialDraw],
     /// Those of `masked`; `None` where there are none.
-    pub alpha_tests: Option<&'a AlphaTests>,
+    pub alpha_tests: Option<&'a GpuAlphaTests>,
 }
 
 /// Triangles by their corners.
@@ -162,8 +162,8 @@ fn simplify(positions: &[[f32; 3]], (opaque, masked): (&[u32], &[u32]), error: f
 fn simplify_part(positions: &[[f32; 3]], indices: Vec<u32>, error: f64) -> Vec<u32> {
     let points = || positions.iter().copied().map(Vec3::from);
     let extent = points().fold(Vec3::MIN, Vec3::max) - points().fold(Vec3::MAX, Vec3::min);
-    let mean_error = error / LARGEST_OVER_MEAN;
-    if mean_error < LEAST_MEAN * f64::from(extent.max_element()) {
+    let mean_error = error / MAX_TO_RMS_ERROR;
+    if mean_error < MIN_RELATIVE_RMS_ERROR * f64::from(extent.max_element()) {
         return indices;
     }
     let mean_error = mean_error.min(f64::from(f32::MAX)) as f32;

@@ -4,13 +4,13 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use crate::bounds::Bounds;
-use crate::shells::{Shell, Shells};
+use crate::bounds::BoundsF32;
+use crate::closed_components::{ClosedComponents, TriangleComponent};
 
 /// Most triangles of a leaf. The workgroups of `bent_map_triangles.wgsl` have as many threads.
-pub(crate) const TRIANGLES_A_LEAF: usize = 64;
+pub(crate) const TRIANGLES_PER_LEAF: usize = 64;
 /// Vertices of a block. The workgroups of `bent_map_vertices.wgsl` have as many threads.
-pub(crate) const VERTICES_A_BLOCK: usize = 64;
+pub(crate) const VERTICES_PER_BLOCK: usize = 64;
 
 /// Boxes count as across a plane that they miss by this share of what it is made with: rounding here and on the GPU.
 const ROUNDING: f64 = 1e-6;
@@ -24,30 +24,30 @@ const SIDE_THICKNESS: f32 = 1e-6;
 /// Nothing lies behind a side, so a side casts no shadow that can be seen, unless light comes in through it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clusters {
-    pub leaves: Vec<Leaf>,
+    pub leaves: Vec<ClusterLeaf>,
     /// Blocks of vertices that leaves have corners in, leaf by leaf.
     blocks: Vec<u32>,
-    inner: Tree,
-    sides: Vec<(Side, Tree)>,
+    inner: ClusterTree,
+    sides: Vec<(OpenSide, ClusterTree)>,
     /// Whether the triangles stray from the surface that they stand for.
-    stray: bool,
+    is_simplified: bool,
 }
 
 /// Triangles that lie near each other, one after the other in the casters' list.
 #[derive(Clone, Debug)]
-pub(crate) struct Leaf {
+pub(crate) struct ClusterLeaf {
     pub triangles: Range<u32>,
     /// What they are of.
-    pub shell: Shell,
+    pub component: TriangleComponent,
     /// Around all of the closed surfaces that its triangles are of.
-    pub shell_bounds: Cluster,
+    pub component_bounds: ClusterBounds,
     /// Where its vertices' blocks are listed.
     blocks: Range<usize>,
 }
 
 /// A side of the casters' bounds: the plane `normal . p = offset`, whose outer side holds nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Side {
+pub(crate) struct OpenSide {
     pub normal: DVec3,
     pub offset: f64,
 }
@@ -58,7 +58,7 @@ pub(crate) struct OpenSides(u8);
 
 /// A node before those within it.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Tree {
+pub(crate) struct ClusterTree {
     nodes: Vec<Node>,
 }
 
@@ -74,7 +74,7 @@ struct Node {
 
 /// A box along the axes of scene space.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cluster {
+pub(crate) struct ClusterBounds {
     pub center: DVec3,
     /// Half its extents.
     pub half: DVec3,
@@ -82,24 +82,28 @@ pub(crate) struct Cluster {
 
 /// What becomes of the boxes within a box; of what several ask for, the last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Within {
+pub(crate) enum BoxSelection {
     /// All are left out.
-    Leave,
+    Skip,
     /// They are looked at.
-    Look,
+    Descend,
     /// All are taken.
-    Take,
+    TakeAll,
 }
 
-impl Leaf {
+impl ClusterLeaf {
     /// What its triangles are of, for light that begins at `source`: open where that may lie inside of it.
-    pub fn shell_from(&self, source: Option<&Cluster>) -> Shell {
-        if source.is_some_and(|source| self.shell_bounds.touches(source)) { Shell::Open } else { self.shell }
+    pub fn component_from(&self, source: Option<&ClusterBounds>) -> TriangleComponent {
+        if source.is_some_and(|source| self.component_bounds.touches(source)) {
+            TriangleComponent::Open
+        } else {
+            self.component
+        }
     }
 }
 
 impl Clusters {
-    /// Boxes around triangles in scene space, the first `opaque` of which have no alpha test, and the order in which
+    /// Boxes around triangles in scene space, the first `whole` of which have no alpha test, and the order in which
     /// leaves have them: those with an alpha test stay in their order behind the others.
     pub fn new(
         positions: &[[f32; 3]],
@@ -107,7 +111,7 @@ impl Clusters {
         (opaque, stray): (usize, bool),
     ) -> (Self, Vec<u32>) {
         let corners = |triangle: u32| triangles[triangle as usize].map(|k| Vec3::from(positions[k as usize]));
-        let bounds = Bounds::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
+        let bounds = BoundsF32::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
         let thickness = SIDE_THICKNESS * (bounds.max - bounds.min).max_element();
         // Two for each axis: the lower side and the upper one.
         let side_of = |triangle: u32| {
@@ -120,42 +124,46 @@ impl Clusters {
                 })
             })
         };
-        let shells = Shells::new(positions, &triangles[..opaque]);
+        let shells = ClosedComponents::new(positions, &triangles[..opaque]);
         let mut groups: [Vec<(Vec3, u32)>; 3 * (INNER + 1)] = Default::default();
         for triangle in 0..opaque as u32 {
-            let group = 3 * side_of(triangle).unwrap_or(INNER) + shells.of(triangle) as usize;
+            let group = 3 * side_of(triangle).unwrap_or(INNER) + shells.component_of(triangle) as usize;
             groups[group].push((corners(triangle).into_iter().sum::<Vec3>() / 3.0, triangle));
         }
         let mut order = Vec::with_capacity(triangles.len());
-        let mut leaves_of: [Vec<(Bounds, u32)>; INNER + 1] = Default::default();
-        let mut clusters = Self { stray, ..Self::default() };
-        let mut add = |side: usize, shell: Shell, own: &mut dyn Iterator<Item = u32>| {
+        let mut leaves_of: [Vec<(BoundsF32, u32)>; INNER + 1] = Default::default();
+        let mut clusters = Self { is_simplified: stray, ..Self::default() };
+        let mut add = |side: usize, shell: TriangleComponent, own: &mut dyn Iterator<Item = u32>| {
             let first = order.len();
             order.extend(own);
             let own = &order[first..];
             let shell_bounds = own.iter().map(|&triangle| shells.bounds(triangle));
             leaves_of[side]
-                .push((Bounds::of(own.iter().copied().flat_map(corners)), clusters.leaves.len() as u32));
-            clusters.leaves.push(Leaf {
+                .push((BoundsF32::of(own.iter().copied().flat_map(corners)), clusters.leaves.len() as u32));
+            clusters.leaves.push(ClusterLeaf {
                 triangles: first as u32..order.len() as u32,
-                shell,
-                shell_bounds: if shell == Shell::Open {
-                    Cluster::NOTHING
+                component: shell,
+                component_bounds: if shell == TriangleComponent::Open {
+                    ClusterBounds::NOTHING
                 } else {
-                    Bounds::union(shell_bounds).into()
+                    BoundsF32::union(shell_bounds).into()
                 },
                 blocks: 0..0,
             });
         };
         for (index, group) in groups.iter_mut().enumerate() {
-            split(group, TRIANGLES_A_LEAF, &mut |leaf| {
-                add(index / 3, Shell::ALL[index % 3], &mut leaf.iter().map(|&(_, triangle)| triangle));
+            split(group, TRIANGLES_PER_LEAF, &mut |leaf| {
+                add(
+                    index / 3,
+                    TriangleComponent::ALL[index % 3],
+                    &mut leaf.iter().map(|&(_, triangle)| triangle),
+                );
             });
         }
         let masked: Vec<u32> = (opaque as u32..triangles.len() as u32).collect();
         for run in masked.chunk_by(|&a, &b| side_of(a) == side_of(b)) {
-            for leaf in run.chunks(TRIANGLES_A_LEAF) {
-                add(side_of(leaf[0]).unwrap_or(INNER), Shell::Open, &mut leaf.iter().copied());
+            for leaf in run.chunks(TRIANGLES_PER_LEAF) {
+                add(side_of(leaf[0]).unwrap_or(INNER), TriangleComponent::Open, &mut leaf.iter().copied());
             }
         }
         let [sides @ .., mut inner] = leaves_of;
@@ -163,11 +171,11 @@ impl Clusters {
             let axis = DVec3::AXES[side / 2];
             let (normal, offset) =
                 if side % 2 == 0 { (-axis, -bounds.min[side / 2]) } else { (axis, bounds.max[side / 2]) };
-            (Side { normal, offset: offset.into() }, Tree::new(&mut leaves))
+            (OpenSide { normal, offset: offset.into() }, ClusterTree::new(&mut leaves))
         };
         clusters.sides =
             sides.into_iter().enumerate().filter(|(_, leaves)| !leaves.is_empty()).map(side).collect();
-        clusters.inner = Tree::new(&mut inner);
+        clusters.inner = ClusterTree::new(&mut inner);
         (clusters, order)
     }
 
@@ -175,7 +183,7 @@ impl Clusters {
     pub fn note_blocks(&mut self, indices: &[u32]) {
         for leaf in &mut self.leaves {
             let corners = &indices[3 * leaf.triangles.start as usize..3 * leaf.triangles.end as usize];
-            let mut own: Vec<u32> = corners.iter().map(|vertex| vertex / VERTICES_A_BLOCK as u32).collect();
+            let mut own: Vec<u32> = corners.iter().map(|vertex| vertex / VERTICES_PER_BLOCK as u32).collect();
             own.sort_unstable();
             own.dedup();
             leaf.blocks = self.blocks.len()..self.blocks.len() + own.len();
@@ -184,21 +192,21 @@ impl Clusters {
     }
 
     /// The blocks of vertices in which a leaf has corners.
-    pub fn blocks_of(&self, leaf: &Leaf) -> &[u32] {
+    pub fn blocks_of(&self, leaf: &ClusterLeaf) -> &[u32] {
         &self.blocks[leaf.blocks.clone()]
     }
 
-    /// The sides that may cast shadows that can be seen; `comes_in` says through which light does.
-    pub fn open_sides(&self, comes_in: impl Fn(&Side) -> bool) -> OpenSides {
+    /// The sides that may cast shadows that can be seen; `may_enter` says through which light does.
+    pub fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
         // Casters that stray from a side have something behind them.
-        let open = |side: &Side| self.stray || comes_in(side);
+        let open = |side: &OpenSide| self.is_simplified || comes_in(side);
         OpenSides(
             self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum(),
         )
     }
 
     /// The trees of what may cast shadows that can be seen.
-    pub fn casting(&self, open: OpenSides) -> impl Iterator<Item = &Tree> {
+    pub fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
         let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
         std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
     }
@@ -207,8 +215,8 @@ impl Clusters {
 /// Index of the group of triangles that lie in no side.
 const INNER: usize = 6;
 
-impl From<Bounds> for Cluster {
-    fn from(Bounds { min, max }: Bounds) -> Self {
+impl From<BoundsF32> for ClusterBounds {
+    fn from(BoundsF32 { min, max }: BoundsF32) -> Self {
         let (min, max) = (min.as_dvec3(), max.as_dvec3());
         Self { center: (min + max) / 2.0, half: (max - min) / 2.0 }
     }
@@ -229,23 +237,23 @@ fn split<T>(items: &mut [(Vec3, T)], most: usize, leaf: &mut impl FnMut(&[(Vec3,
 }
 
 fn halves<T>(items: &mut [T], center: impl Fn(&T) -> Vec3) -> (&mut [T], &mut [T]) {
-    let Bounds { min, max } = Bounds::of(items.iter().map(&center));
+    let BoundsF32 { min, max } = BoundsF32::of(items.iter().map(&center));
     let axis = (max - min).max_position();
     let middle = items.len() / 2;
     items.select_nth_unstable_by(middle, |a, b| center(a)[axis].total_cmp(&center(b)[axis]));
     items.split_at_mut(middle)
 }
 
-impl Side {
+impl OpenSide {
     /// How far outside a position in scene space lies.
     pub fn height(&self, position: DVec3) -> f64 {
         self.normal.dot(position) - self.offset
     }
 }
 
-impl Tree {
+impl ClusterTree {
     /// Of leaves by their bounds.
-    fn new(leaves: &mut [(Bounds, u32)]) -> Self {
+    fn new(leaves: &mut [(BoundsF32, u32)]) -> Self {
         let mut tree = Self::default();
         if !leaves.is_empty() {
             tree.add(leaves);
@@ -254,24 +262,24 @@ impl Tree {
     }
 
     /// Adds the node of those leaves, and all within; returns its bounds.
-    fn add(&mut self, leaves: &mut [(Bounds, u32)]) -> Bounds {
+    fn add(&mut self, leaves: &mut [(BoundsF32, u32)]) -> BoundsF32 {
         let index = self.nodes.len();
-        let Bounds { min, max } = Bounds::NOTHING;
+        let BoundsF32 { min, max } = BoundsF32::NOTHING;
         self.nodes.push(Node { min, max, end: index + 1, leaf: leaves[0].1 });
         let bounds = if let [(bounds, _)] = leaves {
             *bounds
         } else {
             let (left, right) = halves(leaves, |(bounds, _)| bounds.min + (bounds.max - bounds.min) * 0.5);
             let (left, right) = (self.add(left), self.add(right));
-            Bounds::union([left, right].into_iter())
+            BoundsF32::union([left, right].into_iter())
         };
-        let Bounds { min, max } = bounds;
+        let BoundsF32 { min, max } = bounds;
         self.nodes[index] = Node { min, max, end: self.nodes.len(), ..self.nodes[index] };
         bounds
     }
 
     /// Shows `visit` boxes, from the largest on, and whether one has boxes within. Where it says no, those are left out.
-    pub fn walk(&self, mut visit: impl FnMut(&Cluster, bool) -> bool) {
+    pub fn walk(&self, mut visit: impl FnMut(&ClusterBounds, bool) -> bool) {
         let mut index = 0;
         while let Some(node) = self.nodes.get(index) {
             let has_more = node.end > index + 1;
@@ -280,17 +288,17 @@ impl Tree {
     }
 
     /// Shows `visit` boxes, from the largest on, and `take` the leaves that were not left out.
-    pub fn select(&self, visit: impl Fn(&Cluster) -> Within, mut take: impl FnMut(u32)) {
+    pub fn select(&self, visit: impl Fn(&ClusterBounds) -> BoxSelection, mut take: impl FnMut(u32)) {
         let (mut index, mut taken_to) = (0, 0);
         while let Some(node) = self.nodes.get(index) {
-            let within = if index < taken_to { Within::Take } else { visit(&node.cluster()) };
+            let within = if index < taken_to { BoxSelection::TakeAll } else { visit(&node.cluster()) };
             match within {
-                Within::Leave => {
+                BoxSelection::Skip => {
                     index = node.end;
                     continue;
                 }
-                Within::Take => taken_to = taken_to.max(node.end),
-                Within::Look => {}
+                BoxSelection::TakeAll => taken_to = taken_to.max(node.end),
+                BoxSelection::Descend => {}
             }
             if node.end == index + 1 {
                 take(node.leaf);
@@ -301,31 +309,31 @@ impl Tree {
 }
 
 impl Node {
-    fn cluster(&self) -> Cluster {
-        Bounds { min: self.min, max: self.max }.into()
+    fn cluster(&self) -> ClusterBounds {
+        BoundsF32 { min: self.min, max: self.max }.into()
     }
 }
 
-impl Cluster {
+impl ClusterBounds {
     const NOTHING: Self = Self { center: DVec3::ZERO, half: DVec3::NEG_INFINITY };
 
     /// Where the box lies, of planes in scene space inside of which `normal . p + offset` is zero or more: taken where it is
     /// inside of all, left out where it is outside of one. `reach` is how large what planes are rounded with may be besides
     /// what a position adds.
-    pub fn within(&self, planes: &[(DVec3, f64)], reach: f64) -> Within {
+    pub fn select_by_planes(&self, planes: &[(DVec3, f64)], reach: f64) -> BoxSelection {
         let of = |&(normal, offset): &(DVec3, f64)| {
             let [low, high] = self.range(normal, offset);
             let reach = reach + offset.abs() + normal.abs().dot(self.center.abs() + self.half);
             let slack = ROUNDING * reach;
             if high < -slack {
-                Within::Leave
+                BoxSelection::Skip
             } else if low < slack {
-                Within::Look
+                BoxSelection::Descend
             } else {
-                Within::Take
+                BoxSelection::TakeAll
             }
         };
-        planes.iter().map(of).min().unwrap_or(Within::Take)
+        planes.iter().map(of).min().unwrap_or(BoxSelection::TakeAll)
     }
 
     /// Whether two boxes share a point.
@@ -375,11 +383,11 @@ mod tests {
             true
         });
         assert_eq!(leaves.len(), 16, "1000 triangles, halved until there are 64 or fewer");
-        let holds = |cluster: &Cluster, point: DVec3, slack: f64| {
+        let holds = |cluster: &ClusterBounds, point: DVec3, slack: f64| {
             (point - cluster.center).abs().cmple(cluster.half + slack).all()
         };
         for triangle in positions.as_chunks::<3>().0 {
-            let inside = |leaf: &&Cluster| {
+            let inside = |leaf: &&ClusterBounds| {
                 triangle.iter().all(|&corner| holds(leaf, Vec3::from(corner).as_dvec3(), 1e-12))
             };
             assert!(leaves.iter().any(|leaf| inside(&leaf)));
@@ -390,7 +398,7 @@ mod tests {
             false
         });
         let outer = outer.expect("there is a root");
-        assert!(leaves.iter().flat_map(Cluster::corners).all(|corner| holds(&outer, corner, 1e-12)));
+        assert!(leaves.iter().flat_map(ClusterBounds::corners).all(|corner| holds(&outer, corner, 1e-12)));
         of_opaque(&[], &[]).inner.walk(|_, _| unreachable!("nothing has no box"));
     }
 
@@ -404,12 +412,13 @@ mod tests {
         let clusters = of_opaque(&positions, &indices);
         let sides: Vec<_> = clusters.sides.iter().map(|(side, _)| *side).collect();
         let [floor, ceiling] =
-            [(DVec3::NEG_Y, 1.0), (DVec3::Y, 3.0)].map(|(normal, offset)| Side { normal, offset });
+            [(DVec3::NEG_Y, 1.0), (DVec3::Y, 3.0)].map(|(normal, offset)| OpenSide { normal, offset });
         assert_eq!(sides, [floor, ceiling]);
         assert_eq!((floor.height(DVec3::ZERO), floor.height(DVec3::NEG_Y * 3.0)), (-1.0, 2.0));
-        let stray = Clusters { stray: true, ..clusters.clone() };
-        let boxes =
-            |clusters: &Clusters, comes_in: bool| clusters.casting(clusters.open_sides(|_| comes_in)).count();
+        let stray = Clusters { is_simplified: true, ..clusters.clone() };
+        let boxes = |clusters: &Clusters, comes_in: bool| {
+            clusters.casting_trees(clusters.open_sides(|_| comes_in)).count()
+        };
         assert_eq!([boxes(&clusters, false), boxes(&clusters, true), boxes(&stray, false)], [1, 3, 3]);
     }
 }

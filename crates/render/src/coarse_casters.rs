@@ -15,9 +15,9 @@ const SHARE_OF_SCENE: f64 = 1.0 / 2048.0;
 /// And so many texels of the map that they are drawn to, where its texels are widest: its filter blends two.
 const MOST_TEXELS: f64 = 2.0;
 /// Coarse maps that a scene is asked for first: one that moves is another scene for each picture.
-const ASKED_BEFORE: u32 = 3;
+const MAPS_BEFORE_START: u32 = 3;
 /// With more triangles, of those of the scene, they are not worth their memory.
-const WORTHWHILE: f64 = 0.75;
+const MAX_TRIANGLE_RATIO: f64 = 0.75;
 
 /// Those of one scene.
 #[derive(Debug, Default)]
@@ -32,14 +32,14 @@ enum State {
     /// So many maps could have used them.
     Asked(u32),
     Making(JoinHandle<Option<CasterMesh>>),
-    Made(Coarse),
+    Made(SimplifiedCasters),
     /// They would be hardly fewer.
     NotWorthwhile,
 }
 
 /// What they are.
 #[derive(Debug)]
-pub(crate) struct Coarse {
+pub(crate) struct SimplifiedCasters {
     pub casters: Casters,
     /// How far they may stray from the surface, in world units.
     pub mesh_error: f64,
@@ -53,7 +53,7 @@ impl Default for State {
     }
 }
 
-impl Coarse {
+impl SimplifiedCasters {
     fn new(gpu: &Gpu, scene: &GpuScene, mesh: CasterMesh) -> Result<Self, RenderError> {
         let casters = mesh.upload(gpu)?;
         let memory = gpu.memory.reserve(MemoryKind::Scenes, casters.bytes());
@@ -61,7 +61,7 @@ impl Coarse {
     }
 
     /// Whether they are close enough for a map whose texels are `texel` wide, in world units.
-    pub fn serve(&self, texel: f64) -> bool {
+    pub fn is_accurate_for(&self, texel: f64) -> bool {
         self.mesh_error <= MOST_TEXELS * texel
     }
 }
@@ -75,7 +75,7 @@ impl CoarseCasters {
     }
 
     /// Those of `scene` for one more map, where they are there: begins to make them, or takes what is made.
-    pub fn get(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<Option<&Coarse>, RenderError> {
+    pub fn get(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<Option<&SimplifiedCasters>, RenderError> {
         self.state = match std::mem::take(&mut self.state) {
             // One thread at a time, also where the scene is another by now.
             State::Making(thread) if !thread.is_finished() => {
@@ -85,7 +85,7 @@ impl CoarseCasters {
             _ if self.scene_revision != scene.revision => State::default(),
             // A thread that panicked has said so.
             State::Making(thread) => match thread.join().ok().flatten() {
-                Some(mesh) => State::Made(Coarse::new(gpu, scene, mesh)?),
+                Some(mesh) => State::Made(SimplifiedCasters::new(gpu, scene, mesh)?),
                 None => State::NotWorthwhile,
             },
             state => state,
@@ -93,8 +93,8 @@ impl CoarseCasters {
         self.scene_revision = scene.revision;
         if let State::Asked(times) = &mut self.state {
             *times += 1;
-            if *times > ASKED_BEFORE {
-                self.state = State::Making(begin(scene));
+            if *times > MAPS_BEFORE_START {
+                self.state = State::Making(spawn_simplification(scene));
             }
         }
         Ok(if let State::Made(coarse) = &self.state { Some(coarse) } else { None })
@@ -108,7 +108,7 @@ impl CoarseCasters {
         !matches!(self.state, State::Asked(_))
     }
 
-    pub fn made(&mut self) -> Option<&mut Coarse> {
+    pub fn made(&mut self) -> Option<&mut SimplifiedCasters> {
         if let State::Made(coarse) = &mut self.state { Some(coarse) } else { None }
     }
 }
@@ -118,9 +118,9 @@ fn mesh_error(scene: &GpuScene) -> f64 {
 }
 
 /// Begins to make them; the thread gives none where they are not worthwhile.
-fn begin(scene: &GpuScene) -> JoinHandle<Option<CasterMesh>> {
+fn spawn_simplification(scene: &GpuScene) -> JoinHandle<Option<CasterMesh>> {
     let (posed, opaque_indices) = (Arc::clone(&scene.posed), scene.opaque_indices as usize);
-    let (mesh_error, most) = (mesh_error(scene), WORTHWHILE * f64::from(scene.triangle_count));
+    let (mesh_error, most) = (mesh_error(scene), MAX_TRIANGLE_RATIO * f64::from(scene.triangle_count));
     thread::spawn(move || {
         let vertices = Vertices::new(&posed).ok()?;
         let mesh = CasterMesh::new((&vertices, opaque_indices), mesh_error);

@@ -31,7 +31,7 @@ impl Renderer {
             renderer.render(&view(), &lights).map(drop)
         };
         for straight in [Light::omni(), Light::directional()] {
-            let straight = straight.placed(spot.transform());
+            let straight = straight.with_transform(spot.transform());
             draw([straight])?;
             if !keep_going() {
                 return Ok(());
@@ -88,7 +88,7 @@ fn view() -> View {
 /// A light over the middle of the squares.
 fn spot() -> Light {
     let transform = Transform { translation: DVec3::Y * 2.0, rotation: downwards(), scale: 1.0 };
-    Light::spot().placed(transform).with(RANGE, Some(4.0)).with(DECAY, Decay::None)
+    Light::spot().with_transform(transform).with(RANGE, Some(4.0)).with(DECAY, Decay::None)
 }
 
 /// Turns what looks along -Z to look along -Y.

@@ -15,7 +15,7 @@ pub(crate) const SUM_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 
 /// A layer, in what it is held in, and the factors of what it scatters and mirrors: linear RGB.
 #[derive(Clone, Debug)]
-pub(crate) struct Term<Layer> {
+pub(crate) struct GpuTerm<Layer> {
     pub layer: Layer,
     pub diffuse: [f32; 3],
     pub specular: [f32; 3],
@@ -23,19 +23,19 @@ pub(crate) struct Term<Layer> {
 
 /// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
 #[derive(Debug)]
-pub(crate) struct Terms {
+pub(crate) struct GpuTerms {
     pub group: BindGroup,
-    pub of: TermsOf,
+    pub kind: TermKind,
 }
 
 /// What adds up: the constants that passes are compiled with, and the index of those among their pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum TermsOf {
+pub(crate) enum TermKind {
     Layers,
     Sums,
 }
 
-impl TermsOf {
+impl TermKind {
     pub const ALL: [Self; 2] = [Self::Layers, Self::Sums];
 
     /// `wgsl` with the constant that `terms.wgsl` asks for.
@@ -53,22 +53,22 @@ pub(crate) struct CompositePass {
 
 impl CompositePass {
     pub fn new(gpu: &Gpu) -> Self {
-        let layout = gpu.layout("terms", &[&[UNIFORM][..], &[UINT_TEXTURE; TERMS]].concat());
+        let layout = gpu.bind_group_layout("terms", &[&[UNIFORM][..], &[UINT_TEXTURE; TERMS]].concat());
         let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sum"),
             // Where pictures for screens have their radiance there is none.
             bind_group_layouts: &[None, Some(&layout)],
             immediate_size: 0,
         });
-        let sums = TermsOf::ALL.map(|of| {
-            let module = gpu.module("sum", &of.into_wgsl(shaders::SUM));
+        let sums = TermKind::ALL.map(|of| {
+            let module = gpu.shader_module("sum", &of.into_wgsl(shaders::SUM));
             gpu.fullscreen_pipeline(&pipeline_layout, &module, "fs_sum", &[SUM_FORMAT], None)
         });
         Self { sums, layout }
     }
 
     /// Layers with their factors.
-    pub fn layers(&self, gpu: &Gpu, terms: &[Term<TextureView>]) -> Terms {
+    pub fn layers(&self, gpu: &Gpu, terms: &[GpuTerm<TextureView>]) -> GpuTerms {
         let mut uniform = gpu_structs::Terms { count: terms.len() as u32, ..Default::default() };
         let padded = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
         for (index, term) in terms.iter().enumerate() {
@@ -76,13 +76,13 @@ impl CompositePass {
             uniform.specular[index] = padded(term.specular);
         }
         let textures: Vec<_> = terms.iter().map(|term| &term.layer).collect();
-        Terms { group: self.group(gpu, &uniform, &textures), of: TermsOf::Layers }
+        GpuTerms { group: self.group(gpu, &uniform, &textures), kind: TermKind::Layers }
     }
 
     /// Sums as they are.
-    pub fn sums(&self, gpu: &Gpu, sums: &[TextureView]) -> Terms {
+    pub fn sums(&self, gpu: &Gpu, sums: &[TextureView]) -> GpuTerms {
         let uniform = gpu_structs::Terms { count: sums.len() as u32, ..Default::default() };
-        Terms { group: self.group(gpu, &uniform, &sums.iter().collect::<Vec<_>>()), of: TermsOf::Sums }
+        GpuTerms { group: self.group(gpu, &uniform, &sums.iter().collect::<Vec<_>>()), kind: TermKind::Sums }
     }
 
     fn group(&self, gpu: &Gpu, uniform: &gpu_structs::Terms, textures: &[&TextureView]) -> BindGroup {
@@ -95,17 +95,17 @@ impl CompositePass {
         let textures = textures.iter().chain(std::iter::repeat(&textures[0])).take(TERMS);
         let textures = textures.map(|texture| BindingResource::TextureView(texture));
         let resources: Vec<_> = [uniform.as_entire_binding()].into_iter().chain(textures).collect();
-        gpu.group("terms", &self.layout, &resources)
+        gpu.bind_group("terms", &self.layout, &resources)
     }
 
     /// Writes a sum.
-    pub fn draw_sum(&self, encoder: &mut CommandEncoder, terms: &Terms, into: &TextureView) {
+    pub fn draw_sum(&self, encoder: &mut CommandEncoder, terms: &GpuTerms, into: &TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sum"),
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.sums[terms.of as usize]);
+        pass.set_pipeline(&self.sums[terms.kind as usize]);
         pass.set_bind_group(1, &terms.group, &[]);
         pass.draw(0..3, 0..1);
     }

@@ -2,20 +2,20 @@
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use relight::{Workers, Yielding};
+use relight::{Workers, YieldPolicy};
 use wgpu::{
     Adapter, Backends, CommandEncoder, CommandEncoderDescriptor, Device, DeviceType, ErrorFilter, Features,
     Limits, PollType, Queue,
 };
 
-use crate::stages::{Stage, StageRecorder};
+use crate::stages::{FrameStage, StageRecorder};
 use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
 
 /// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
 /// What is used where the device has it: colours of 16 bits as they are decoded, and branches that a software driver takes only
 /// where some pixel of those drawn together does.
-const WANTED: Features = Features::TEXTURE_FORMAT_16BIT_NORM.union(Features::SUBGROUP);
+const OPTIONAL_FEATURES: Features = Features::TEXTURE_FORMAT_16BIT_NORM.union(Features::SUBGROUP);
 
 /// An open graphics device. Share one in an `Arc`: opening it and compiling for it is slow.
 #[derive(Debug)]
@@ -26,9 +26,9 @@ pub struct Gpu {
     pub(crate) stages: StageRecorder,
     backend: Backend,
     /// Whether the device is the processor itself, by a software driver.
-    is_processor: bool,
+    is_cpu: bool,
     /// When work that may take long gives way to others.
-    yielding: Yielding,
+    yielding: YieldPolicy,
     /// Made when the processor first draws something.
     workers: OnceLock<Workers>,
     adapter_name: String,
@@ -63,7 +63,7 @@ impl Gpu {
         }
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("render"),
-            required_features: FEATURES | (adapter.features() & WANTED),
+            required_features: FEATURES | (adapter.features() & OPTIONAL_FEATURES),
             required_limits: limits(&adapter.limits()),
             // What is dropped is to go back to the system, not to a pool of blocks of 256 MiB.
             memory_hints: wgpu::MemoryHints::MemoryUsage,
@@ -92,8 +92,8 @@ impl Gpu {
             memory,
             stages,
             backend,
-            is_processor: info.device_type == DeviceType::Cpu,
-            yielding: Yielding::default(),
+            is_cpu: info.device_type == DeviceType::Cpu,
+            yielding: YieldPolicy::default(),
             workers,
             adapter_name,
             advice,
@@ -125,18 +125,21 @@ impl Gpu {
     /// The same device with work that gives way to others in the middle of a piece that takes long: those others are not to draw
     /// with the same [`crate::Renderer`]. A picture that is cancelled there is a [`RenderError::Cancelled`].
     #[must_use]
-    pub fn with_yielding(self, yielding: Yielding) -> Self {
+    pub fn with_yield_policy(self, yielding: YieldPolicy) -> Self {
         Self { yielding, ..self }
     }
 
     /// Gives way to others where that is due.
     pub(crate) fn yield_point(&self) -> Result<(), RenderError> {
-        Ok(self.yielding.point()?)
+        Ok(self.yielding.yield_point()?)
     }
 
     /// Does what takes the processor long while others have their turn.
-    pub(crate) fn aside<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, RenderError> {
-        Ok(self.yielding.aside(work)?)
+    pub(crate) fn run_in_background<T: Send>(
+        &self,
+        work: impl FnOnce() -> T + Send,
+    ) -> Result<T, RenderError> {
+        Ok(self.yielding.run_in_background(work)?)
     }
 
     /// Name of the driver's device, and of the interface and the driver's version that it is used by.
@@ -160,8 +163,8 @@ impl Gpu {
     }
 
     /// Whether the device is the processor itself, by a software driver.
-    pub(crate) fn is_processor(&self) -> bool {
-        self.is_processor
+    pub(crate) fn is_cpu(&self) -> bool {
+        self.is_cpu
     }
 
     /// Who draws shadows and lights of the beauty.
@@ -175,13 +178,13 @@ impl Gpu {
     }
 
     /// What lights that the processor draws need in memory, where it draws.
-    pub(crate) fn host<T>(&self, make: impl FnOnce() -> T) -> Option<T> {
+    pub(crate) fn if_native<T>(&self, make: impl FnOnce() -> T) -> Option<T> {
         (self.backend == Backend::Native).then(make)
     }
 
     /// The threads that draw where the processor does.
     pub(crate) fn workers(&self) -> &Workers {
-        self.workers.get_or_init(|| Workers::new().yielding(self.yielding.clone()))
+        self.workers.get_or_init(|| Workers::new().with_yield_policy(self.yielding.clone()))
     }
 
     /// The account of what is kept.
@@ -190,7 +193,7 @@ impl Gpu {
     }
 
     /// Gives back the memory of what has been dropped and is in no work under way.
-    pub(crate) fn collect(&self) {
+    pub(crate) fn free_dropped_memory(&self) {
         // Without waiting there is nothing that could go wrong.
         let _ = self.device.poll(PollType::Poll);
     }
@@ -200,7 +203,7 @@ impl Gpu {
         let before = self.memory.total();
         let room = self.memory.make_room(bytes);
         if self.memory.total() < before {
-            self.collect();
+            self.free_dropped_memory();
         }
         room
     }
@@ -210,16 +213,20 @@ impl Gpu {
     }
 
     /// Submits what has been encoded, waits for it, and leaves a new encoder.
-    pub(crate) fn finish(&self, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
+    pub(crate) fn submit_and_wait(&self, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
         self.queue.submit([std::mem::replace(encoder, self.encoder()).finish()]);
         self.wait()
     }
 
     /// A stage has been encoded: where stages are taken down it is submitted and waited for, else nothing happens.
-    pub(crate) fn end_stage(&self, encoder: &mut CommandEncoder, stage: Stage) -> Result<(), RenderError> {
-        if self.stages.is_on() {
-            self.finish(encoder)?;
-            self.stages.ended(stage);
+    pub(crate) fn end_stage(
+        &self,
+        encoder: &mut CommandEncoder,
+        stage: FrameStage,
+    ) -> Result<(), RenderError> {
+        if self.stages.is_recording() {
+            self.submit_and_wait(encoder)?;
+            self.stages.record_stage(stage);
         }
         Ok(())
     }
@@ -233,7 +240,10 @@ impl Gpu {
     }
 
     /// Runs `work` on this thread and turns what the driver reports meanwhile into an error.
-    pub(crate) fn checked<T>(&self, work: impl FnOnce() -> Result<T, RenderError>) -> Result<T, RenderError> {
+    pub(crate) fn with_error_scopes<T>(
+        &self,
+        work: impl FnOnce() -> Result<T, RenderError>,
+    ) -> Result<T, RenderError> {
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let result = work();

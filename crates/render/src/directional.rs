@@ -1,11 +1,11 @@
 //! A directional light: its map is one orthographic picture along its rays.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
-use light::{LightFilter, MAX_EXTENT, Parallel};
+use light::{LightProfile, MAX_EXTENT, Parallel};
 use scene::PosedScene;
 
 use crate::camera::columns;
-use crate::clusters::{Cluster, Side};
+use crate::clusters::{ClusterBounds, OpenSide};
 use crate::gpu_scene::GpuScene;
 use crate::map_views::MapViews;
 use crate::shadow_settings::MapSize;
@@ -22,7 +22,7 @@ const SMALLEST: f64 = 1e-30;
 
 /// What a light's map shows, in light axes about the scene's origin: x, y, and height towards the light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FittedMap {
+pub(crate) struct DirectionalMapFit {
     /// Middle of what is drawn.
     pub center: DVec2,
     /// Half its size.
@@ -30,20 +30,21 @@ pub(crate) struct FittedMap {
     /// Heights of depth 0, below which nothing of the scene is, and of depth 1, above which nothing casts shadows.
     pub heights: [f64; 2],
     /// Nothing casts shadows where this is false: the map need not be drawn.
-    pub casts: bool,
+    pub has_casters: bool,
 }
 
-impl FittedMap {
+impl DirectionalMapFit {
     /// Of a light without a map.
-    pub const NONE: Self = Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], casts: false };
+    pub const NONE: Self =
+        Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], has_casters: false };
 }
 
 /// A directional light in place: its numbers for one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuDirectional {
     pub uniform: gpu_structs::Directional,
-    /// The same as in `uniform`.
-    pub light_filter: LightFilter,
+    /// The same as in `between`.
+    pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
@@ -77,14 +78,14 @@ impl Extent {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, top: f64::NEG_INFINITY };
 
     /// That of a box; `None` where none of it is in `window`.
-    fn of(cluster: &Cluster, light_from_scene: &DMat3, window: &Self) -> Option<Self> {
+    fn of(cluster: &ClusterBounds, light_from_scene: &DMat3, window: &Self) -> Option<Self> {
         let rows = light_from_scene.transpose();
         let [x, y, height] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| cluster.range(row, 0.0));
         let (low, high) = (DVec2::new(x[0], y[0]).max(window.low), DVec2::new(x[1], y[1]).min(window.high));
         low.cmple(high).all().then_some(Self { low, high, top: height[1] })
     }
 
-    fn hold(&self, other: &Self) -> bool {
+    fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.top >= other.top
     }
 
@@ -97,17 +98,17 @@ impl Extent {
 /// The light's window about the scene's origin, as far as it goes over the scene.
 fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     let light_from_scene = parallel.rotation.transpose();
-    let whole = Cluster { center: DVec3::ZERO, half: posed.half_extent };
+    let whole = ClusterBounds { center: DVec3::ZERO, half: posed.half_extent };
     let everywhere = Extent { low: DVec2::NEG_INFINITY, high: DVec2::INFINITY, top: 0.0 };
     let scene_extent = Extent::of(&whole, &light_from_scene, &everywhere).unwrap_or(everywhere);
-    let middle = -parallel.beside(posed.origin_in_world);
-    let half = DVec2::from(parallel.half.map(|half| half.unwrap_or(f64::INFINITY)));
+    let middle = -parallel.offset_in_window(posed.origin_in_world);
+    let half = DVec2::from(parallel.half_size.map(|half| half.unwrap_or(f64::INFINITY)));
     let (low, high) = (scene_extent.low.max(middle - half), scene_extent.high.min(middle + half));
     Extent { low, high, top: scene_extent.top }
 }
 
 /// The map of a light over `scene`: of what casts shadows in its window.
-pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> FittedMap {
+pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> DirectionalMapFit {
     let (side, mesh_error) = (f64::from(map_size(shadows).side), shadows.mesh_error);
     let grown = side / (side - 2.0 * MARGIN_TEXELS);
     let light_from_scene = parallel.rotation.transpose();
@@ -119,16 +120,16 @@ pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSett
         high: window.high + size * (grown - 1.0) + mesh_error,
         ..window
     };
-    let comes_in = |side: &Side| side.normal.dot(parallel.direction()) >= 0.0;
+    let comes_in = |side: &OpenSide| side.normal.dot(parallel.direction()) >= 0.0;
     let clusters = &scene.casters.clusters;
     let mut extent = Extent::EMPTY;
-    for tree in clusters.casting(clusters.open_sides(comes_in)) {
+    for tree in clusters.casting_trees(clusters.open_sides(comes_in)) {
         tree.walk(|cluster, has_more| {
             let Some(here) = Extent::of(cluster, &light_from_scene, &drawn) else { return false };
             if !has_more {
                 extent.extend(&here);
             }
-            has_more && !extent.hold(&here)
+            has_more && !extent.contains(&here)
         });
     }
     let casts = extent.top > f64::NEG_INFINITY;
@@ -140,19 +141,24 @@ pub(crate) fn fitted(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSett
     let bottom = -window.top.abs() - mesh_error;
     // Room for rounding, so that no caster is clipped.
     let top = if casts { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
-    FittedMap {
+    DirectionalMapFit {
         center: (low + high) / 2.0,
         half: half.max(DVec2::splat(least)) * grown,
         heights: [bottom - 1e-5 * scene_size, top],
-        casts,
+        has_casters: casts,
     }
 }
 
 impl GpuDirectional {
     /// Places a checked light within reach of a scene, to which its map was fitted.
-    pub fn new(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedMap) -> Self {
+    pub fn new(
+        parallel: &Parallel,
+        scene: &GpuScene,
+        shadows: &ShadowSettings,
+        fitted: &DirectionalMapFit,
+    ) -> Self {
         let light_from_scene = parallel.rotation.transpose();
-        let FittedMap { center, half, heights: [bottom, top], casts } = *fitted;
+        let DirectionalMapFit { center, half, heights: [bottom, top], has_casters: casts } = *fitted;
         let depth_scale = (top - bottom).recip();
         let clip_from_light = DMat4::from_cols(
             DVec3::X.extend(0.0) / half.x,
@@ -162,20 +168,20 @@ impl GpuDirectional {
         );
         let light_from_scene = DMat4::from_mat3(light_from_scene);
         // The place across the window is (v, w) = (-x, y) scale + shift.
-        let scale = DVec2::from(parallel.half.map(|half| half.map_or(0.0, f64::recip)));
-        let [shift_x, shift_y] = (parallel.beside(scene.posed.origin_in_world) * scale).to_array();
+        let scale = DVec2::from(parallel.half_size.map(|half| half.map_or(0.0, f64::recip)));
+        let [shift_x, shift_y] = (parallel.offset_in_window(scene.posed.origin_in_world) * scale).to_array();
         Self {
             uniform: gpu_structs::Directional {
                 light_from_scene: columns(&light_from_scene),
                 window: [scale.x, scale.y, -shift_x, shift_y].map(|x| x as f32),
                 fit: [center.x, center.y, half.x.recip(), half.y.recip()].map(|x| x as f32),
-                light_filter: (&parallel.light_filter).into(),
+                light_profile: (&parallel.light_profile).into(),
                 bottom: bottom as f32,
                 depth_scale: depth_scale as f32,
                 mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
                 pad0: 0.0,
             },
-            light_filter: parallel.light_filter.clone(),
+            light_profile: parallel.light_profile.clone(),
             views: MapViews {
                 light_from_scene,
                 near: None,

@@ -5,7 +5,7 @@ use wgpu::{
     TextureView,
 };
 
-use crate::composite::{Terms, TermsOf};
+use crate::composite::{GpuTerms, TermKind};
 use crate::pipeline::{RAW_TEXTURE, UNIFORM, color_attachment};
 use crate::{Gpu, gpu_structs, shaders};
 
@@ -16,18 +16,18 @@ pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 const BRIGHTEST: f32 = 1e30;
 
 /// What radiance is multiplied by at so many stops.
-pub(crate) fn factor(exposure: f64) -> f32 {
+pub(crate) fn exposure_factor(exposure: f64) -> f32 {
     exposure.exp2() as f32
 }
 
 /// How bright the processor shows radiance, brightened by so many stops.
 pub(crate) fn exposure_of(stops: f64) -> relight::Exposure {
-    let factor = factor(stops);
+    let factor = exposure_factor(stops);
     relight::Exposure { factor, brightest: BRIGHTEST / factor }
 }
 
 /// `radiance` times `factor`, as the shader has it.
-pub(crate) fn exposed(radiance: f32, factor: f32) -> f32 {
+pub(crate) fn exposed_radiance(radiance: f32, factor: f32) -> f32 {
     radiance.min(BRIGHTEST / factor) * factor
 }
 
@@ -41,7 +41,7 @@ pub(crate) struct DisplayPass {
 
 /// A picture's radiance as the pass reads it, with an exposure of its own.
 #[derive(Debug)]
-pub(crate) struct Exposed {
+pub(crate) struct ExposedRadiance {
     group: BindGroup,
     uniform: Buffer,
 }
@@ -49,12 +49,12 @@ pub(crate) struct Exposed {
 impl DisplayPass {
     /// `terms` is the layout of what lights add.
     pub fn new(gpu: &Gpu, terms: &BindGroupLayout) -> Self {
-        let layout = gpu.layout("display", &[RAW_TEXTURE, UNIFORM]);
+        let layout = gpu.bind_group_layout("display", &[RAW_TEXTURE, UNIFORM]);
         let pipeline = |wgsl: &str, entry_point, groups: &[&BindGroupLayout]| {
             let pipeline_layout = gpu.pipeline_layout("display", groups);
             gpu.fullscreen_pipeline(
                 &pipeline_layout,
-                &gpu.module("display", wgsl),
+                &gpu.shader_module("display", wgsl),
                 entry_point,
                 &[FORMAT],
                 None,
@@ -62,17 +62,17 @@ impl DisplayPass {
         };
         Self {
             pipeline: pipeline(shaders::DISPLAY, "fs_display", &[&layout]),
-            composites: TermsOf::ALL
+            composites: TermKind::ALL
                 .map(|of| pipeline(&of.into_wgsl(shaders::COMPOSITE), "fs_composite", &[&layout, terms])),
             layout,
         }
     }
 
     /// What reads `radiance`.
-    pub fn exposed(&self, gpu: &Gpu, radiance: &TextureView) -> Exposed {
+    pub fn bind_radiance(&self, gpu: &Gpu, radiance: &TextureView) -> ExposedRadiance {
         let uniform = gpu.uniform_buffer::<gpu_structs::Exposure>("exposure");
         let resources = [BindingResource::TextureView(radiance), uniform.as_entire_binding()];
-        Exposed { group: gpu.group("display", &self.layout, &resources), uniform }
+        ExposedRadiance { group: gpu.bind_group("display", &self.layout, &resources), uniform }
     }
 
     /// Shows radiance and, where there are `terms`, their sum, brightened by so many stops.
@@ -80,10 +80,10 @@ impl DisplayPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (radiance, terms, exposure): (&Exposed, Option<&Terms>, f64),
+        (radiance, terms, exposure): (&ExposedRadiance, Option<&GpuTerms>, f64),
         into: &TextureView,
     ) {
-        let factor = factor(exposure);
+        let factor = exposure_factor(exposure);
         let uniform = gpu_structs::Exposure { factor, brightest: BRIGHTEST / factor };
         gpu.queue.write_buffer(&radiance.uniform, 0, bytemuck::bytes_of(&uniform));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -91,7 +91,7 @@ impl DisplayPass {
             color_attachments: &[Some(color_attachment(into, true))],
             ..Default::default()
         });
-        pass.set_pipeline(terms.map_or(&self.pipeline, |terms| &self.composites[terms.of as usize]));
+        pass.set_pipeline(terms.map_or(&self.pipeline, |terms| &self.composites[terms.kind as usize]));
         pass.set_bind_group(0, &radiance.group, &[]);
         if let Some(terms) = terms {
             pass.set_bind_group(1, &terms.group, &[]);

@@ -3,7 +3,7 @@
 use wgpu::AdapterInfo;
 
 /// The first Mesa whose software driver jumps over branches of shaders that nobody takes; older ones run both sides.
-const JUMPS_OVER_BRANCHES: u32 = 25;
+const MIN_FAST_MESA: u32 = 25;
 
 /// Name of the device, and of the interface and the driver's version that it is used by.
 pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
@@ -19,9 +19,9 @@ pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
 pub(crate) fn advice(info: &AdapterInfo) -> Option<String> {
     let version = info.driver_info.strip_prefix("Mesa ").filter(|_| info.driver == "llvmpipe")?;
     let version = version.split(' ').next()?;
-    (major(version)? < JUMPS_OVER_BRANCHES).then(|| {
+    (major(version)? < MIN_FAST_MESA).then(|| {
         format!(
-            "Mesa {version} draws slowly: install mesa-vulkan-drivers {JUMPS_OVER_BRANCHES} or newer (`make packages` \
+            "Mesa {version} draws slowly: install mesa-vulkan-drivers {MIN_FAST_MESA} or newer (`make packages` \
              does; Debian 12 has it in bookworm-backports)"
         )
     })

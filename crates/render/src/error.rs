@@ -29,7 +29,7 @@ pub enum RenderError {
     },
     /// A light that f32 cannot relate to the scene.
     #[error(transparent)]
-    OutOfReach(#[from] light::OutOfReach),
+    OutOfReach(#[from] light::UndrawableLight),
     /// A picture without pixels, without samples, or through an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),

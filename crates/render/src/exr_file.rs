@@ -9,7 +9,7 @@
 //! | position | `P.X`, `P.Y`, `P.Z` | float |
 //! | t, vw, wireframe | `t`; `v`, `w`; `t`, `edge` | float |
 //! | direction | `direction.X`, `direction.Y`, `direction.Z` | half |
-//! | visibility | `visibility` | half |
+//! | visibility | `sight` | half |
 //!
 //! `A`, float, is the share of a pixel in which something is seen; of quantities of a light, in which it reaches something. Where several
 //! lights are in one file their channels have the light's name before them: `key.visibility`, `key.A`. Half holds a unit vector to
@@ -30,7 +30,7 @@ use crate::{Aov, Picture, RenderError, View};
 
 /// Where a picture comes from, for its header.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Origin {
+pub struct PictureOrigin {
     /// What people call the session or the scene.
     pub name: Option<String>,
     /// The session's record that the picture is of.
@@ -107,7 +107,7 @@ impl ExrFile {
     }
 
     /// The file's bytes, ZIP-compressed on this thread alone, which takes a second or so for a few million pixels.
-    pub fn into_bytes(self, view: &View, origin: &Origin) -> Result<Vec<u8>, RenderError> {
+    pub fn into_bytes(self, view: &View, origin: &PictureOrigin) -> Result<Vec<u8>, RenderError> {
         let [width, height] = self.size.map(|side| side as usize);
         let encoding = Encoding {
             compression: Compression::ZIP16,
@@ -159,7 +159,7 @@ fn sort_attributes(file: &mut [u8]) {
 }
 
 /// The header: standard attributes where there is one, and `bendylights.` before all others.
-fn attributes(view: &View, origin: &Origin) -> LayerAttributes {
+fn attributes(view: &View, origin: &PictureOrigin) -> LayerAttributes {
     let View { camera, samples, fill, .. } = view;
     let camera_from_world = DMat4::from(camera.world_from_camera().inverse());
     let ndc_from_world = ndc_from_camera(camera, [view.width, view.height]) * camera_from_world;
@@ -172,7 +172,7 @@ fn attributes(view: &View, origin: &Origin) -> LayerAttributes {
         far_clip_plane: Some(far as f32),
         ..LayerAttributes::default()
     };
-    let Origin { name, seq, document_hash, scene, set, lights } = origin;
+    let PictureOrigin { name, seq, document_hash, scene, set, lights } = origin;
     let texts = [
         ("session", name.clone()),
         ("sequence", seq.map(|seq| seq.to_string())),
@@ -253,7 +253,7 @@ mod tests {
         for projection in [perspective(None), perspective(Some(40.0)), orthographic] {
             let (camera, size, pixel) = (camera(projection), [64, 36], DVec2::new(50.0, 6.0));
             let view = View::beauty(camera.clone(), size);
-            let attributes = attributes(&view, &Origin::default());
+            let attributes = attributes(&view, &PictureOrigin::default());
             let ray = ViewRay::new(&camera, size, pixel, DVec3::ZERO);
             for (depth, z) in [(0.5, -1.0), (40.0, 1.0)] {
                 let point = (ray.origin + ray.direction * depth).extend(1.0);

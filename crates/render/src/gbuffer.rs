@@ -11,7 +11,8 @@ use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::pass_runs::Cause;
 use crate::pipeline::{
-    DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, color_attachment, depth_attachment, nearer_wins, vertex_buffers,
+    DEPTH_FORMAT, RAW_TEXTURE, UINT_TEXTURE, color_attachment, depth_attachment, reversed_depth_test,
+    vertex_buffers,
 };
 use crate::readback::read_rows;
 use crate::tile::Tile;
@@ -26,7 +27,7 @@ const BAND_PIXELS: u32 = 1 << 18;
 const BAND_STEP: u32 = 16;
 
 /// Bytes a pixel of a G-buffer: what is packed, the offset and the depth.
-pub(crate) const BYTES_A_PIXEL: u64 = 16 + 4 + 4;
+pub(crate) const BYTES_PER_PIXEL: u64 = 16 + 4 + 4;
 
 /// The pipelines, which outlive scenes and pictures.
 #[derive(Debug)]
@@ -39,7 +40,7 @@ pub(crate) struct GbufferPass {
 
 /// The textures of one picture size.
 #[derive(Debug)]
-pub(crate) struct Gbuffer {
+pub(crate) struct GbufferTextures {
     packed: TextureView,
     /// How far in front of each surface its shadow is looked for.
     offset: TextureView,
@@ -98,22 +99,22 @@ impl GbufferTexels {
     /// Of all that texels of `size` pixels take.
     pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
         let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
-        let staged = if are_read_at_once([width, height]) {
+        let staged = if fits_one_readback([width, height]) {
             readback::padded_bytes([of_packed, of_offset, of_depth], height)
         } else {
             let colors = readback::padded_bytes([of_packed, of_offset], rows_at_once(width).min(height));
             colors.max(readback::padded_bytes([of_depth], height))
         };
-        u64::from(width) * u64::from(height) * BYTES_A_PIXEL + staged
+        u64::from(width) * u64::from(height) * BYTES_PER_PIXEL + staged
     }
 
     /// Of its arrays, and of what they are copied through.
     pub fn bytes(&self) -> u64 {
-        self.packed.len() as u64 * BYTES_A_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
+        self.packed.len() as u64 * BYTES_PER_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
     }
 
     /// Takes over what has been drawn into `gbuffer` and submitted, and waits for it. Where that is cancelled it holds a part.
-    pub fn read(&mut self, gpu: &Gpu, gbuffer: &Gbuffer) -> Result<(), RenderError> {
+    pub fn read(&mut self, gpu: &Gpu, gbuffer: &GbufferTextures) -> Result<(), RenderError> {
         let Self { packed, offset, depth, staging } = self;
         let textures = gbuffer.textures.each_ref();
         let (width, height) = (textures[0].width(), textures[0].height());
@@ -130,7 +131,7 @@ impl GbufferTexels {
             _ => depth.extend_from_slice(bytemuck::cast_slice(row)),
         };
         let textures: [_; 3] = std::array::from_fn(|index| (textures[index], TEXEL_BYTES[index]));
-        if are_read_at_once([width, height]) {
+        if fits_one_readback([width, height]) {
             return read_rows(gpu, staging, [0, height], textures, take);
         }
         let [colors @ .., z] = textures;
@@ -146,8 +147,8 @@ impl GbufferTexels {
 
 /// Whether a G-buffer of so many pixels is read back at once. Of a larger one memory that is new takes long to come, and others can
 /// come between.
-fn are_read_at_once([width, height]: [u32; 2]) -> bool {
-    u64::from(width) * u64::from(height) * BYTES_A_PIXEL <= u64::from(STAGED_BYTES)
+fn fits_one_readback([width, height]: [u32; 2]) -> bool {
+    u64::from(width) * u64::from(height) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
 }
 
 /// Rows of a larger one that are read back at once, but for its depth.
@@ -159,7 +160,7 @@ fn rows_at_once(width: u32) -> u32 {
 impl GbufferPass {
     pub fn new(gpu: &Gpu, view_layout: &BindGroupLayout, material_layout: &BindGroupLayout) -> Self {
         let layout = gpu.pipeline_layout("gbuffer", &[view_layout, material_layout]);
-        let module = gpu.module("gbuffer", shaders::GBUFFER);
+        let module = gpu.shader_module("gbuffer", shaders::GBUFFER);
         let pipeline = |[is_colored, is_shiny, is_tested]: [f64; 3], cull_mode| {
             let compilation_options = wgpu::PipelineCompilationOptions {
                 constants: &[("is_colored", is_colored), ("is_shiny", is_shiny), ("is_tested", is_tested)],
@@ -175,7 +176,7 @@ impl GbufferPass {
                     buffers: &vertex_buffers()[..1],
                 },
                 primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
-                depth_stencil: Some(nearer_wins()),
+                depth_stencil: Some(reversed_depth_test()),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Some(wgpu::FragmentState {
                     module: &module,
@@ -196,18 +197,18 @@ impl GbufferPass {
                     })
                 })
             }),
-            surface_layout: gpu.layout("surface", &[UINT_TEXTURE, RAW_TEXTURE, RAW_TEXTURE]),
+            surface_layout: gpu.bind_group_layout("surface", &[UINT_TEXTURE, RAW_TEXTURE, RAW_TEXTURE]),
         }
     }
 
-    pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> Gbuffer {
+    pub fn targets(&self, gpu: &Gpu, width: u32, height: u32) -> GbufferTextures {
         let textures =
             [FORMAT, OFFSET_FORMAT, DEPTH_FORMAT].map(|format| gpu.target("gbuffer", width, height, format));
         let [packed, offset, depth] =
             textures.each_ref().map(|texture| texture.create_view(&TextureViewDescriptor::default()));
         let resources = [&packed, &depth, &offset].map(BindingResource::TextureView);
-        let surface = gpu.group("surface", &self.surface_layout, &resources);
-        Gbuffer { packed, offset, depth, textures, surface }
+        let surface = gpu.bind_group("surface", &self.surface_layout, &resources);
+        GbufferTextures { packed, offset, depth, textures, surface }
     }
 
     /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
@@ -217,20 +218,20 @@ impl GbufferPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        into: &Gbuffer,
+        into: &GbufferTextures,
         (size, tile): ([u32; 2], Tile),
         scene: &GpuScene,
     ) -> Result<(), RenderError> {
         // Each band asks for work that grows with the triangles, a triangle as much as a pixel about.
         let least_pixels = BAND_PIXELS.max(scene.triangle_count);
         let rows = (least_pixels / tile.width.max(1)).next_multiple_of(BAND_STEP).max(BAND_STEP);
-        let rows = if gpu.is_processor() { rows.min(tile.height) } else { tile.height };
+        let rows = if gpu.is_cpu() { rows.min(tile.height) } else { tile.height };
         for first in (0..tile.height).step_by(rows as usize) {
             let band = [first, rows.min(tile.height - first)];
             let is_whole = band[1] == tile.height;
             self.draw_band(gpu, encoder, into, (size, tile, band), scene)?;
             if !is_whole {
-                gpu.finish(encoder)?;
+                gpu.submit_and_wait(encoder)?;
                 gpu.yield_point()?;
             }
         }
@@ -242,11 +243,11 @@ impl GbufferPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        into: &Gbuffer,
+        into: &GbufferTextures,
         (size, tile, band): ([u32; 2], Tile, [u32; 2]),
         scene: &GpuScene,
     ) -> Result<(), RenderError> {
-        let parts = scene.parts(gpu, u64::from(tile.width) * u64::from(band[1]));
+        let parts = scene.part_count(gpu, u64::from(tile.width) * u64::from(band[1]));
         let most_indices = if parts == 1 { u32::MAX } else { 3 * (scene.triangle_count / parts).max(1) };
         let mut left = most_indices;
         let onto = (size, tile, band);
@@ -262,7 +263,7 @@ impl GbufferPass {
                 indices.start = end;
                 if left == 0 {
                     drop(pass);
-                    gpu.finish(encoder)?;
+                    gpu.submit_and_wait(encoder)?;
                     gpu.yield_point()?;
                     pass = begin(encoder, into, onto, scene, false);
                     self.bind(&mut pass, draw);
@@ -274,8 +275,8 @@ impl GbufferPass {
     }
 
     fn bind(&self, pass: &mut RenderPass, draw: &MaterialDraw) {
-        let [colored, shiny] = draw.pictures.map(usize::from);
-        let [masked, double_sided] = [draw.masked, draw.double_sided].map(usize::from);
+        let [colored, shiny] = draw.has_textures.map(usize::from);
+        let [masked, double_sided] = [draw.is_alpha_tested, draw.double_sided].map(usize::from);
         pass.set_pipeline(&self.pipelines[colored][shiny][masked][double_sided]);
         pass.set_bind_group(1, &draw.material, &[]);
     }
@@ -284,7 +285,7 @@ impl GbufferPass {
 /// Begins to draw, from nothing where it `clears`.
 fn begin<'e>(
     encoder: &'e mut CommandEncoder,
-    into: &Gbuffer,
+    into: &GbufferTextures,
     (size, tile, [first, rows]): ([u32; 2], Tile, [u32; 2]),
     scene: &GpuScene,
     clears: bool,

@@ -22,9 +22,9 @@ pub(crate) struct Vertices {
     /// One a triangle: unit normal and its product with any point of it; zeros where the area is 0.
     pub planes: Vec<[f32; 4]>,
     /// One a material in use; those without an alpha test first.
-    pub draws: Vec<Draw>,
+    pub draws: Vec<MaterialRange>,
     /// One a posed primitive, in the same order.
-    pub runs: Vec<Run>,
+    pub runs: Vec<DrawRun>,
 }
 
 /// What a vertex has besides its position.
@@ -38,7 +38,7 @@ pub(crate) struct Attributes {
 
 /// The triangles of one posed primitive.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Run {
+pub(crate) struct DrawRun {
     /// Index of the node that carries it.
     pub node: usize,
     /// Its own in [`PosedScene::primitives`].
@@ -50,7 +50,7 @@ pub(crate) struct Run {
 
 /// A run of triangles with one material.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Draw {
+pub(crate) struct MaterialRange {
     pub material: usize,
     pub indices: Range<u32>,
 }
@@ -68,7 +68,8 @@ impl Vertices {
         }
         let mut vertices = Self::default();
         let mut primitives: Vec<_> = scene.primitives.iter().enumerate().collect();
-        primitives.sort_by_key(|(_, posed)| order(&scene.scene.materials, scene.geometry(posed).material));
+        primitives
+            .sort_by_key(|(_, posed)| draw_order(&scene.scene.materials, scene.geometry(posed).material));
         for primitive in primitives {
             vertices.add(scene, primitive)?;
         }
@@ -105,17 +106,17 @@ impl Vertices {
         }
         let end = u32::try_from(self.indices.len()).map_err(|_| too_many(self.indices.len()))?;
         let indices = first_index..end;
-        self.runs.push(Run { node: posed.node, primitive: index, first_vertex, indices });
+        self.runs.push(DrawRun { node: posed.node, primitive: index, first_vertex, indices });
         match self.draws.last_mut() {
             Some(draw) if draw.material == primitive.material => draw.indices.end = end,
-            _ => self.draws.push(Draw { material: primitive.material, indices: first_index..end }),
+            _ => self.draws.push(MaterialRange { material: primitive.material, indices: first_index..end }),
         }
         Ok(())
     }
 }
 
 /// Draws without an alpha test come first, in one run that a shadow pass can draw at once.
-fn order(materials: &[Material], index: usize) -> (bool, usize) {
+fn draw_order(materials: &[Material], index: usize) -> (bool, usize) {
     (materials[index].alpha_cutoff.is_some(), index)
 }
 
@@ -179,7 +180,8 @@ impl Geometry {
 
     /// Uploads `vertices`.
     pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
-        let hierarchy = gpu.aside(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
+        let hierarchy =
+            gpu.run_in_background(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
         let geometry = BufferUsages::STORAGE | BufferUsages::VERTEX;
         Ok(Self {
             positions: upload(gpu, "the scene's vertex positions in bytes", &vertices.positions, geometry)?,
@@ -208,7 +210,7 @@ impl Geometry {
                 &hierarchy.triangles,
                 BufferUsages::STORAGE,
             )?,
-            host: gpu.host(|| Arc::new(HostGeometry { vertices, hierarchy })),
+            host: gpu.if_native(|| Arc::new(HostGeometry { vertices, hierarchy })),
         })
     }
 }
@@ -311,6 +313,9 @@ mod tests {
         let opaque = Primitive { material: 1, ..masked.clone() };
         scene.meshes[0].primitives = vec![opaque.clone(), masked, opaque];
         let draws = of(scene).unwrap().draws;
-        assert_eq!(draws, [Draw { material: 1, indices: 0..6 }, Draw { material: 0, indices: 6..9 }]);
+        assert_eq!(
+            draws,
+            [MaterialRange { material: 1, indices: 0..6 }, MaterialRange { material: 0, indices: 6..9 }]
+        );
     }
 }

@@ -7,20 +7,20 @@ use scene::PosedScene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, Buffer, BufferUsages};
 
-use crate::alpha_test::AlphaTests;
-use crate::casters::{Casters, Casting};
-use crate::geometry::{Geometry, Run, Vertices};
+use crate::alpha_test::GpuAlphaTests;
+use crate::casters::{CasterSet, Casters};
+use crate::geometry::{DrawRun, Geometry, Vertices};
 use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError, gpu_structs};
 
 /// A scene on the device, for any number of renderers. Clones are of the same scene.
 #[derive(Clone, Debug)]
-pub struct SceneOnDevice(Arc<Uploaded>);
+pub struct SceneOnDevice(Arc<UploadedScene>);
 
 /// What is made once a scene.
 #[derive(Debug)]
-pub(crate) struct Uploaded {
+pub(crate) struct UploadedScene {
     pub posed: Arc<PosedScene>,
     pub geometry: Geometry,
     /// How many of the scene's own triangles there are.
@@ -29,11 +29,11 @@ pub(crate) struct Uploaded {
     pub opaque_indices: u32,
     pub draws: Vec<MaterialDraw>,
     /// Which triangles are of which node.
-    pub runs: Vec<Run>,
+    pub runs: Vec<DrawRun>,
     /// Those of `draws` that have one; none where no draw has.
-    pub alpha_tests: Option<AlphaTests>,
+    pub alpha_tests: Option<GpuAlphaTests>,
     /// What is bound in their place where there are none.
-    no_tests: Option<AlphaTests>,
+    no_tests: Option<GpuAlphaTests>,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
     /// What casts shadows, straying from the surface by so much at most.
@@ -64,9 +64,9 @@ pub(crate) struct SceneGroupLayouts {
 }
 
 impl Deref for GpuScene {
-    type Target = Uploaded;
+    type Target = UploadedScene;
 
-    fn deref(&self) -> &Uploaded {
+    fn deref(&self) -> &UploadedScene {
         &self.uploaded.0
     }
 }
@@ -78,19 +78,23 @@ const SOFTWARE_FRAGMENTS_AT_ONCE: f64 = 4e6;
 impl GpuScene {
     /// In how many parts its triangles are drawn onto so many pixels, or pixels are asked what is near to them: one but for scenes
     /// of which very much lies in one place.
-    pub fn parts(&self, gpu: &Gpu, pixels: u64) -> u32 {
-        let at_once = if gpu.is_processor() { SOFTWARE_FRAGMENTS_AT_ONCE } else { FRAGMENTS_AT_ONCE };
+    pub fn part_count(&self, gpu: &Gpu, pixels: u64) -> u32 {
+        let at_once = if gpu.is_cpu() { SOFTWARE_FRAGMENTS_AT_ONCE } else { FRAGMENTS_AT_ONCE };
         (self.posed.depth_complexity() * pixels as f64 / at_once).ceil().clamp(1.0, 65_536.0) as u32
     }
 
     /// The draws that have an alpha test.
-    pub fn masked(&self) -> &[MaterialDraw] {
-        &self.draws[self.draws.partition_point(|draw| !draw.masked)..]
+    pub fn alpha_tested_draws(&self) -> &[MaterialDraw] {
+        &self.draws[self.draws.partition_point(|draw| !draw.is_alpha_tested)..]
     }
 
     /// What throws shadows in lights without links.
-    pub fn casting(&self) -> Casting<'_> {
-        Casting { casters: &self.casters, masked: self.masked(), alpha_tests: self.alpha_tests.as_ref() }
+    pub fn caster_set(&self) -> CasterSet<'_> {
+        CasterSet {
+            casters: &self.casters,
+            alpha_tested: self.alpha_tested_draws(),
+            alpha_tests: self.alpha_tests.as_ref(),
+        }
     }
 
     /// Casters that may stray from the surface by `mesh_error`, in world units.
@@ -108,7 +112,7 @@ impl GpuScene {
         revision: u64,
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
-        let Uploaded { geometry, alpha_tests, no_tests, .. } = &*uploaded.0;
+        let UploadedScene { geometry, alpha_tests, no_tests, .. } = &*uploaded.0;
         let Geometry { positions, attributes, indices, planes, hierarchy, hierarchy_triangles, .. } =
             geometry;
         let tests = alpha_tests.as_ref().or(no_tests.as_ref()).expect("one of them is there");
@@ -117,7 +121,7 @@ impl GpuScene {
             .chain([hierarchy, hierarchy_triangles, &tests.tests, &tests.texels])
             .map(Buffer::as_entire_binding)
             .collect::<Vec<_>>();
-        let view = gpu.group("view", &group_layouts.view, &view_resources);
+        let view = gpu.bind_group("view", &group_layouts.view, &view_resources);
         let casters = Arc::clone(&uploaded.0.casters.1);
         let mut scene = Self { revision, casters, view, uploaded };
         if scene.uploaded.0.casters.0 != mesh_error {
@@ -140,14 +144,14 @@ impl SceneOnDevice {
         posed: &Arc<PosedScene>,
         mesh_error: f64,
     ) -> Result<Self, RenderError> {
-        let (scene, mut vertices) = (&posed.scene, gpu.aside(|| Vertices::new(posed))??);
+        let (scene, mut vertices) = (&posed.scene, gpu.run_in_background(|| Vertices::new(posed))??);
         let opaque =
             vertices.draws.iter().rfind(|draw| scene.materials[draw.material].alpha_cutoff.is_none());
         let opaque_indices = opaque.map_or(0, |draw| draw.indices.end);
         let Materials { draws, alpha_tests, texture_bytes } =
             Materials::new(gpu, &group_layouts.material, scene, &vertices.draws)?;
         gpu.yield_point()?;
-        let no_tests = if alpha_tests.is_none() { Some(AlphaTests::none(gpu)?) } else { None };
+        let no_tests = if alpha_tests.is_none() { Some(GpuAlphaTests::none(gpu)?) } else { None };
         let casters = Casters::new(gpu, (&vertices, opaque_indices as usize), mesh_error)?;
         gpu.yield_point()?;
         let (triangle_count, runs) = (vertices.planes.len() as u32, std::mem::take(&mut vertices.runs));
@@ -165,8 +169,8 @@ impl SceneOnDevice {
         let bytes = texture_bytes
             + geometry.bytes()
             + casters.bytes()
-            + alpha_tests.as_ref().map_or(0, AlphaTests::bytes);
-        Ok(Self(Arc::new(Uploaded {
+            + alpha_tests.as_ref().map_or(0, GpuAlphaTests::bytes);
+        Ok(Self(Arc::new(UploadedScene {
             posed: Arc::clone(posed),
             geometry,
             triangle_count,
@@ -175,7 +179,7 @@ impl SceneOnDevice {
             runs,
             alpha_tests,
             no_tests,
-            fill: gpu.group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),
+            fill: gpu.bind_group("fill", &group_layouts.fill, &[fill_uniform.as_entire_binding()]),
             casters: (mesh_error, casters.into()),
             _memory: gpu.memory.reserve(MemoryKind::Scenes, bytes),
         })))

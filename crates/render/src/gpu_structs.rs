@@ -40,7 +40,7 @@ pub(crate) const ALL: &[StructLayout] = &[
     Fill::LAYOUT,
     Exposure::LAYOUT,
     ShadowView::LAYOUT,
-    LightFilter::LAYOUT,
+    LightProfile::LAYOUT,
     Terms::LAYOUT,
     Spot::LAYOUT,
     Omni::LAYOUT,
@@ -138,7 +138,7 @@ gpu_struct! {
 /// Length of the array of faces in `spot.wgsl`.
 pub(crate) const SPOT_FACES: usize = 5;
 
-/// Length of the array of pieces in `filter.wgsl`: one more than there may be knots.
+/// Length of the array of pieces in `profile.wgsl`: one more than there may be knots.
 pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
 
 /// Most layers of a sum in `terms.wgsl`: with the fill fewer than every device binds. Of more it is less work to keep sums.
@@ -147,13 +147,13 @@ pub(crate) const TERMS: usize = 8;
 /// A piece that begins past all angles.
 const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
 
-/// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `filter.wgsl` keeps light
+/// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `profile.wgsl` keeps light
 /// that strong within it.
 pub(crate) const LARGE: f64 = 1e30;
 
 gpu_struct! {
-    /// See `filter.wgsl`.
-    LightFilter {
+    /// See `profile.wgsl`.
+    LightProfile {
         tint: [f32; 3],
         least_distance: f32,
         decay: [f32; 3],
@@ -172,9 +172,9 @@ gpu_struct! {
     }
 }
 
-impl From<&light::LightFilter> for LightFilter {
-    fn from(filter: &light::LightFilter) -> Self {
-        let light::LightFilter {
+impl From<&light::LightProfile> for LightProfile {
+    fn from(filter: &light::LightProfile) -> Self {
+        let light::LightProfile {
             tint,
             diffuse,
             specular,
@@ -183,23 +183,24 @@ impl From<&light::LightFilter> for LightFilter {
             section,
             radial,
             decay,
-            cut,
+            distance_ramps: cut,
             ..
         } = filter;
         let (section_scale, section_power) = match *section {
-            light::Section::Circle => ([1.0; 2], 2.0),
-            light::Section::Superellipse { scale, power } => (scale, power),
+            light::SectionOutline::Circle => ([1.0; 2], 2.0),
+            light::SectionOutline::Superellipse { scale, power } => (scale, power),
         };
         let mut pieces = [NO_PIECE; RADIAL_PIECES];
         for (slot, piece) in pieces.iter_mut().zip(&radial.pieces) {
             let [from, to] = piece.values;
-            *slot = [piece.from, from, to, piece.inverse_length].map(|value| value.min(LARGE) as f32);
+            *slot =
+                [piece.start_degrees, from, to, piece.inverse_length].map(|value| value.min(LARGE) as f32);
         }
         let f32s = |values: [f64; 2]| values.map(|value| value.clamp(-LARGE, LARGE) as f32);
         Self {
             tint: tint.min(DVec3::splat(LARGE)).as_vec3().to_array(),
-            least_distance: filter.least_distance.min(LARGE) as f32,
-            decay: decay.weights().map(|weight| weight as f32),
+            least_distance: filter.min_distance.min(LARGE) as f32,
+            decay: decay.denominator_coefficients().map(|weight| weight as f32),
             shadow_color: shadow_color.min(DVec3::splat(LARGE)).as_vec3().to_array(),
             profile_power: profile.power as f32,
             lobes: f32s([*diffuse, *specular]),
@@ -230,7 +231,7 @@ gpu_struct! {
     /// See `cone.wgsl`.
     Spot {
         light_from_scene: Mat4,
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         tan_outer: f32,
         range: f32,
         shadow_near: f32,
@@ -243,7 +244,7 @@ gpu_struct! {
     /// See `omni.wgsl`.
     Omni {
         light_from_scene: Mat4,
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         range: f32,
         shadow_near: f32,
         mesh_error: f32,
@@ -258,7 +259,7 @@ gpu_struct! {
         light_from_scene: Mat4,
         window: [f32; 4],
         fit: [f32; 4],
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         bottom: f32,
         depth_scale: f32,
         mesh_error: f32,

@@ -1,7 +1,7 @@
 //! The scene's triangles in boxes within boxes, for the last piece of light's way (`nearby.wgsl`).
 
 use glam::{Vec3, Vec3A};
-use hierarchy::Bounds;
+use hierarchy::Aabb;
 
 use crate::gpu_structs::HierarchyNode;
 
@@ -21,7 +21,7 @@ impl Hierarchy {
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let bounds = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|k| Vec3A::from_array(positions[k as usize]));
-            Bounds { min: a.min(b).min(c), max: a.max(b).max(c) }
+            Aabb { min: a.min(b).min(c), max: a.max(b).max(c) }
         };
         let built = hierarchy::Hierarchy::new(triangles.iter().map(bounds));
         let nodes = if triangles.is_empty() { vec![NOWHERE] } else { depth_first(&built) };
@@ -35,7 +35,7 @@ fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
     let mut open: Vec<u32> = vec![0];
     while let Some(index) = open.pop() {
         let node = &built.nodes[index as usize];
-        let Bounds { min, max } = node.bounds;
+        let Aabb { min, max } = node.bounds;
         nodes.push(HierarchyNode {
             min: Vec3::from(min).to_array(),
             triangle_count: node.count,

@@ -5,10 +5,10 @@ use std::ops::Range;
 use glam::{DMat3, DMat4, DVec3};
 
 use crate::casters::Casters;
-use crate::clusters::{Cluster, Leaf, Within};
+use crate::closed_components::TriangleComponent;
+use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf};
 use crate::gpu_structs::Mat4;
 use crate::shadow_settings::Culling;
-use crate::shells::Shell;
 
 /// A source is as large as this share of its distance: rounding.
 const ROUNDING: f64 = 1e-6;
@@ -16,17 +16,17 @@ const ROUNDING: f64 = 1e-6;
 /// The opaque indices of leaves that may be seen by `clip_from_scene`, and what they are of as that view has it: `Closed`
 /// where their fronts are counter-clockwise. Light begins at `source`, in scene space, or where that is `None` outside of
 /// the scene; what is closed around it is `Open`.
-pub(crate) fn in_view(
+pub(crate) fn visible_runs(
     casters: &Casters,
     clip_from_scene: &Mat4,
     source: Option<DVec3>,
     culling: Culling,
-) -> Vec<(Range<u32>, Shell)> {
+) -> Vec<(Range<u32>, TriangleComponent)> {
     let mirrored = is_mirrored(&in_f64(clip_from_scene));
-    let mut runs: Vec<(Range<u32>, Shell)> = Vec::new();
+    let mut runs: Vec<(Range<u32>, TriangleComponent)> = Vec::new();
     leaves_in_view(casters, clip_from_scene, source, culling, |leaf, shell| {
         let indices = 3 * leaf.triangles.start..3 * leaf.triangles.end;
-        let shell = if mirrored { shell.turned() } else { shell };
+        let shell = if mirrored { shell.mirrored() } else { shell };
         match runs.last_mut() {
             Some((run, same)) if run.end == indices.start && *same == shell => run.end = indices.end,
             _ => runs.push((indices, shell)),
@@ -42,21 +42,30 @@ pub(crate) fn leaves_in_view(
     clip_from_scene: &Mat4,
     source: Option<DVec3>,
     culling: Culling,
-    mut take: impl FnMut(&Leaf, Shell),
+    mut take: impl FnMut(&ClusterLeaf, TriangleComponent),
 ) {
     let planes = planes(&in_f64(clip_from_scene));
     let source = source.map(|center| {
         let half = DVec3::splat(ROUNDING * center.abs().max_element());
-        Cluster { center, half }
+        ClusterBounds { center, half }
     });
     let clusters = &casters.clusters;
-    for tree in clusters.casting(clusters.open_sides(|_| true)) {
+    for tree in clusters.casting_trees(clusters.open_sides(|_| true)) {
         tree.select(
-            |cluster| if culling.clusters { cluster.within(&planes, 0.0) } else { Within::Take },
+            |cluster| {
+                if culling.clusters { cluster.select_by_planes(&planes, 0.0) } else { BoxSelection::TakeAll }
+            },
             |leaf| {
                 let leaf = &clusters.leaves[leaf as usize];
                 if 3 * leaf.triangles.end <= casters.opaque_indices {
-                    take(leaf, if culling.backs { leaf.shell_from(source.as_ref()) } else { Shell::Open });
+                    take(
+                        leaf,
+                        if culling.backs {
+                            leaf.component_from(source.as_ref())
+                        } else {
+                            TriangleComponent::Open
+                        },
+                    );
                 }
             },
         );

@@ -1,6 +1,6 @@
 //! What each light alone adds to a view, kept from picture to picture, and sums of that.
 //!
-//! A layer is what a light reflects before factors of all of it ([`light::LightFilter::weights`]). An edit of those, a light that
+//! A layer is what a light reflects before factors of all of it ([`light::LightProfile::weights`]). An edit of those, a light that
 //! is switched off and on, and the exposure of a view draw no layer; a light that moves draws its own.
 //!
 //! Layers add up in one order, whatever is kept and whatever was edited: four by four where they are more than eight, and those
@@ -9,17 +9,17 @@
 use std::task::Poll;
 
 use glam::DVec3;
-use light::{CheckedLight, Digest, LightId, LightInstance};
+use light::{CheckedLight, LightDigest, LightId, LightInstance};
 use scene::MapScale;
 
-use crate::camera::Raster;
-use crate::composite::Term;
+use crate::camera::CameraRaster;
+use crate::composite::GpuTerm;
 use crate::gpu_scene::GpuScene;
 use crate::gpu_structs::{LARGE, TERMS};
-use crate::lights::{ReadyLight, ShadowMaps, pixels_of};
+use crate::lights::{ReadyLight, ShadowMaps, reachable_pixels};
 use crate::memory::{Evictable, MemoryKind};
 use crate::pass_runs::{Cause, Pass, PassRuns};
-use crate::pause::{Pause, Piece};
+use crate::pause::{DrawnPiece, Pause};
 use crate::tile::Tile;
 use crate::{Gpu, RenderError};
 
@@ -37,19 +37,19 @@ pub(crate) trait LayerPainter {
     type Light;
     /// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
     type Terms;
-    const LAYER_BYTES_A_PIXEL: u64;
-    const SUM_BYTES_A_PIXEL: u64;
+    const LAYER_BYTES_PER_PIXEL: u64;
+    const SUM_BYTES_PER_PIXEL: u64;
 
-    /// As [`ShadowMaps::ready`], by who draws layers.
-    fn ready(
+    /// As [`ShadowMaps::ready_light`], by who draws layers.
+    fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
-        raster: &Raster,
+        raster: &CameraRaster,
         light: (&LightInstance, MapScale),
     ) -> Result<Option<ReadyLight<Self::Light>>, RenderError>;
 
     /// Draws what `light` alone adds to `pixels`, `[x, y, width, height]`, and nothing elsewhere; over a layer that
-    /// nobody needs any more where there is one. That is a [`crate::Stage::Light`].
+    /// nobody needs any more where there is one. That is a [`crate::FrameStage::Light`].
     fn draw_layer(
         &mut self,
         light: &ReadyLight<Self::Light>,
@@ -57,11 +57,11 @@ pub(crate) trait LayerPainter {
         over: Option<Self::Layer>,
     ) -> Result<Self::Layer, RenderError>;
 
-    /// Draws a sum, over one that nobody needs any more where there is one. That is a [`crate::Stage::Sum`].
+    /// Draws a sum, over one that nobody needs any more where there is one. That is a [`crate::FrameStage::Sum`].
     fn draw_sum(&mut self, terms: &Self::Terms, over: Option<Self::Sum>) -> Result<Self::Sum, RenderError>;
 
     /// Layers with their factors.
-    fn terms_of_layers(&self, layers: &[Term<Self::Layer>]) -> Self::Terms;
+    fn terms_of_layers(&self, layers: &[GpuTerm<Self::Layer>]) -> Self::Terms;
 
     /// Sums as they are.
     fn terms_of_sums(&self, sums: &[Self::Sum]) -> Self::Terms;
@@ -82,7 +82,7 @@ pub(crate) struct Layers<Layer, Sum> {
 struct KeptLayer<Layer> {
     light: LightId,
     /// The light's revision of what it shows; `None` of nothing.
-    shows: Option<Digest>,
+    radiance_revision: Option<LightDigest>,
     /// How fine the map was that it was drawn with.
     shadow_map: MapScale,
     /// `None` where the light reaches nothing that is seen.
@@ -92,30 +92,30 @@ struct KeptLayer<Layer> {
 #[derive(Debug)]
 struct KeptSum<Sum> {
     /// The lights that it is of, each with its revision of all that a picture depends on.
-    of: Vec<(LightId, Digest)>,
+    light_revisions: Vec<(LightId, LightDigest)>,
     /// How fine maps had to be when it was drawn.
     shadow_map: MapScale,
     sum: Evictable<Sum>,
 }
 
 /// What layers are drawn with.
-pub(crate) struct Work<'a> {
+pub(crate) struct LayerWork<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a GpuScene,
-    pub raster: &'a Raster,
+    pub raster: &'a CameraRaster,
     /// Pixels.
     pub size: [u32; 2],
     /// How fine maps have to be.
     pub shadow_map: MapScale,
     pub shadow_maps: &'a mut ShadowMaps,
-    pub ran: &'a mut PassRuns,
+    pub pass_runs: &'a mut PassRuns,
     /// Says after each piece whether the picture pauses; `None` where it never does.
     pub pause: Option<Pause<'a>>,
 }
 
-impl Work<'_> {
+impl LayerWork<'_> {
     /// Whether the picture pauses after a piece, which is waited for.
-    fn pauses(&mut self, painter: &mut impl LayerPainter, piece: Piece) -> Result<bool, RenderError> {
+    fn pauses(&mut self, painter: &mut impl LayerPainter, piece: DrawnPiece) -> Result<bool, RenderError> {
         let Some(pause) = self.pause else { return Ok(false) };
         painter.finish()?;
         Ok(pause(piece))
@@ -123,10 +123,10 @@ impl Work<'_> {
 }
 
 /// Whether layers of so many lights and their sums take at most half of the budget of bytes.
-pub(crate) fn fit<P: LayerPainter>(budget: u64, size: [u32; 2], light_count: usize) -> bool {
+pub(crate) fn do_layers_fit<P: LayerPainter>(budget: u64, size: [u32; 2], light_count: usize) -> bool {
     let lights = light_count as u64;
     let bytes_a_pixel =
-        lights * P::LAYER_BYTES_A_PIXEL + 2 * lights.div_ceil(GROUP as u64) * P::SUM_BYTES_A_PIXEL;
+        lights * P::LAYER_BYTES_PER_PIXEL + 2 * lights.div_ceil(GROUP as u64) * P::SUM_BYTES_PER_PIXEL;
     bytes(size, bytes_a_pixel) <= budget / 2
 }
 
@@ -139,30 +139,36 @@ impl<Layer, Sum> Default for Layers<Layer, Sum> {
 impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, Sum> {
     /// Makes each anew when it is next asked for.
     pub fn invalidate(&mut self) {
-        self.lights.iter_mut().for_each(|layer| layer.shows = None);
-        self.sums.iter_mut().flatten().for_each(|sum| sum.of.clear());
+        self.lights.iter_mut().for_each(|layer| layer.radiance_revision = None);
+        self.sums.iter_mut().flatten().for_each(|sum| sum.light_revisions.clear());
     }
 
     /// Where the content of `light` is held, drawn with a map that is fine enough.
-    fn held(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
+    fn cached_layer(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
         let shows = Some(light.light.revisions().radiance);
-        let kept = self.lights.iter().find(|kept| (kept.light, kept.shows) == (light.id, shows))?;
+        let kept =
+            self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows))?;
         let layer = kept.layer.as_ref().filter(|_| kept.shadow_map <= shadow_map)?;
         layer.take().inspect(|held| layer.put(held.clone()))
     }
 
     /// Whether `light` reaches a pixel; where it reaches none, that is kept as its layer.
-    fn reaches_something_seen(&mut self, work: &Work, light: &LightInstance) -> bool {
+    fn reaches_visible_pixels(&mut self, work: &LayerWork, light: &LightInstance) -> bool {
         let shows = Some(light.light.revisions().radiance);
-        let known = self.lights.iter().find(|kept| (kept.light, kept.shows) == (light.id, shows));
+        let known = self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows));
         let culling = work.shadow_maps.shadows().culling;
         let reaches = known.map_or_else(
-            || pixels_of(&light.light, (work.scene, work.raster), culling).is_some(),
+            || reachable_pixels(&light.light, (work.scene, work.raster), culling).is_some(),
             |kept| kept.layer.is_some(),
         );
         if !reaches && known.is_none() {
             self.lights.retain(|kept| kept.light != light.id);
-            self.lights.push(KeptLayer { light: light.id, shows, shadow_map: MapScale::Full, layer: None });
+            self.lights.push(KeptLayer {
+                light: light.id,
+                radiance_revision: shows,
+                shadow_map: MapScale::Full,
+                layer: None,
+            });
         }
         reaches
     }
@@ -171,9 +177,9 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     fn cause(&self, light: &LightInstance) -> Cause {
         match self.lights.iter().find(|kept| kept.light == light.id) {
             None => Cause::First,
-            Some(KeptLayer { shows: None, .. }) => Cause::Gbuffer,
-            Some(kept) if kept.shows != Some(light.light.revisions().radiance) => Cause::Light,
-            Some(kept) if kept.layer.as_ref().is_some_and(Evictable::is_there) => Cause::Resolution,
+            Some(KeptLayer { radiance_revision: None, .. }) => Cause::Gbuffer,
+            Some(kept) if kept.radiance_revision != Some(light.light.revisions().radiance) => Cause::Light,
+            Some(kept) if kept.layer.as_ref().is_some_and(Evictable::is_present) => Cause::Resolution,
             Some(_) => Cause::Evicted,
         }
     }
@@ -188,15 +194,15 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let shows = Some(light.light.revisions().radiance);
         let own = self.lights.iter().position(|kept| kept.light == light.id);
         let room = own.and_then(|own| self.lights.swap_remove(own).layer);
-        self.lights.retain(|kept| kept.layer.as_ref().is_none_or(Evictable::is_there));
+        self.lights.retain(|kept| kept.layer.as_ref().is_none_or(Evictable::is_present));
         if let Some(room) = &room {
             room.put(layer.clone());
         }
         let layer = room
-            .filter(Evictable::is_there)
+            .filter(Evictable::is_present)
             .unwrap_or_else(|| gpu.memory.keep(MemoryKind::Layers, bytes, layer));
         let layer = Some(layer);
-        self.lights.push(KeptLayer { light: light.id, shows, shadow_map, layer });
+        self.lights.push(KeptLayer { light: light.id, radiance_revision: shows, shadow_map, layer });
     }
 
     /// Takes out the layer that there is of a light, whatever it shows.
@@ -208,15 +214,15 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// light adds anything. Pending where the picture pauses: what has been drawn is kept, and called again this goes on.
     pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut Work, &mut P),
+        (work, painter): (&mut LayerWork, &mut P),
         lights: &[LightInstance],
     ) -> Result<Poll<Option<P::Terms>>, RenderError> {
-        // Others shine all the same; `light::Reach` tells who asks.
+        // Others shine all the same; `light::SceneBounds` tells who asks.
         let is_there = |light: &&LightInstance| {
-            !light.light.light_filter().is_dark() && work.scene.posed.reach().check(&light.light).is_ok()
+            !light.light.light_profile().is_dark() && work.scene.posed.bounds().check(&light.light).is_ok()
         };
         let lights: Vec<&LightInstance> =
-            lights.iter().filter(is_there).filter(|light| self.reaches_something_seen(work, light)).collect();
+            lights.iter().filter(is_there).filter(|light| self.reaches_visible_pixels(work, light)).collect();
         for kept in &self.lights {
             let needed = lights.iter().any(|light| light.id == kept.light);
             if let Some(layer) = &kept.layer {
@@ -232,7 +238,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let mut of: Vec<Vec<&LightInstance>> = lights.chunks(GROUP).map(<[_]>::to_vec).collect();
         let mut sums = Vec::new();
         for (index, group) in of.iter().enumerate() {
-            let sum = if let Some(sum) = self.held_sum(0, index, group, work.shadow_map) {
+            let sum = if let Some(sum) = self.cached_sum(0, index, group, work.shadow_map) {
                 sum
             } else {
                 let Poll::Ready(terms) = self.terms_of_lights((work, painter), group)? else {
@@ -249,7 +255,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
             of = of.chunks(GROUP).map(<[_]>::concat).collect();
             let mut next = Vec::new();
             for (index, sums) in sums.chunks(GROUP).enumerate() {
-                let sum = if let Some(sum) = self.held_sum(level, index, &of[index], work.shadow_map) {
+                let sum = if let Some(sum) = self.cached_sum(level, index, &of[index], work.shadow_map) {
                     sum
                 } else {
                     let terms = painter.terms_of_sums(sums);
@@ -265,23 +271,23 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// The layers of some lights with their weights, drawn where they are not held. Pending where the picture pauses.
     fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut Work, &mut P),
+        (work, painter): (&mut LayerWork, &mut P),
         lights: &[&LightInstance],
-    ) -> Result<Poll<Vec<Term<Layer>>>, RenderError> {
+    ) -> Result<Poll<Vec<GpuTerm<Layer>>>, RenderError> {
         let mut terms = Vec::with_capacity(lights.len());
         for light in lights {
-            let held = self.held(light, work.shadow_map);
+            let held = self.cached_layer(light, work.shadow_map);
             let layer = if held.is_some() {
                 held
             } else {
                 match self.draw_layer((work, painter), light)? {
-                    Poll::Ready(layer) if !work.pauses(painter, Piece::Pixels)? => layer,
+                    Poll::Ready(layer) if !work.pauses(painter, DrawnPiece::Pixels)? => layer,
                     _ => return Ok(Poll::Pending),
                 }
             };
             let Some(layer) = layer else { continue };
             let [diffuse, specular] = factors(&light.light);
-            terms.push(Term { layer, diffuse, specular });
+            terms.push(GpuTerm { layer, diffuse, specular });
         }
         Ok(Poll::Ready(terms))
     }
@@ -289,33 +295,33 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     /// `None` where the light reaches nothing that is seen; pending where the picture pauses, with the light's map drawn.
     fn draw_layer<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut Work, &mut P),
+        (work, painter): (&mut LayerWork, &mut P),
         light: &LightInstance,
     ) -> Result<Poll<Option<Layer>>, RenderError> {
-        let ready = painter.ready(work.shadow_maps, work.raster, (light, work.shadow_map))?;
+        let ready = painter.ready_light(work.shadow_maps, work.raster, (light, work.shadow_map))?;
         let Some(ready) = ready else { return Ok(Poll::Ready(None)) };
-        if let Some(cause) = ready.shadow_drawn {
-            work.ran.note(Pass::ShadowMap, Some(light.id), cause);
+        if let Some(cause) = ready.shadow_map_cause {
+            work.pass_runs.note(Pass::ShadowMap, Some(light.id), cause);
             // A map that passes is drawn again after a pause.
-            if ready.passing.is_none() && work.pauses(painter, Piece::ShadowMap)? {
+            if ready.transient_map.is_none() && work.pauses(painter, DrawnPiece::ShadowMap)? {
                 return Ok(Poll::Pending);
             }
         }
-        let Work { gpu, size, ran, .. } = work;
+        let LayerWork { gpu, size, pass_runs: ran, .. } = work;
         ran.note(Pass::Layer, Some(light.id), self.cause(light));
-        let bytes = bytes(*size, P::LAYER_BYTES_A_PIXEL);
+        let bytes = bytes(*size, P::LAYER_BYTES_PER_PIXEL);
         let over = self.take(light);
         if over.is_none() {
             gpu.make_room(bytes);
         }
-        let pixels = Tile { x: 0, y: 0, width: size[0], height: size[1] }.cut(ready.pixels);
+        let pixels = Tile { x: 0, y: 0, width: size[0], height: size[1] }.clip(ready.pixels);
         let layer = painter.draw_layer(&ready, pixels, over)?;
         gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
         self.keep((gpu, bytes), (light, ready.shadow_map), layer.clone());
         Ok(Poll::Ready(Some(layer)))
     }
 
-    fn held_sum(
+    fn cached_sum(
         &self,
         level: usize,
         index: usize,
@@ -323,7 +329,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         shadow_map: MapScale,
     ) -> Option<Sum> {
         let kept = self.sums.get(level)?.get(index)?;
-        if kept.of != revisions(lights) || kept.shadow_map > shadow_map {
+        if kept.light_revisions != revisions(lights) || kept.shadow_map > shadow_map {
             return None;
         }
         kept.sum.take().inspect(|sum| kept.sum.put(sum.clone()))
@@ -331,16 +337,16 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
 
     fn draw_sum<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
-        (work, painter): (&mut Work, &mut P),
+        (work, painter): (&mut LayerWork, &mut P),
         (level, index, lights): (usize, usize, &[&LightInstance]),
         terms: &P::Terms,
     ) -> Result<Sum, RenderError> {
-        let Work { gpu, size, shadow_map, ran, .. } = work;
+        let LayerWork { gpu, size, shadow_map, pass_runs: ran, .. } = work;
         let cause = match self.sums.get(level).and_then(|sums| sums.get(index)) {
             None => Cause::First,
-            Some(kept) if kept.of.is_empty() => Cause::Gbuffer,
-            Some(kept) if kept.of != revisions(lights) => Cause::Light,
-            Some(kept) if kept.sum.is_there() => Cause::Resolution,
+            Some(kept) if kept.light_revisions.is_empty() => Cause::Gbuffer,
+            Some(kept) if kept.light_revisions != revisions(lights) => Cause::Light,
+            Some(kept) if kept.sum.is_present() => Cause::Resolution,
             Some(_) => Cause::Evicted,
         };
         ran.note(Pass::Sum, None, cause);
@@ -351,12 +357,13 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let sum = painter.draw_sum(terms, own)?;
         if is_kept {
             sums[level][index].sum.put(sum.clone());
-            (sums[level][index].of, sums[level][index].shadow_map) = (revisions(lights), *shadow_map);
+            (sums[level][index].light_revisions, sums[level][index].shadow_map) =
+                (revisions(lights), *shadow_map);
             return Ok(sum);
         }
-        let bytes = bytes(*size, P::SUM_BYTES_A_PIXEL);
+        let bytes = bytes(*size, P::SUM_BYTES_PER_PIXEL);
         let kept = gpu.memory.keep(MemoryKind::Layers, bytes, sum.clone());
-        let kept = KeptSum { of: revisions(lights), shadow_map: *shadow_map, sum: kept };
+        let kept = KeptSum { light_revisions: revisions(lights), shadow_map: *shadow_map, sum: kept };
         match sums[level].get_mut(index) {
             Some(before) => *before = kept,
             None => sums[level].push(kept),
@@ -367,10 +374,10 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
 
 /// Factors of a layer of `light`: of what is scattered, and of what is mirrored; linear RGB.
 pub(crate) fn factors(light: &CheckedLight) -> [[f32; 3]; 2] {
-    light.light_filter().weights().map(|weight| weight.min(DVec3::splat(LARGE)).as_vec3().to_array())
+    light.light_profile().lobe_weights().map(|weight| weight.min(DVec3::splat(LARGE)).as_vec3().to_array())
 }
 
-fn revisions(lights: &[&LightInstance]) -> Vec<(LightId, Digest)> {
+fn revisions(lights: &[&LightInstance]) -> Vec<(LightId, LightDigest)> {
     lights.iter().map(|light| (light.id, light.light.revisions().picture)).collect()
 }
 

@@ -27,7 +27,7 @@ const ADD: BlendState = {
 /// Passes of one module by the constants that it is compiled with and whether they are for lights with links, each made when
 /// first wanted.
 #[derive(Debug)]
-pub(crate) struct Variants<K>(Mutex<Vec<Variant<K>>>);
+pub(crate) struct PassVariants<K>(Mutex<Vec<Variant<K>>>);
 
 #[derive(Debug)]
 struct Variant<K> {
@@ -36,7 +36,7 @@ struct Variant<K> {
     pass: Arc<LightingPass>,
 }
 
-impl<K: Copy + PartialEq> Variants<K> {
+impl<K: Copy + PartialEq> PassVariants<K> {
     pub fn new() -> Self {
         Self(Mutex::default())
     }
@@ -70,7 +70,7 @@ impl LightingPass {
     pub fn new(gpu: &Gpu, label: &str, wgsl: &str, groups: &[&BindGroupLayout]) -> Self {
         Self {
             layout: gpu.pipeline_layout(label, groups),
-            module: gpu.module(label, wgsl),
+            module: gpu.shader_module(label, wgsl),
             pipelines: std::array::from_fn(|_| OnceLock::new()),
             layer: OnceLock::new(),
         }

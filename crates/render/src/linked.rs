@@ -7,9 +7,9 @@ use light::parameters::{LIGHT_LINK, SHADOW_LINK};
 use wgpu::util::{DeviceExt, TextureDataOrder};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, TextureViewDescriptor};
 
-use crate::alpha_test::AlphaTests;
-use crate::casters::{Casters, Casting};
-use crate::geometry::{Run, Vertices};
+use crate::alpha_test::GpuAlphaTests;
+use crate::casters::{CasterSet, Casters};
+use crate::geometry::{DrawRun, Vertices};
 use crate::gpu_scene::GpuScene;
 use crate::material::MaterialDraw;
 use crate::memory::{MemoryKind, Reservation};
@@ -20,39 +20,39 @@ use crate::{Gpu, RenderError, gpu_structs};
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
 
 /// Texels of a row of bits.
-const ROW: usize = 1024;
+const TEXELS_PER_ROW: usize = 1024;
 
 /// `lightLink` and `shadowLink` of a light.
-type Pair = [Option<Links>; 2];
+type LinkPair = [Option<Links>; 2];
 
 /// What a light's links leave of a scene.
 #[derive(Debug)]
-pub(crate) struct Linked {
+pub(crate) struct LinkedCasters {
     /// Group 3 of its lighting pass.
     pub group: BindGroup,
     /// What the texture of that group holds, where the processor draws: a bit a triangle, 32 a word; `[0]` says whether the
     /// light lights it, `[1]` whether it throws shadows.
     pub host_bits: Option<Arc<[[u32; 2]]>>,
     /// One a node: whether it throws shadows; `None` where all do.
-    throwing: Option<Vec<bool>>,
+    casts_shadows: Option<Vec<bool>>,
     /// Made when a map is first drawn.
-    casters: OnceLock<LinkedCasters>,
+    casters: OnceLock<LinkedCasterMeshes>,
     /// Counts the bits.
     _memory: Reservation,
 }
 
 #[derive(Debug)]
-struct LinkedCasters {
+struct LinkedCasterMeshes {
     casters: Casters,
-    masked: Vec<MaterialDraw>,
-    alpha_tests: Option<AlphaTests>,
+    alpha_tested: Vec<MaterialDraw>,
+    alpha_tests: Option<GpuAlphaTests>,
     /// Counts its buffers.
     _memory: Reservation,
 }
 
 /// What links leave of scenes, by the scene's revision and the links, for as long as somebody has it.
 #[derive(Debug, Default)]
-pub(crate) struct KnownLinks(Vec<((u64, Pair), Weak<Linked>)>);
+pub(crate) struct KnownLinks(Vec<((u64, LinkPair), Weak<LinkedCasters>)>);
 
 impl KnownLinks {
     /// What the links of `light` leave of `scene`; `None` where it has none.
@@ -62,7 +62,7 @@ impl KnownLinks {
         layout: &BindGroupLayout,
         scene: &GpuScene,
         light: &light::Light,
-    ) -> Option<Arc<Linked>> {
+    ) -> Option<Arc<LinkedCasters>> {
         let pair = [light.get(LIGHT_LINK), light.get(SHADOW_LINK)];
         if pair == [None, None] {
             return None;
@@ -71,7 +71,7 @@ impl KnownLinks {
         self.0.retain(|(_, linked)| linked.strong_count() > 0);
         let kept = self.0.iter().find(|(of, _)| *of == key).and_then(|(_, linked)| linked.upgrade());
         Some(kept.unwrap_or_else(|| {
-            let linked = Arc::new(Linked::new(gpu, layout, scene, &key.1));
+            let linked = Arc::new(LinkedCasters::new(gpu, layout, scene, &key.1));
             self.0.push((key, Arc::downgrade(&linked)));
             linked
         }))
@@ -80,25 +80,26 @@ impl KnownLinks {
 
 /// What throws shadows in a light, by what its links leave of `scene` where it has any. It may stray from the surface by
 /// `mesh_error`, in world units.
-pub(crate) fn casting<'a>(
+pub(crate) fn caster_set<'a>(
     gpu: &Gpu,
     scene: &'a GpuScene,
-    linked: Option<&'a Linked>,
+    linked: Option<&'a LinkedCasters>,
     mesh_error: f64,
-) -> Result<Casting<'a>, RenderError> {
-    linked.map_or_else(|| Ok(scene.casting()), |linked| linked.casting(gpu, scene, mesh_error))
+) -> Result<CasterSet<'a>, RenderError> {
+    linked.map_or_else(|| Ok(scene.caster_set()), |linked| linked.caster_set(gpu, scene, mesh_error))
 }
 
-impl Linked {
-    fn new(gpu: &Gpu, layout: &BindGroupLayout, scene: &GpuScene, pair: &Pair) -> Self {
-        let [lit, throwing] = pair.each_ref().map(|links| Some(scene.posed.nodes().linked(links.as_ref()?)));
+impl LinkedCasters {
+    fn new(gpu: &Gpu, layout: &BindGroupLayout, scene: &GpuScene, pair: &LinkPair) -> Self {
+        let [lit, casts_shadows] =
+            pair.each_ref().map(|links| Some(scene.posed.node_tree().selected_nodes(links.as_ref()?)));
         let triangles = scene.triangle_count as usize;
         let words = triangles.div_ceil(32).max(1);
-        let (width, height) = (words.min(ROW), words.div_ceil(ROW));
+        let (width, height) = (words.min(TEXELS_PER_ROW), words.div_ceil(TEXELS_PER_ROW));
         let mut bits = vec![[0_u32; 2]; width * height];
         for run in &scene.runs {
             let counts = |nodes: &Option<Vec<bool>>| nodes.as_ref().is_none_or(|nodes| nodes[run.node]);
-            let flags = [counts(&lit), counts(&throwing)].map(u32::from);
+            let flags = [counts(&lit), counts(&casts_shadows)].map(u32::from);
             for triangle in run.indices.start / 3..run.indices.end / 3 {
                 let word = &mut bits[triangle as usize / 32];
                 *word = [0, 1].map(|k| word[k] | flags[k] << (triangle % 32));
@@ -120,61 +121,61 @@ impl Linked {
             bytemuck::cast_slice(&bits),
         );
         let view = texture.create_view(&TextureViewDescriptor::default());
-        let group = gpu.group("links", layout, &[BindingResource::TextureView(&view)]);
+        let group = gpu.bind_group("links", layout, &[BindingResource::TextureView(&view)]);
         let bytes = size_of_val(&bits[..]) as u64;
-        let host_bits: Option<Arc<[_]>> = gpu.host(|| bits.into());
+        let host_bits: Option<Arc<[_]>> = gpu.if_native(|| bits.into());
         let host_bytes = host_bits.as_ref().map_or(0, |_| bytes);
         let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes + host_bytes);
-        Self { group, host_bits, throwing, casters: OnceLock::new(), _memory: memory }
+        Self { group, host_bits, casts_shadows, casters: OnceLock::new(), _memory: memory }
     }
 
-    fn casting<'a>(
+    fn caster_set<'a>(
         &'a self,
         gpu: &Gpu,
         scene: &'a GpuScene,
         mesh_error: f64,
-    ) -> Result<Casting<'a>, RenderError> {
-        let Some(throwing) = &self.throwing else { return Ok(scene.casting()) };
+    ) -> Result<CasterSet<'a>, RenderError> {
+        let Some(throwing) = &self.casts_shadows else { return Ok(scene.caster_set()) };
         let made = if let Some(made) = self.casters.get() {
             made
         } else {
-            let made = LinkedCasters::new(gpu, scene, throwing, mesh_error)?;
+            let made = LinkedCasterMeshes::new(gpu, scene, throwing, mesh_error)?;
             self.casters.get_or_init(|| made)
         };
-        let LinkedCasters { casters, masked, alpha_tests, .. } = made;
-        Ok(Casting { casters, masked, alpha_tests: alpha_tests.as_ref() })
+        let LinkedCasterMeshes { casters, alpha_tested: masked, alpha_tests, .. } = made;
+        Ok(CasterSet { casters, alpha_tested: masked, alpha_tests: alpha_tests.as_ref() })
     }
 }
 
-impl LinkedCasters {
+impl LinkedCasterMeshes {
     fn new(gpu: &Gpu, scene: &GpuScene, throwing: &[bool], mesh_error: f64) -> Result<Self, RenderError> {
         let posed = &scene.posed;
-        let runs: Vec<&Run> = scene.runs.iter().filter(|run| throwing[run.node]).collect();
+        let runs: Vec<&DrawRun> = scene.runs.iter().filter(|run| throwing[run.node]).collect();
         let triangles = runs.iter().flat_map(|run| {
             let own = posed.triangles(&posed.primitives[run.primitive]);
             own.map(|corners| corners.map(|k| run.first_vertex + k))
         });
         let indices: Vec<u32> = triangles.flatten().collect();
-        let is_masked = |run: &&&Run| run.indices.start >= scene.opaque_indices;
+        let is_masked = |run: &&&DrawRun| run.indices.start >= scene.opaque_indices;
         let opaque_indices = runs.iter().filter(|run| !is_masked(run)).map(|run| run.indices.len()).sum();
         let vertices = Vertices { indices, ..Vertices::new(posed)? };
         let casters = Casters::new(gpu, (&vertices, opaque_indices), mesh_error)?;
-        let (masked, alpha_tests) = masked(gpu, scene, runs.iter().filter(is_masked).copied())?;
+        let (masked, alpha_tests) = linked_alpha_tests(gpu, scene, runs.iter().filter(is_masked).copied())?;
         let bytes = casters.bytes() + alpha_tests.as_ref().map_or(0, |tests| tests.tests.size());
         let memory = gpu.memory.reserve(MemoryKind::Scenes, bytes);
-        Ok(Self { casters, masked, alpha_tests, _memory: memory })
+        Ok(Self { casters, alpha_tested: masked, alpha_tests, _memory: memory })
     }
 }
 
 /// The draws of `runs`, which all have an alpha test, and those tests, by the numbers that triangles have where only those
 /// are left.
-fn masked<'a>(
+fn linked_alpha_tests<'a>(
     gpu: &Gpu,
     scene: &GpuScene,
-    runs: impl Iterator<Item = &'a Run>,
-) -> Result<(Vec<MaterialDraw>, Option<AlphaTests>), RenderError> {
+    runs: impl Iterator<Item = &'a DrawRun>,
+) -> Result<(Vec<MaterialDraw>, Option<GpuAlphaTests>), RenderError> {
     let Some(of_scene) = &scene.alpha_tests else { return Ok((Vec::new(), None)) };
-    let all = scene.masked();
+    let all = scene.alpha_tested_draws();
     let mut first_triangle = 0;
     let (mut draws, mut tests): (Vec<MaterialDraw>, Vec<_>) = (Vec::new(), Vec::new());
     for run in runs {

@@ -1,6 +1,6 @@
 //! What a shadow map is of.
 
-use light::{Digest, LightId, LightInstance};
+use light::{LightDigest, LightId, LightInstance};
 
 use crate::pass_runs::Cause;
 
@@ -9,7 +9,7 @@ use crate::pass_runs::Cause;
 pub(crate) struct MapKey {
     light: LightId,
     /// The light's revision of what its map depends on.
-    revision: Digest,
+    revision: LightDigest,
     /// The scene's.
     scene: u64,
 }

@@ -10,8 +10,8 @@ use wgpu::{
     TextureView,
 };
 
-use crate::alpha_test::{AlphaPicture, AlphaTests, alpha_test};
-use crate::geometry::Draw;
+use crate::alpha_test::{AlphaPicture, GpuAlphaTests, alpha_test};
+use crate::geometry::MaterialRange;
 use crate::mipmap::{Encoding, MipChain, mip_chain};
 use crate::pipeline::{COLOR_TEXTURE, FILTERING, UNIFORM};
 use crate::{Gpu, RenderError, gpu_structs};
@@ -25,8 +25,8 @@ pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
     /// Whether it has a picture of its colour, and one of metallic and roughness.
-    pub pictures: [bool; 2],
-    pub masked: bool,
+    pub has_textures: [bool; 2],
+    pub is_alpha_tested: bool,
     pub double_sided: bool,
 }
 
@@ -35,7 +35,7 @@ pub(crate) struct Materials {
     /// Those without an alpha test first.
     pub draws: Vec<MaterialDraw>,
     /// `None` where no draw has one.
-    pub alpha_tests: Option<AlphaTests>,
+    pub alpha_tests: Option<GpuAlphaTests>,
     /// Bytes of the textures of `draws`.
     pub texture_bytes: u64,
 }
@@ -46,7 +46,7 @@ impl Materials {
         gpu: &Gpu,
         layout: &BindGroupLayout,
         scene: &Scene,
-        draws: &[Draw],
+        draws: &[MaterialRange],
     ) -> Result<Self, RenderError> {
         let mut textures = Textures {
             gpu,
@@ -75,7 +75,7 @@ impl Materials {
                 }),
                 usage: BufferUsages::UNIFORM,
             });
-            let group = gpu.group(
+            let group = gpu.bind_group(
                 "material",
                 layout,
                 &[
@@ -94,14 +94,14 @@ impl Materials {
             material_draws.push(MaterialDraw {
                 indices: draw.indices.clone(),
                 material: group,
-                pictures: [material.base_color_texture, material.metallic_roughness_texture]
+                has_textures: [material.base_color_texture, material.metallic_roughness_texture]
                     .map(|texture| texture.is_some()),
-                masked: material.alpha_cutoff.is_some(),
+                is_alpha_tested: material.alpha_cutoff.is_some(),
                 double_sided: material.double_sided,
             });
         }
         let Textures { texels, bytes: texture_bytes, .. } = textures;
-        let alpha_tests = (!tests.is_empty()).then(|| AlphaTests::new(gpu, tests, texels)).transpose()?;
+        let alpha_tests = (!tests.is_empty()).then(|| GpuAlphaTests::new(gpu, tests, texels)).transpose()?;
         Ok(Self { draws: material_draws, alpha_tests, texture_bytes })
     }
 }
@@ -142,7 +142,7 @@ impl Textures<'_> {
         } else {
             let (width, height, rgba8) = self.image(texture);
             let format = format(self.gpu, encoding);
-            let chain = self.gpu.aside(|| mip_chain((width, height), rgba8, encoding, format))?;
+            let chain = self.gpu.run_in_background(|| mip_chain((width, height), rgba8, encoding, format))?;
             let view = upload(self.gpu, width, height, &chain)?;
             self.bytes += chain.bytes.len() as u64;
             self.uploaded.insert(key, view.clone());

@@ -50,7 +50,7 @@ pub struct MemoryBudget(Arc<Mutex<Account>>);
 struct Account {
     budget: u64,
     /// Counts pictures that were begun.
-    now: u64,
+    picture_number: u64,
     last_id: u64,
     allocations: BTreeMap<u64, Allocation>,
 }
@@ -77,7 +77,12 @@ impl MemoryBudget {
 
     /// An empty one; `budget` is in bytes.
     pub fn new(budget: u64) -> Self {
-        Self(Arc::new(Mutex::new(Account { budget, now: 0, last_id: 0, allocations: BTreeMap::new() })))
+        Self(Arc::new(Mutex::new(Account {
+            budget,
+            picture_number: 0,
+            last_id: 0,
+            allocations: BTreeMap::new(),
+        })))
     }
 
     /// Bytes that are kept at most, but for what a picture needs at once.
@@ -102,7 +107,7 @@ impl MemoryBudget {
 
     /// Another picture is begun: what earlier ones have used may go.
     pub(crate) fn begin_picture(&self) {
-        self.account().now += 1;
+        self.account().picture_number += 1;
     }
 
     /// Counts what lives as long as the answer.
@@ -131,7 +136,7 @@ impl MemoryBudget {
         let mut gone = Vec::new();
         let mut account = self.account();
         while account.total() + bytes > account.budget {
-            let now = account.now;
+            let now = account.picture_number;
             let may_go =
                 account.allocations.iter().filter(|(_, a)| a.evict.is_some() && (a.used < now || !a.needed));
             let Some((&first, _)) = may_go.min_by_key(|(_, allocation)| (allocation.needed, allocation.used))
@@ -152,7 +157,7 @@ impl MemoryBudget {
     fn add(&self, kind: MemoryKind, bytes: u64, evict: Option<Box<dyn FnOnce() + Send>>) -> u64 {
         let mut account = self.account();
         account.last_id += 1;
-        let (allocation, used) = (account.last_id, account.now);
+        let (allocation, used) = (account.last_id, account.picture_number);
         account.allocations.insert(allocation, Allocation { kind, bytes, used, needed: true, evict });
         allocation
     }
@@ -200,7 +205,7 @@ impl<T> Evictable<T> {
     /// Takes it out for use, and so as used now; `None` where it is gone.
     pub fn take(&self) -> Option<T> {
         let mut account = self.reservation.memory.account();
-        let now = account.now;
+        let now = account.picture_number;
         if let Some(allocation) = account.allocations.get_mut(&self.reservation.allocation) {
             allocation.used = now;
         }
@@ -242,7 +247,7 @@ impl<T> Evictable<T> {
     }
 
     /// Whether it is still there.
-    pub fn is_there(&self) -> bool {
+    pub fn is_present(&self) -> bool {
         lock(&self.value).is_some()
     }
 }
@@ -265,7 +270,7 @@ mod tests {
     }
 
     fn there(kept: &[Evictable<u8>]) -> Vec<bool> {
-        kept.iter().map(Evictable::is_there).collect()
+        kept.iter().map(Evictable::is_present).collect()
     }
 
     #[test]

@@ -34,17 +34,17 @@ pub(crate) fn mip_chain(
         .chunks_exact(4)
         .map(|p| std::array::from_fn(|c| if c == 3 { p[3] as f32 / 255.0 } else { decode[p[c] as usize] }))
         .collect();
-    let mut chain = MipChain { bytes: stored(&level, format), format, levels: 1 };
+    let mut chain = MipChain { bytes: encode_level(&level, format), format, levels: 1 };
     while width > 1 || height > 1 {
         (level, width, height) = halved(&level, width, height);
-        chain.bytes.extend(stored(&level, format));
+        chain.bytes.extend(encode_level(&level, format));
         chain.levels += 1;
     }
     chain
 }
 
 /// The bytes of a level.
-fn stored(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
+fn encode_level(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
     let channels = level.as_flattened().iter();
     match format {
         TextureFormat::Rgba8Unorm => channels.map(|c| (c * 255.0 + 0.5) as u8).collect(),

@@ -3,18 +3,18 @@
 use std::sync::Arc;
 
 use light::LightInstance;
-use relight::{Layer, Sum, Surfaces, draw_layer};
+use relight::{LayerSum, LightLayer, Surfaces, draw_layer};
 use scene::MapScale;
 
-use crate::camera::Raster;
-use crate::composite::Term;
+use crate::camera::CameraRaster;
+use crate::composite::GpuTerm;
 use crate::gpu_scene::GpuScene;
-use crate::host_scene::arrays;
+use crate::host_scene::caster_scene;
 use crate::layers::LayerPainter;
 use crate::lights::{ReadyLight, ShadowMaps};
 use crate::native_map::{NativeLight, NativeMaps};
 use crate::passes::Passes;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::{Gpu, RenderError};
 
 /// Draws layers of what pixels see.
@@ -28,76 +28,78 @@ pub(crate) struct NativeLayers<'a> {
 /// What adds up, in what it is held in.
 #[derive(Debug)]
 pub(crate) enum NativeTerms {
-    Layers(Vec<Term<Arc<Layer>>>),
-    Sums(Vec<Arc<Sum>>),
+    Layers(Vec<GpuTerm<Arc<LightLayer>>>),
+    Sums(Vec<Arc<LayerSum>>),
 }
 
 impl NativeTerms {
     /// Does `work` with them as the processor adds them up.
-    pub fn with<'a, T>(&'a self, work: impl FnOnce(relight::Terms) -> T) -> T {
+    pub fn with<'a, T>(&'a self, work: impl FnOnce(relight::LayerTerms) -> T) -> T {
         match self {
             Self::Layers(terms) => {
-                let of = |Term { layer, diffuse, specular }: &'a Term<Arc<Layer>>| relight::Term {
-                    layer,
-                    diffuse: *diffuse,
-                    specular: *specular,
+                let of = |GpuTerm { layer, diffuse, specular }: &'a GpuTerm<Arc<LightLayer>>| {
+                    relight::LayerTerm { layer, diffuse: *diffuse, specular: *specular }
                 };
                 let terms: Vec<_> = terms.iter().map(of).collect();
-                work(relight::Terms::Layers(&terms))
+                work(relight::LayerTerms::Layers(&terms))
             }
             Self::Sums(sums) => {
-                let sums: Vec<&Sum> = sums.iter().map(|sum| &**sum).collect();
-                work(relight::Terms::Sums(&sums))
+                let sums: Vec<&LayerSum> = sums.iter().map(|sum| &**sum).collect();
+                work(relight::LayerTerms::Sums(&sums))
             }
         }
     }
 }
 
 impl LayerPainter for NativeLayers<'_> {
-    type Layer = Arc<Layer>;
-    type Sum = Arc<Sum>;
+    type Layer = Arc<LightLayer>;
+    type Sum = Arc<LayerSum>;
     type Light = NativeLight;
     type Terms = NativeTerms;
-    const LAYER_BYTES_A_PIXEL: u64 = 24;
-    const SUM_BYTES_A_PIXEL: u64 = 12;
+    const LAYER_BYTES_PER_PIXEL: u64 = 24;
+    const SUM_BYTES_PER_PIXEL: u64 = 12;
 
-    fn ready(
+    fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
-        raster: &Raster,
+        raster: &CameraRaster,
         light: (&LightInstance, MapScale),
     ) -> Result<Option<ReadyLight<NativeLight>>, RenderError> {
         let (gpu, passes, scene) = (self.gpu, self.passes, self.scene);
-        shadow_maps.ready((gpu, &mut NativeMaps { gpu, scene }), (passes, scene, raster), light)
+        shadow_maps.ready_light((gpu, &mut NativeMaps { gpu, scene }), (passes, scene, raster), light)
     }
 
     fn draw_layer(
         &mut self,
         light: &ReadyLight<NativeLight>,
         pixels: [u32; 4],
-        over: Option<Arc<Layer>>,
-    ) -> Result<Arc<Layer>, RenderError> {
+        over: Option<Arc<LightLayer>>,
+    ) -> Result<Arc<LightLayer>, RenderError> {
         let mut layer = over.and_then(Arc::into_inner).unwrap_or_default();
         let NativeLight { light: shape, map } = &light.light;
-        let scene = arrays(self.scene, light.linked.as_deref());
+        let scene = caster_scene(self.scene, light.linked.as_deref());
         let workers = self.gpu.workers();
         draw_layer(workers, self.surfaces, &scene, (shape, map.as_deref()), pixels, &mut layer)?;
-        self.gpu.stages.ended(Stage::Light);
+        self.gpu.stages.record_stage(FrameStage::Light);
         Ok(Arc::new(layer))
     }
 
-    fn draw_sum(&mut self, terms: &NativeTerms, over: Option<Arc<Sum>>) -> Result<Arc<Sum>, RenderError> {
+    fn draw_sum(
+        &mut self,
+        terms: &NativeTerms,
+        over: Option<Arc<LayerSum>>,
+    ) -> Result<Arc<LayerSum>, RenderError> {
         let mut sum = over.and_then(Arc::into_inner).unwrap_or_default();
         terms.with(|terms| relight::sum(self.gpu.workers(), self.surfaces, terms, &mut sum));
-        self.gpu.stages.ended(Stage::Sum);
+        self.gpu.stages.record_stage(FrameStage::Sum);
         Ok(Arc::new(sum))
     }
 
-    fn terms_of_layers(&self, layers: &[Term<Arc<Layer>>]) -> NativeTerms {
+    fn terms_of_layers(&self, layers: &[GpuTerm<Arc<LightLayer>>]) -> NativeTerms {
         NativeTerms::Layers(layers.to_vec())
     }
 
-    fn terms_of_sums(&self, sums: &[Arc<Sum>]) -> NativeTerms {
+    fn terms_of_sums(&self, sums: &[Arc<LayerSum>]) -> NativeTerms {
         NativeTerms::Sums(sums.to_vec())
     }
 

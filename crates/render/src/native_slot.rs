@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use relight::{BentWork, DepthMap, StraightWork};
+use relight::{BentMapBuilder, DepthMap, StraightMapBuilder};
 
 use crate::bendy_light::MapShape;
 use crate::map_key::MapKey;
@@ -14,19 +14,19 @@ use crate::straight;
 pub(crate) struct NativeSlot {
     size: MapSize,
     /// What the map shows, and the map.
-    pub shown: Option<(MapKey, Shown)>,
+    pub shown: Option<(MapKey, FittedMap)>,
 }
 
 /// A map, and how it is fitted.
 #[derive(Debug)]
-pub(crate) struct Shown {
+pub(crate) struct FittedMap {
     pub map: Arc<DepthMap>,
-    pub fitted: Fit,
+    pub fitted: MapFit,
 }
 
 /// How the map of a light is fitted to a scene.
 #[derive(Debug)]
-pub(crate) enum Fit {
+pub(crate) enum MapFit {
     /// `None` where nothing shadows the light.
     Bent(Option<Box<MapShape>>),
     Straight(straight::Fitted),
@@ -34,9 +34,9 @@ pub(crate) enum Fit {
 
 /// Memory of making maps, kept from one to the next.
 #[derive(Debug, Default)]
-pub(crate) struct NativeWork {
-    pub bent: BentWork,
-    pub straight: StraightWork,
+pub(crate) struct NativeMapBuilders {
+    pub bent: BentMapBuilder,
+    pub straight: StraightMapBuilder,
 }
 
 impl NativeSlot {
@@ -56,7 +56,7 @@ impl NativeSlot {
     }
 
     /// What its map shows.
-    pub fn shows(&self) -> Option<MapKey> {
+    pub fn map_key(&self) -> Option<MapKey> {
         self.shown.as_ref().map(|(key, _)| *key)
     }
 

@@ -2,40 +2,40 @@
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec4Swizzles};
 use relight::{
-    AlphaTests, DepthMap, Directional, DirectionalMapPlace, HoledCasters, HoledRun, Omni, OmniMapPlace, Spot,
-    SpotMapPlace, StraightFace, StraightMap, StraightWork,
+    AlphaTestedCasters, AlphaTestedRun, AlphaTests, DepthMap, DirectionalMapParams, OmniMapParams,
+    RelitDirectional, RelitOmni, RelitSpot, SpotMapParams, StraightFace, StraightMap, StraightMapBuilder,
 };
 
-use crate::casters::Casting;
-use crate::clusters::VERTICES_A_BLOCK;
+use crate::casters::CasterSet;
+use crate::clusters::VERTICES_PER_BLOCK;
 use crate::directional::GpuDirectional;
 use crate::gpu_scene::GpuScene;
-use crate::host_scene::arrays;
+use crate::host_scene::caster_scene;
 use crate::in_view::leaves_in_view;
-use crate::linked::{Linked, casting};
+use crate::linked::{LinkedCasters, caster_set};
 use crate::map_views::MapViews;
 use crate::material::MaterialDraw;
 use crate::omni::GpuOmni;
 use crate::shadow_settings::Culling;
 use crate::spot::GpuSpot;
-use crate::stages::Stage;
-use crate::straight::{Placed, Straight};
+use crate::stages::FrameStage;
+use crate::straight::{Placed, StraightLight};
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs};
 
 /// Casters of which a light's map looks at some.
 #[derive(Debug, Default)]
-struct InView {
-    /// One a face: first triangle of a leaf, and how many it has with its [`crate::shells::Shell`] above 16 bits.
+struct VisibleCasters {
+    /// One a face: first triangle of a leaf, and how many it has with its [`crate::shells::TriangleComponent`] above 16 bits.
     leaves: Vec<Vec<[u32; 2]>>,
     /// Blocks of vertices.
     blocks: Vec<u32>,
     triangles: u64,
 }
 
-impl InView {
-    fn new(casting: &Casting, views: &MapViews, source: Option<DVec3>, culling: Culling) -> Self {
+impl VisibleCasters {
+    fn new(casting: &CasterSet, views: &MapViews, source: Option<DVec3>, culling: Culling) -> Self {
         let casters = casting.casters;
-        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_A_BLOCK)];
+        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_PER_BLOCK)];
         let mut triangles = 0;
         let leaves_of = |view: &Option<gpu_structs::ShadowView>| {
             let mut leaves = Vec::new();
@@ -58,45 +58,45 @@ impl InView {
 
 /// Draws the map of a light in place into one of its size: of those casters that `linked` leaves.
 pub(crate) fn draw_map(
-    (gpu, work): (&Gpu, &mut StraightWork),
-    (light, placed): (Straight, &Placed),
-    (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+    (gpu, work): (&Gpu, &mut StraightMapBuilder),
+    (light, placed): (StraightLight, &Placed),
+    (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
     into: &mut DepthMap,
 ) -> Result<(), RenderError> {
-    let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+    let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
     let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
     let views = placed.views();
-    let seen = InView::new(&casting, views, source, shadows.culling);
+    let seen = VisibleCasters::new(&casting, views, source, shadows.culling);
     let faces: Vec<_> = seen
         .leaves
         .iter()
         .zip(&views.clip_from_light)
         .map(|(leaves, clip_from_light)| StraightFace {
-            clip_from_place: clip_from_place(views, clip_from_light.as_ref()).as_mat3(),
+            clip_from_map: clip_from_map(views, clip_from_light.as_ref()).as_mat3(),
             leaves,
-            casts: clip_from_light.is_some(),
+            has_casters: clip_from_light.is_some(),
         })
         .collect();
     let map = StraightMap {
-        place_from_scene: (place_from_light(views) * views.light_from_scene).as_mat4(),
+        map_from_scene: (map_from_light(views) * views.light_from_scene).as_mat4(),
         near: views.near.map(|near| near as f32),
         faces: &faces,
     };
     let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
     // Of each draw, or of each run that links leave, the test of the same number.
-    let run = |(draw, test): (&MaterialDraw, u32)| HoledRun {
+    let run = |(draw, test): (&MaterialDraw, u32)| AlphaTestedRun {
         triangles: draw.indices.start / 3..draw.indices.end / 3,
         test,
     };
-    let runs: Vec<_> = casting.masked.iter().zip(0..).map(run).collect();
-    let holed = HoledCasters {
-        scene: &arrays(scene, linked),
+    let runs: Vec<_> = casting.alpha_tested.iter().zip(0..).map(run).collect();
+    let holed = AlphaTestedCasters {
+        scene: &caster_scene(scene, linked),
         runs: &runs,
         tests: casting.alpha_tests.map_or_else(AlphaTests::default, |tests| tests.host()),
     };
     let casters = (&host.positions[..], &seen.blocks[..], &host.indices[..]);
     work.draw(gpu.workers(), &map, casters, &holed, into)?;
-    gpu.stages.ended(Stage::Draw);
+    gpu.stages.record_stage(FrameStage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += seen.triangles;
         counters.triangles_drawn += seen.triangles;
@@ -106,7 +106,7 @@ pub(crate) fn draw_map(
 }
 
 /// From light space to places and values: as they are, or across the light with the depth.
-fn place_from_light(views: &MapViews) -> DMat4 {
+fn map_from_light(views: &MapViews) -> DMat4 {
     match (views.near, &views.clip_from_light[..]) {
         (None, [Some(clip_from_light)]) => {
             DMat4::from_cols(DVec4::X, DVec4::Y, DVec4::W, clip_from_light.row(2)).transpose()
@@ -116,39 +116,41 @@ fn place_from_light(views: &MapViews) -> DMat4 {
 }
 
 /// From places to (x, y, w) of a face.
-fn clip_from_place(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
+fn clip_from_map(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
     let Some(clip_from_light) = clip_from_light else { return DMat3::IDENTITY };
     let [x, y, z, w] = [0, 1, 2, 3].map(|k| clip_from_light.col(k)).map(Vec4Swizzles::xyw);
     DMat3::from_cols(x, y, if views.near.is_some() { z } else { w })
 }
 
 /// The light in place, as the processor draws it.
-pub(crate) fn in_lanes(placed: &Placed, filter: ShadowFilter) -> relight::Light {
+pub(crate) fn relit_light(placed: &Placed, filter: ShadowFilter) -> relight::RelitLight {
     let matrix = |columns: &gpu_structs::Mat4| Mat4::from_cols_array_2d(columns);
     let end = |range: f32| (range > 0.0).then_some(range);
     match placed {
-        Placed::Spot(GpuSpot { uniform, light_filter, .. }) => {
+        Placed::Spot(GpuSpot { uniform, light_profile, .. }) => {
             let gpu_structs::Spot { tan_outer, range, shadow_near, mesh_error, fits, .. } = *uniform;
-            let map = SpotMapPlace { near: shadow_near, mesh_error, fits, filter };
-            let spot = Spot::new(
+            let map = SpotMapParams { near: shadow_near, mesh_error, fits, filter };
+            let spot = RelitSpot::new(
                 matrix(&uniform.light_from_scene),
-                light_filter.clone(),
+                light_profile.clone(),
                 (tan_outer, end(range)),
                 map,
             );
-            relight::Light::Spot(Box::new(spot))
+            relight::RelitLight::Spot(Box::new(spot))
         }
-        Placed::Omni(GpuOmni { uniform, light_filter, .. }) => {
+        Placed::Omni(GpuOmni { uniform, light_profile, .. }) => {
             let gpu_structs::Omni { range, shadow_near, mesh_error, fits, .. } = *uniform;
-            let map = OmniMapPlace { near: shadow_near, mesh_error, fits, filter };
-            let omni = Omni::new(matrix(&uniform.light_from_scene), light_filter.clone(), end(range), map);
-            relight::Light::Omni(Box::new(omni))
+            let map = OmniMapParams { near: shadow_near, mesh_error, fits, filter };
+            let omni =
+                RelitOmni::new(matrix(&uniform.light_from_scene), light_profile.clone(), end(range), map);
+            relight::RelitLight::Omni(Box::new(omni))
         }
-        Placed::Directional(GpuDirectional { uniform, light_filter, .. }) => {
+        Placed::Directional(GpuDirectional { uniform, light_profile, .. }) => {
             let gpu_structs::Directional { window, fit, bottom, depth_scale, mesh_error, .. } = *uniform;
-            let map = DirectionalMapPlace { fit, bottom, depth_scale, mesh_error, filter };
-            let sun = Directional::new(matrix(&uniform.light_from_scene), light_filter.clone(), window, map);
-            relight::Light::Directional(Box::new(sun))
+            let map = DirectionalMapParams { fit, bottom, depth_scale, mesh_error, filter };
+            let sun =
+                RelitDirectional::new(matrix(&uniform.light_from_scene), light_profile.clone(), window, map);
+            relight::RelitLight::Directional(Box::new(sun))
         }
     }
 }

@@ -4,16 +4,16 @@ use std::sync::Arc;
 use std::task::Poll;
 
 use light::{CheckedLight, LightInstance};
-use relight::{Camera, Exposure, Fill, Gbuffer, Layer, Sum, Surfaces, Terms};
+use relight::{CameraRays, Exposure, FillColors, GbufferRows, LayerSum, LayerTerms, LightLayer, Surfaces};
 
 use crate::gpu_scene::GpuScene;
-use crate::host_scene::arrays;
-use crate::layers::{Layers, Work, factors};
+use crate::host_scene::caster_scene;
+use crate::layers::{LayerWork, Layers, factors};
 use crate::lights::ReadyLight;
 use crate::native_layers::{NativeLayers, NativeTerms};
 use crate::native_map::NativeLight;
 use crate::passes::Passes;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::tile::Tile;
 use crate::{Gpu, RenderError, gpu_structs};
 
@@ -23,9 +23,9 @@ pub(crate) struct NativeTargets {
     /// Of the G-buffer as it was drawn last; `None` until they are asked for.
     surfaces: Option<Surfaces>,
     /// What each light alone adds.
-    layers: Layers<Arc<Layer>, Arc<Sum>>,
+    layers: Layers<Arc<LightLayer>, Arc<LayerSum>>,
     /// What the lights so far add to the sample that is being drawn.
-    added: Sum,
+    sample_sum: LayerSum,
     /// The samples before it: linear RGBA, rows from the top.
     radiance: Vec<[f32; 4]>,
 }
@@ -35,17 +35,17 @@ pub(crate) fn surfaces(
     gpu: &Gpu,
     scene: &GpuScene,
     view: &gpu_structs::View,
-    gbuffer: &Gbuffer,
+    gbuffer: &GbufferRows,
 ) -> Result<Surfaces, RenderError> {
     let fill = &scene.posed.scene.fill;
-    let fill = Fill { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
-    let surfaces = Surfaces::new(gpu.workers(), &arrays(scene, None), (camera(view), fill), gbuffer)?;
-    gpu.stages.ended(Stage::Surfaces);
+    let fill = FillColors { sky: fill.sky.as_vec3().to_array(), ground: fill.ground.as_vec3().to_array() };
+    let surfaces = Surfaces::new(gpu.workers(), &caster_scene(scene, None), (camera(view), fill), gbuffer)?;
+    gpu.stages.record_stage(FrameStage::Surfaces);
     Ok(surfaces)
 }
 
-fn camera(view: &gpu_structs::View) -> Camera {
-    Camera {
+fn camera(view: &gpu_structs::View) -> CameraRays {
+    CameraRays {
         origin: view.ray_origin,
         origin_dx: view.ray_origin_dx,
         origin_dy: view.ray_origin_dy,
@@ -59,24 +59,24 @@ fn camera(view: &gpu_structs::View) -> Camera {
 
 impl NativeTargets {
     /// Of all that it holds but layers, for so many pixels.
-    pub fn most_bytes(size: [u32; 2]) -> u64 {
-        let (blocks, [width, height]) = (Surfaces::most_blocks(size), size.map(u64::from));
-        Surfaces::bytes_of(blocks) + Sum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
+    pub fn max_bytes(size: [u32; 2]) -> u64 {
+        let (blocks, [width, height]) = (Surfaces::max_blocks(size), size.map(u64::from));
+        Surfaces::bytes_of(blocks) + LayerSum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
     }
 
     /// Of what it holds but layers.
     pub fn bytes(&self) -> u64 {
         let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
-        surfaces + Sum::bytes(self.added.block_count()) + size_of_val(&self.radiance[..]) as u64
+        surfaces + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
     }
 
     /// Whether it has what pixels see.
-    pub fn sees(&self) -> bool {
+    pub fn has_surfaces(&self) -> bool {
         self.surfaces.is_some()
     }
 
     /// Takes over what pixels see now.
-    pub fn see(&mut self, surfaces: Surfaces) {
+    pub fn set_surfaces(&mut self, surfaces: Surfaces) {
         self.surfaces = Some(surfaces);
     }
 
@@ -91,11 +91,11 @@ impl NativeTargets {
     pub fn draw_layers(
         &mut self,
         passes: &Passes,
-        work: &mut Work,
+        work: &mut LayerWork,
         lights: &[LightInstance],
         (fill_factor, exposure): (f32, Exposure),
     ) -> Result<Poll<Vec<u8>>, RenderError> {
-        let (gpu, scene, surfaces) = (work.gpu, work.scene, seen(self.surfaces.as_ref()));
+        let (gpu, scene, surfaces) = (work.gpu, work.scene, expect_surfaces(self.surfaces.as_ref()));
         let mut painter = NativeLayers { gpu, passes, scene, surfaces };
         let Poll::Ready(terms) = self.layers.draw((work, &mut painter), lights)? else {
             return Ok(Poll::Pending);
@@ -103,13 +103,18 @@ impl NativeTargets {
         let terms = terms.unwrap_or(NativeTerms::Layers(Vec::new()));
         let shown = (fill_factor, exposure);
         let bytes = terms.with(|terms| relight::display(gpu.workers(), surfaces, terms, shown));
-        gpu.stages.ended(Stage::Display);
+        gpu.stages.record_stage(FrameStage::Display);
         Ok(Poll::Ready(bytes))
     }
 
     /// No light has added anything to the sample that begins.
     pub fn begin_sample(&mut self, gpu: &Gpu) {
-        relight::sum(gpu.workers(), seen(self.surfaces.as_ref()), Terms::Layers(&[]), &mut self.added);
+        relight::sum(
+            gpu.workers(),
+            expect_surfaces(self.surfaces.as_ref()),
+            LayerTerms::Layers(&[]),
+            &mut self.sample_sum,
+        );
     }
 
     /// Adds `light`, which is `ready`, to the sample. It reaches pixels of the picture, of which this is `tile`.
@@ -119,50 +124,57 @@ impl NativeTargets {
         light: &CheckedLight,
         (ready, tile): (&ReadyLight<NativeLight>, Tile),
     ) -> Result<(), RenderError> {
-        let surfaces = seen(self.surfaces.as_ref());
+        let surfaces = expect_surfaces(self.surfaces.as_ref());
         let NativeLight { light: shape, map } = &ready.light;
-        let scene = arrays(scene, ready.linked.as_deref());
-        let pixels = tile.cut(ready.pixels);
+        let scene = caster_scene(scene, ready.linked.as_deref());
+        let pixels = tile.clip(ready.pixels);
         let drawn = (pixels, factors(light));
-        relight::add_light(gpu.workers(), surfaces, &scene, (shape, map.as_deref()), drawn, &mut self.added)?;
-        gpu.stages.ended(Stage::Light);
+        relight::add_light(
+            gpu.workers(),
+            surfaces,
+            &scene,
+            (shape, map.as_deref()),
+            drawn,
+            &mut self.sample_sum,
+        )?;
+        gpu.stages.record_stage(FrameStage::Light);
         gpu.stages.count(|counters| counters.scissor_pixels += u64::from(pixels[2]) * u64::from(pixels[3]));
         Ok(())
     }
 
     /// Has how much of `ready` nothing is in the way of where else radiance is. It reaches pixels of the picture, of which this is
     /// `tile`.
-    pub fn show_visibility(
+    pub fn draw_visibility(
         &mut self,
         (gpu, scene): (&Gpu, &GpuScene),
         (ready, tile): (Option<&ReadyLight<NativeLight>>, Tile),
     ) -> Result<(), RenderError> {
-        let surfaces = seen(self.surfaces.as_ref());
+        let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
         let Some(ready) = ready else {
             self.radiance = vec![[0.0; 4]; width * height];
             return Ok(());
         };
         let NativeLight { light, map } = &ready.light;
-        let scene = arrays(scene, ready.linked.as_deref());
-        let pixels = tile.cut(ready.pixels);
+        let scene = caster_scene(scene, ready.linked.as_deref());
+        let pixels = tile.clip(ready.pixels);
         self.radiance =
             relight::visibility_of(gpu.workers(), surfaces, &scene, (light, map.as_deref()), pixels)?;
-        gpu.stages.ended(Stage::Light);
+        gpu.stages.record_stage(FrameStage::Light);
         Ok(())
     }
 
     /// Adds the sample with its weight, and so much of the fill, to those before it; to nothing if it is the `first`.
     pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, (fill_factor, weight): (f32, f32)) {
-        let surfaces = seen(self.surfaces.as_ref());
+        let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
         if is_first {
             self.radiance.clear();
             self.radiance.resize(width * height, [0.0; 4]);
         }
-        let (terms, added) = ([&self.added], (fill_factor, weight));
-        relight::add_sample(gpu.workers(), surfaces, Terms::Sums(&terms), added, &mut self.radiance);
-        gpu.stages.ended(Stage::Sum);
+        let (terms, added) = ([&self.sample_sum], (fill_factor, weight));
+        relight::add_sample(gpu.workers(), surfaces, LayerTerms::Sums(&terms), added, &mut self.radiance);
+        gpu.stages.record_stage(FrameStage::Sum);
     }
 
     /// What the samples have added up to: linear RGBA, rows from the top.
@@ -171,6 +183,6 @@ impl NativeTargets {
     }
 }
 
-fn seen(surfaces: Option<&Surfaces>) -> &Surfaces {
+fn expect_surfaces(surfaces: Option<&Surfaces>) -> &Surfaces {
     surfaces.expect("whoever lights pixels has had them see")
 }

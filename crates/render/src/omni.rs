@@ -1,7 +1,7 @@
 //! An omni light: its map has the six faces of a cube about it.
 
 use glam::{DAffine3, DMat4, DVec3};
-use light::{LightFilter, MAX_EXTENT, Omni};
+use light::{LightProfile, MAX_EXTENT, Omni};
 use scene::PosedScene;
 
 use crate::camera::columns;
@@ -19,8 +19,8 @@ const NEAR_SHARE: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct GpuOmni {
     pub uniform: gpu_structs::Omni,
-    /// The same as in `uniform`.
-    pub light_filter: LightFilter,
+    /// The same as in `between`.
+    pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
@@ -45,7 +45,7 @@ pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
 }
 
 /// The faces of a light's map over `scene`.
-pub(crate) fn fitted(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings) -> FittedCube {
+pub(crate) fn fit_map(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings) -> FittedCube {
     FittedCube::new(
         light_from_scene(omni, scene.posed.origin_in_world),
         &scene.casters.clusters,
@@ -68,24 +68,24 @@ impl GpuOmni {
         let far = (source.abs() + posed.half_extent).length();
         let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
         let near = (0.99 * fitted.nearest.min(far)).max(least_distance);
-        let view = |face: &CubeFace| face.casts.then(|| face.clip_from_light(near));
+        let view = |face: &CubeFace| face.has_casters.then(|| face.clip_from_light(near));
         let fits = fitted.faces.map(|face| {
             let scale = face.half.recip();
             [face.middle.x, face.middle.y, scale.x, scale.y].map(|x| x as f32)
         });
-        let least_distance = least_distance.max(omni.light_filter.least_distance);
-        let light_filter = LightFilter { least_distance, ..omni.light_filter.clone() };
+        let least_distance = least_distance.max(omni.light_profile.min_distance);
+        let light_profile = LightProfile { min_distance: least_distance, ..omni.light_profile.clone() };
         Self {
             uniform: gpu_structs::Omni {
                 light_from_scene: columns(&DMat4::from(light_from_scene)),
-                light_filter: (&light_filter).into(),
+                light_profile: (&light_profile).into(),
                 range: omni.range.unwrap_or(0.0).min(2.0 * MAX_EXTENT) as f32,
                 shadow_near: near as f32,
                 mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
                 pad0: 0.0,
                 fits,
             },
-            light_filter,
+            light_profile,
             views: MapViews {
                 light_from_scene: light_from_scene.into(),
                 near: Some(near),

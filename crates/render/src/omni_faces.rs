@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 
-use crate::clusters::{Cluster, Clusters, Side};
+use crate::clusters::{ClusterBounds, Clusters, OpenSide};
 
 /// How many there are: +x, -x, +y, -y, +z and -z in the light's axes, as `omni_lookup.wgsl` has them.
 pub(crate) const FACES: usize = 6;
@@ -23,7 +23,7 @@ pub(crate) struct CubeFace {
     /// Half its size.
     pub half: DVec2,
     /// Nothing casts shadows where this is false: it need not be drawn.
-    pub casts: bool,
+    pub has_casters: bool,
 }
 
 /// All faces, fitted to a scene.
@@ -100,7 +100,7 @@ impl Cover {
 impl FittedCube {
     /// Of a light without a map.
     pub fn none() -> Self {
-        let face = |index| CubeFace { index, middle: DVec2::ZERO, half: DVec2::ONE, casts: false };
+        let face = |index| CubeFace { index, middle: DVec2::ZERO, half: DVec2::ONE, has_casters: false };
         Self { faces: std::array::from_fn(face), nearest: f64::INFINITY }
     }
 
@@ -108,10 +108,10 @@ impl FittedCube {
     pub fn new(light_from_scene: DAffine3, clusters: &Clusters, side: f64) -> Self {
         let source = light_from_scene.inverse().translation;
         // What starts inside of a side of the scene's bounds leaves through it for good.
-        let comes_in = |side: &Side| side.height(source) >= 0.0;
+        let comes_in = |side: &OpenSide| side.height(source) >= 0.0;
         // Beyond its edge a face is drawn as far as the filter reaches.
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
-        let in_light = |cluster: &Cluster| {
+        let in_light = |cluster: &ClusterBounds| {
             let m = light_from_scene.matrix3;
             let reach = m.x_axis.abs() * cluster.half.x
                 + m.y_axis.abs() * cluster.half.y
@@ -122,7 +122,7 @@ impl FittedCube {
         let mut nearest = f64::INFINITY;
         let faces = std::array::from_fn(|index| {
             let mut cover = Cover::NOTHING;
-            for tree in clusters.casting(clusters.open_sides(comes_in)) {
+            for tree in clusters.casting_trees(clusters.open_sides(comes_in)) {
                 tree.walk(|cluster, has_more| {
                     let Some(here) = Cover::of(in_light(cluster), index, grown) else { return false };
                     if !has_more {
@@ -139,7 +139,7 @@ impl FittedCube {
             let half = (half.max(DVec2::splat(least)) * grown).min(DVec2::splat(grown));
             // Grown, but no farther than the filter reaches.
             let room = DVec2::splat(grown) - half;
-            CubeFace { index, middle: ((low + high) / 2.0).clamp(-room, room), half, casts }
+            CubeFace { index, middle: ((low + high) / 2.0).clamp(-room, room), half, has_casters: casts }
         });
         Self { faces, nearest }
     }

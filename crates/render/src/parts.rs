@@ -6,7 +6,7 @@ pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
 }
 
 /// Cuts `[x, y, width, height]` into so many bands of rows, as far as there are rows; each with whether it is the last.
-pub(crate) fn in_parts(
+pub(crate) fn row_bands(
     [x, y, width, height]: [u32; 4],
     parts: u32,
 ) -> impl Iterator<Item = ([u32; 4], bool)> {
@@ -25,7 +25,7 @@ mod tests {
     fn parts_are_all_of_a_rectangle_and_no_more() {
         for height in [0, 1, 7, 100] {
             for parts in [1, 3, 7, 1_000] {
-                let all: Vec<_> = in_parts([5, 9, 30, height], parts).collect();
+                let all: Vec<_> = row_bands([5, 9, 30, height], parts).collect();
                 assert_eq!(all.iter().map(|(part, _)| area(*part)).sum::<u64>(), 30 * u64::from(height));
                 let mut next = 9;
                 for ([x, y, width, rows], is_last) in &all {

@@ -29,10 +29,10 @@ pub(crate) struct Passes {
 impl Passes {
     pub fn new(gpu: &Gpu) -> Self {
         let group_layouts = SceneGroupLayouts {
-            view: gpu.layout("view", &[&[UNIFORM][..], &[STORAGE; 8]].concat()),
-            material: gpu.layout("material", &material::BINDINGS),
-            fill: gpu.layout("fill", &[UNIFORM]),
-            links: gpu.layout("links", &linked::BINDINGS),
+            view: gpu.bind_group_layout("view", &[&[UNIFORM][..], &[STORAGE; 8]].concat()),
+            material: gpu.bind_group_layout("material", &material::BINDINGS),
+            fill: gpu.bind_group_layout("fill", &[UNIFORM]),
+            links: gpu.bind_group_layout("links", &linked::BINDINGS),
         };
         let gbuffer = GbufferPass::new(gpu, &group_layouts.view, &group_layouts.material);
         let camera_groups: [&BindGroupLayout; 2] = [&group_layouts.view, &gbuffer.surface_layout];

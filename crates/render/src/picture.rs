@@ -49,7 +49,7 @@ pub enum Pixels {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileNeeds {
     /// What a screen shows: a PNG of the beauty.
-    Shown,
+    Display,
     /// Its values.
     Values,
     /// Both, of one drawing.
@@ -61,7 +61,7 @@ impl FileNeeds {
     pub fn of(aov: Aov, png: Option<Background>, exr: bool) -> Self {
         let is_shown = aov == Aov::Beauty && png == Some(Background::Black);
         match (is_shown, exr) {
-            (true, false) => Self::Shown,
+            (true, false) => Self::Display,
             (true, true) => Self::Both,
             (false, _) => Self::Values,
         }
@@ -113,9 +113,9 @@ impl Picture {
     ) -> Result<Vec<u8>, RenderError> {
         let segments = segments(lights.get(view.light));
         let (color_type, bytes) = match background {
-            Background::Black => (ColorType::Rgb, readable(self, view, segments).into_raw()),
+            Background::Black => (ColorType::Rgb, visualize(self, view, segments).into_raw()),
             Background::Transparent => {
-                let shown = readable(&self.uncovered(view.aov), view, segments);
+                let shown = visualize(&self.without_background(view.aov), view, segments);
                 let with_alpha =
                     shown.pixels().zip(&self.pixels).flat_map(|(Rgb([r, g, b]), [.., alpha])| {
                         [*r, *g, *b, (alpha.clamp(0.0, 1.0) * 255.0).round() as u8]
@@ -127,7 +127,7 @@ impl Picture {
     }
 
     /// The beauty of what is seen alone, where a pixel's edge has some of the black behind it.
-    fn uncovered(&self, aov: Aov) -> Self {
+    fn without_background(&self, aov: Aov) -> Self {
         let mut picture = self.clone();
         if aov == Aov::Beauty {
             for [color @ .., alpha] in picture.pixels.iter_mut().filter(|[.., alpha]| *alpha > 0.0) {
@@ -171,10 +171,12 @@ type Color = [f32; 3];
 /// - beauty: exposed and tone-mapped;
 /// - visibility: as it is;
 /// - wireframe: t's ramp with the edges in white, darker outside the tube.
-fn readable(picture: &Picture, view: &View, segments: usize) -> RgbImage {
-    let exposure = display::factor(view.exposure);
+fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
+    let exposure = display::exposure_factor(view.exposure);
     let color: &dyn Fn(usize, [f32; 4]) -> Color = match view.aov {
-        Aov::Beauty => &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed(c, exposure))),
+        Aov::Beauty => {
+            &|_, [x, y, z, _]| tone_mapped([x, y, z].map(|c| display::exposed_radiance(c, exposure)))
+        }
         Aov::Visibility => &|_, [x, y, z, _]| [x, y, z],
         Aov::Normal | Aov::Direction => &|_, [x, y, z, _]| [x, y, z].map(|c| 0.5 + 0.5 * c),
         Aov::Position => {
@@ -189,12 +191,12 @@ fn readable(picture: &Picture, view: &View, segments: usize) -> RgbImage {
             &move |_, [depth, ..]| [1.0 - 0.9 * (depth - near) / (far - near).max(f32::MIN_POSITIVE); 3]
         }
         Aov::T => &|index, [t, ..]| {
-            let shade = if at_joint(picture, index) { 0.3 } else { 1.0 };
+            let shade = if is_at_joint(picture, index) { 0.3 } else { 1.0 };
             ramp(t / segments as f32).map(|c| c * shade)
         },
-        Aov::Vw => &|_, [v, w, ..]| around(v, w),
+        Aov::Vw => &|_, [v, w, ..]| hue_around(v, w),
         Aov::Wireframe => &|index, [t, edge, ..]| {
-            let shade = if in_tube(picture, index) { 0.7 } else { 0.3 };
+            let shade = if is_in_tube(picture, index) { 0.7 } else { 0.3 };
             ramp(t / segments as f32).map(|c| shade * (c + (1.0 - c) * edge))
         },
     };
@@ -240,7 +242,7 @@ fn range(picture: &Picture, channel: usize) -> (f32, f32) {
 }
 
 /// Whether the pixel to the right or below lies in another segment.
-fn at_joint(picture: &Picture, index: usize) -> bool {
+fn is_at_joint(picture: &Picture, index: usize) -> bool {
     let width = picture.width as usize;
     let here = picture.pixels[index];
     let right = (index % width + 1 < width).then_some(index + 1);
@@ -253,7 +255,7 @@ fn at_joint(picture: &Picture, index: usize) -> bool {
 }
 
 /// Whether a pixel of a drawing of the light's map lies in the tube.
-fn in_tube(picture: &Picture, index: usize) -> bool {
+fn is_in_tube(picture: &Picture, index: usize) -> bool {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let from_middle = |at: usize, size: usize| (2 * at + 1) as f32 - size as f32;
     from_middle(index % width, width).hypot(from_middle(index / width, height)) <= width.min(height) as f32
@@ -270,7 +272,7 @@ fn ramp(x: f32) -> Color {
 }
 
 /// Hue by the angle of (v, w), red along +v; from gray on the curve to full at the tube's edge.
-fn around(v: f32, w: f32) -> Color {
+fn hue_around(v: f32, w: f32) -> Color {
     let (turn, rho) = (w.atan2(v) / std::f32::consts::TAU, v.hypot(w).min(1.0));
     std::array::from_fn(|k| {
         // Each channel is full within a sixth of a turn of its own hue and gone a third away.
@@ -289,9 +291,11 @@ mod tests {
     /// The bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
-        let view =
-            View { aov, ..View::beauty(framing_camera(&scene::pose(Scene::default()).reach(), 1.0), [1, 1]) };
-        readable(&picture, &view, 2).pixels().map(|pixel| pixel.0).collect()
+        let view = View {
+            aov,
+            ..View::beauty(framing_camera(&scene::pose(Scene::default()).bounds(), 1.0), [1, 1])
+        };
+        visualize(&picture, &view, 2).pixels().map(|pixel| pixel.0).collect()
     }
 
     #[test]

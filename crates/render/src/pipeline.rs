@@ -54,7 +54,7 @@ const fn texture(sample_type: TextureSampleType) -> BindingType {
 
 impl Gpu {
     /// A layout whose binding `i` is `bindings[i]`, seen by vertices and fragments.
-    pub(crate) fn layout(&self, label: &str, bindings: &[BindingType]) -> BindGroupLayout {
+    pub(crate) fn bind_group_layout(&self, label: &str, bindings: &[BindingType]) -> BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(bindings)
             .map(|(binding, &ty)| BindGroupLayoutEntry {
@@ -71,7 +71,7 @@ impl Gpu {
     }
 
     /// A group whose binding `i` is `resources[i]`.
-    pub(crate) fn group(
+    pub(crate) fn bind_group(
         &self,
         label: &str,
         layout: &BindGroupLayout,
@@ -97,7 +97,7 @@ impl Gpu {
         })
     }
 
-    pub(crate) fn module(&self, label: &str, wgsl: &str) -> ShaderModule {
+    pub(crate) fn shader_module(&self, label: &str, wgsl: &str) -> ShaderModule {
         #[cfg(feature = "planted-faults")]
         let wgsl = &*self.faulty(wgsl);
         self.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -198,12 +198,12 @@ impl Gpu {
 }
 
 /// Reversed z: what is nearer has more.
-pub(crate) fn nearer_wins() -> wgpu::DepthStencilState {
+pub(crate) fn reversed_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Greater)
 }
 
 /// Of bent shadow maps, whose depth grows along the light.
-pub(crate) fn least_depth_wins() -> wgpu::DepthStencilState {
+pub(crate) fn least_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Less)
 }
 

@@ -6,7 +6,7 @@ use scene::ViewRay;
 use crate::{Aov, Picture, View};
 
 /// What is drawn for a quantity: positions are worked out from depths.
-pub(crate) fn drawn_for(aov: Aov) -> Aov {
+pub(crate) fn rendered_aov(aov: Aov) -> Aov {
     if aov == Aov::Position { Aov::Depth } else { aov }
 }
 

@@ -118,22 +118,22 @@ fn readback_buffer(gpu: &Gpu, size: u64) -> Buffer {
 }
 
 /// The contents of `buffer`, which can be copied from. Waits for everything submitted before.
-pub(crate) fn buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
+pub(crate) fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    let copy = copied(gpu, &mut encoder, buffer);
+    let copy = copy_for_readback(gpu, &mut encoder, buffer);
     gpu.queue.submit([encoder.finish()]);
-    of_copy(gpu, &copy)
+    read_copy(gpu, &copy)
 }
 
-/// Copies `buffer`, for [`of_copy`].
-pub(crate) fn copied(gpu: &Gpu, encoder: &mut CommandEncoder, buffer: &Buffer) -> Buffer {
+/// Copies `buffer`, for [`read_copy`].
+pub(crate) fn copy_for_readback(gpu: &Gpu, encoder: &mut CommandEncoder, buffer: &Buffer) -> Buffer {
     let copy = readback_buffer(gpu, buffer.size());
     encoder.copy_buffer_to_buffer(buffer, 0, &copy, 0, buffer.size());
     copy
 }
 
-/// The contents of what [`copied`] made. Waits for everything submitted before.
-pub(crate) fn of_copy<T: bytemuck::Pod>(gpu: &Gpu, copy: &Buffer) -> Result<Vec<T>, RenderError> {
+/// The contents of what [`copy_for_readback`] made. Waits for everything submitted before.
+pub(crate) fn read_copy<T: bytemuck::Pod>(gpu: &Gpu, copy: &Buffer) -> Result<Vec<T>, RenderError> {
     Ok(bytemuck::pod_collect_to_vec(&map(gpu, copy)?))
 }
 

@@ -12,14 +12,14 @@ use light::{CheckedLight, LightInstance};
 use scene::{PosedScene, Scene};
 use wgpu::Buffer;
 
-use crate::camera::{Raster, sample_offset};
+use crate::camera::{CameraRaster, sample_offset};
 use crate::gpu_scene::{GpuScene, SceneOnDevice};
 use crate::lights::ShadowMaps;
 use crate::pass_runs::{Cause, Pass, PassCounts, PassRun, PassRuns};
 use crate::passes::Passes;
-use crate::pause::{Pause, Piece};
-use crate::stages::{Recording, Stage};
-use crate::targets::{Lit, Targets, Viewers};
+use crate::pause::{DrawnPiece, Pause};
+use crate::stages::{FrameStage, Recording};
+use crate::targets::{LitTargets, Targets, Viewers};
 use crate::tile::Tile;
 use crate::wgpu_maps::WgpuMaps;
 use crate::{
@@ -28,7 +28,7 @@ use crate::{
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
-/// A light that is out of the scene's reach ([`light::Reach`]) is left out of the beauty; a picture of its own is
+/// A light that is out of the scene's reach ([`light::SceneBounds`]) is left out of the beauty; a picture of its own is
 /// refused.
 ///
 /// What a picture shares with the one before is not drawn again: each light's shadow map, and for each
@@ -41,13 +41,13 @@ pub struct Renderer {
     pub(crate) scene: GpuScene,
     viewers: Viewers,
     pub(crate) shadow_maps: ShadowMaps,
-    ran: PassRuns,
+    pass_runs: PassRuns,
 }
 
 impl Renderer {
     /// A renderer of an empty scene.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
-        let passes = gpu.checked(|| Ok(Passes::new(&gpu)))?;
+        let passes = gpu.with_error_scopes(|| Ok(Passes::new(&gpu)))?;
         Self::with(gpu, Arc::new(passes))
     }
 
@@ -58,7 +58,7 @@ impl Renderer {
     }
 
     fn with(gpu: Arc<Gpu>, passes: Arc<Passes>) -> Result<Self, RenderError> {
-        let (view_uniform, scene) = gpu.checked(|| {
+        let (view_uniform, scene) = gpu.with_error_scopes(|| {
             let view_uniform = gpu.uniform_buffer::<gpu_structs::View>("view");
             let (layouts, empty) = (&passes.group_layouts, scene::pose(Scene::default()));
             let uploaded = SceneOnDevice::upload(&gpu, layouts, &empty, 0.0)?;
@@ -66,7 +66,7 @@ impl Renderer {
             Ok((view_uniform, scene))
         })?;
         let (viewers, shadow_maps, ran) = (Viewers::default(), ShadowMaps::new(), PassRuns::default());
-        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, ran })
+        Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, pass_runs: ran })
     }
 
     /// Takes over another scene: its geometry, materials and fill; its cameras and lights are not used. On an error the
@@ -74,7 +74,8 @@ impl Renderer {
     pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
         let mesh_error = self.shadow_maps.shadows().mesh_error;
         let layouts = &self.passes.group_layouts;
-        let uploaded = self.gpu.checked(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
+        let uploaded =
+            self.gpu.with_error_scopes(|| SceneOnDevice::upload(&self.gpu, layouts, scene, mesh_error))?;
         self.share_scene(uploaded)
     }
 
@@ -82,7 +83,7 @@ impl Renderer {
     pub fn share_scene(&mut self, uploaded: SceneOnDevice) -> Result<(), RenderError> {
         let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
         let layouts = &self.passes.group_layouts;
-        self.scene = self.gpu.checked(|| {
+        self.scene = self.gpu.with_error_scopes(|| {
             GpuScene::new(&self.gpu, layouts, &self.view_uniform, uploaded, revision, mesh_error)
         })?;
         Ok(())
@@ -98,7 +99,7 @@ impl Renderer {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
             let simplify = || self.scene.casters_within(&self.gpu, shadows.mesh_error);
-            self.scene.casters = self.gpu.checked(simplify)?.into();
+            self.scene.casters = self.gpu.with_error_scopes(simplify)?.into();
         }
         if self.shadow_maps.set_shadows(shadows) {
             self.viewers = Viewers::default();
@@ -108,35 +109,35 @@ impl Renderer {
 
     /// How often each pass has run.
     pub fn counts(&self) -> PassCounts {
-        self.ran.counts
+        self.pass_runs.counts
     }
 
     /// Which passes the latest picture came to, or the latest turn of one that is drawn in turns, and why.
     pub fn runs(&self) -> &[PassRun] {
-        &self.ran.runs
+        &self.pass_runs.runs
     }
 
     /// Drops what is kept for a viewer, and gives its memory back; a later picture of it starts anew.
-    pub fn forget(&mut self, slot: ViewSlot) {
-        self.viewers.forget(slot);
-        self.shadow_maps.forget(slot);
-        self.gpu.collect();
+    pub fn drop_view(&mut self, slot: ViewSlot) {
+        self.viewers.drop_view(slot);
+        self.shadow_maps.drop_view(slot);
+        self.gpu.free_dropped_memory();
     }
 
     /// Gives back the memory of renderers on this device that have been dropped.
-    pub fn collect(&self) {
-        self.gpu.collect();
+    pub fn free_dropped_memory(&self) {
+        self.gpu.free_dropped_memory();
     }
 
     /// `slot` has no picture any more that needs its lights: their maps stay, but are the first to go where room is
     /// short.
-    pub fn rest(&mut self, slot: ViewSlot) {
-        self.shadow_maps.end(slot);
+    pub fn release_view(&mut self, slot: ViewSlot) {
+        self.shadow_maps.release_view(slot);
     }
 
     /// The raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
-        let aov = position::drawn_for(view.aov);
+        let aov = position::rendered_aov(view.aov);
         let pixels = self.with_whole(view, aov, lights, |renderer, gpu, targets| {
             renderer.read_raw(gpu, targets, (aov, targets.size))
         })?;
@@ -188,14 +189,14 @@ impl Renderer {
         (size, exposure): ([u32; 2], f64),
     ) -> Result<Vec<u8>, RenderError> {
         if gpu.backend() == Backend::Native {
-            return Ok(self.show_natively(gpu, targets, exposure));
+            return Ok(self.display_natively(gpu, targets, exposure));
         }
         let mut encoder = gpu.encoder();
         targets.draw_display(gpu, &mut encoder, &self.passes, (None, exposure));
-        gpu.end_stage(&mut encoder, Stage::Display)?;
+        gpu.end_stage(&mut encoder, FrameStage::Display)?;
         gpu.queue.submit([encoder.finish()]);
-        self.ran.note(Pass::Display, None, Cause::NotKept);
-        read_shown(gpu, targets.lit(gpu, &self.passes), size)
+        self.pass_runs.note(Pass::Display, None, Cause::NotKept);
+        read_display_texture(gpu, targets.lit(gpu, &self.passes), size)
     }
 
     /// Draws all of `aov` of `view` into the targets of its slot, then does `work` with them.
@@ -207,9 +208,9 @@ impl Renderer {
         work: impl FnOnce(&mut Self, &Gpu, &Targets) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         // What cannot be drawn is refused here, before anything that is kept has changed.
-        let drawing = Drawing::new(&View { aov, ..view.clone() }, lights)?;
+        let drawing = CheckedPicture::new(&View { aov, ..view.clone() }, lights)?;
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
-        self.attempt(view.slot, |renderer, gpu| {
+        self.run_or_discard(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
             while !renderer.draw_sample(gpu, &mut targets, &drawing, tile, None)? {}
@@ -226,16 +227,16 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        drawing: &Drawing,
+        drawing: &CheckedPicture,
         tile: Tile,
         pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
         if gpu.backend_of(drawing.view.aov) == Backend::Native {
             return self.draw_sample_natively(gpu, targets, drawing, tile, pause);
         }
-        let Drawing { view, raster, wanted, samples, .. } = drawing;
-        let lights = &self.as_drawn(view.aov, &drawing.lights);
-        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
+        let CheckedPicture { view, raster, light_range: wanted, samples, .. } = drawing;
+        let lights = &self.straightened_lights(view.aov, &drawing.lights);
+        let Self { passes, scene, shadow_maps, pass_runs: ran, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         shadow_maps.begin(view.slot, &lights[wanted.clone()], scene.revision);
         targets.begin(scene.revision, view, tile, lights);
@@ -261,35 +262,36 @@ impl Renderer {
             let onto = (raster, tile);
             if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
                 ran.note(Pass::Gbuffer, None, cause);
-                gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+                gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
             }
         }
         let mut batch = Vec::new();
         let first = wanted.start + targets.lights_drawn.unwrap_or(0);
         for (index, light) in lights.iter().enumerate().take(wanted.end).skip(first) {
-            if view.aov == Aov::Beauty && light.light.light_filter().is_dark() {
+            if view.aov == Aov::Beauty && light.light.light_profile().is_dark() {
                 continue;
             }
             let wanted_light = (light, view.shadow_map);
             let mut maps = WgpuMaps { gpu, passes, scene, encoder: &mut encoder };
-            let ready = match shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), wanted_light) {
-                // Others shine all the same; `light::Reach` tells who asks.
+            let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted_light)
+            {
+                // Others shine all the same; `light::SceneBounds` tells who asks.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
             };
             // It reaches nothing that is seen.
             let Some(ready) = ready else { continue };
-            if let Some(cause) = ready.shadow_drawn {
+            if let Some(cause) = ready.shadow_map_cause {
                 ran.note(Pass::ShadowMap, Some(light.id), cause);
             }
-            let (drawn, passing) = (ready.shadow_drawn.is_some(), ready.passing.is_some());
+            let (drawn, passing) = (ready.shadow_map_cause.is_some(), ready.transient_map.is_some());
             if drawn
                 && !passing
                 && let Some(pause) = pause
             {
                 // The map is kept, and so the light can wait.
-                gpu.finish(&mut encoder)?;
-                if pause(Piece::ShadowMap) {
+                gpu.submit_and_wait(&mut encoder)?;
+                if pause(DrawnPiece::ShadowMap) {
                     // The G-buffer that may have been drawn is known by its key, the light by its map.
                     return Ok(false);
                 }
@@ -306,11 +308,11 @@ impl Renderer {
                     (base, base && clear),
                     &batch,
                 )?;
-                gpu.finish(&mut encoder)?;
+                gpu.submit_and_wait(&mut encoder)?;
                 batch.clear();
                 base = false;
                 targets.lights_drawn = Some(index + 1 - wanted.start);
-                if index + 1 < wanted.end && pause.is_some_and(|pause| pause(Piece::Pixels)) {
+                if index + 1 < wanted.end && pause.is_some_and(|pause| pause(DrawnPiece::Pixels)) {
                     return Ok(false);
                 }
             }
@@ -332,11 +334,13 @@ impl Renderer {
 
     /// The lights as pictures of `aov` have them: a BendyLight that is still straight as the spotlight that it is, but where
     /// places along its curve are shown.
-    fn as_drawn(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
+    fn straightened_lights(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
         let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
-        let reach = self.scene.posed.reach();
+        let reach = self.scene.posed.bounds();
         let straightened = |light: &CheckedLight| {
-            let spot = light.straightened().filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
+            let spot = light
+                .equivalent_spotlight()
+                .filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
             // The curve may reach farther than can be drawn; the spotlight has no end points that could.
             spot.filter(|_| reach.check(light).is_ok()).cloned()
         };
@@ -348,23 +352,23 @@ impl Renderer {
     }
 
     /// Runs `work`; where it fails, nothing that it may have left half done is kept.
-    pub(crate) fn attempt<T>(
+    pub(crate) fn run_or_discard<T>(
         &mut self,
         slot: ViewSlot,
         work: impl FnOnce(&mut Self, &Gpu) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
         let gpu = Arc::clone(&self.gpu);
-        self.ran.runs.clear();
-        let result = gpu.checked(|| work(self, &gpu));
+        self.pass_runs.runs.clear();
+        let result = gpu.with_error_scopes(|| work(self, &gpu));
         match &result {
             Ok(_) => {}
             Err(RenderError::Cancelled) => {
                 // What was half done was taken out for it, and is gone.
-                self.viewers.forget(slot);
-                self.shadow_maps.bent_work.forget();
+                self.viewers.drop_view(slot);
+                self.shadow_maps.bent_buffers.clear_deferred();
             }
             Err(_) => {
-                self.viewers.forget(slot);
+                self.viewers.drop_view(slot);
                 self.shadow_maps.clear();
             }
         }
@@ -373,31 +377,31 @@ impl Renderer {
 }
 
 /// Reads back the corner of what is shown.
-fn read_shown(gpu: &Gpu, lit: &Lit, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
+fn read_display_texture(gpu: &Gpu, lit: &LitTargets, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
     let bytes = readback::read::<[u8; 4]>(gpu, &lit.display, size)?.into_flattened();
-    gpu.stages.ended(Stage::Readback);
+    gpu.stages.record_stage(FrameStage::Readback);
     gpu.stages.count(|counters| counters.bytes += bytes.len() as u64);
     Ok(bytes)
 }
 
 /// A picture to draw, checked.
 #[derive(Clone, Debug)]
-pub(crate) struct Drawing {
+pub(crate) struct CheckedPicture {
     pub view: View,
     pub lights: Vec<LightInstance>,
-    pub raster: Raster,
+    pub raster: CameraRaster,
     /// The lights that it needs.
-    pub wanted: Range<usize>,
+    pub light_range: Range<usize>,
     /// Samples a pixel that it takes.
     pub samples: u32,
 }
 
-impl Drawing {
+impl CheckedPicture {
     pub fn new(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
         Ok(Self {
-            raster: Raster::new(view)?,
-            wanted: wanted_lights(view.aov, view.light, lights.len())?,
-            samples: if view.aov.takes_samples() { view.samples } else { 1 },
+            raster: CameraRaster::new(view)?,
+            light_range: required_lights(view.aov, view.light, lights.len())?,
+            samples: if view.aov.can_be_multisampled() { view.samples } else { 1 },
             view: view.clone(),
             lights: lights.to_vec(),
         })
@@ -405,7 +409,7 @@ impl Drawing {
 }
 
 /// The lights that `aov` needs: all of them, the one it is of, or none.
-fn wanted_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
+fn required_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
     match aov {
         Aov::Beauty => Ok(0..count),
         Aov::Depth | Aov::Normal | Aov::Position => Ok(0..0),

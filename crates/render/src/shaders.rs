@@ -32,7 +32,7 @@ pub(crate) const SPOT: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
-    "filter",
+    "profile",
     "lighting",
     "alpha_test",
     "nearby",
@@ -48,7 +48,7 @@ pub(crate) const OMNI: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
-    "filter",
+    "profile",
     "lighting",
     "alpha_test",
     "nearby",
@@ -63,7 +63,7 @@ pub(crate) const DIRECTIONAL: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
-    "filter",
+    "profile",
     "lighting",
     "alpha_test",
     "nearby",
@@ -78,7 +78,7 @@ pub(crate) const BENDY: &str = wgsl!(
     "surface",
     "fullscreen",
     "brdf",
-    "filter",
+    "profile",
     "lighting",
     "alpha_test",
     "nearby",
@@ -95,7 +95,7 @@ pub(crate) const BENDY: &str = wgsl!(
 );
 /// Locates points in a BendyLight.
 pub(crate) const LOCATE: &str =
-    wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "filter", "tube", "locate");
+    wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "profile", "tube", "locate");
 /// Solves for the nearest points of curves, to be measured.
 pub(crate) const INCREASING_ROOTS: &str = wgsl!("curve", "solve", "increasing_roots");
 /// Maps vertices into a bent shadow map.

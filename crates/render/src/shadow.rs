@@ -5,21 +5,21 @@ use std::ops::Range;
 use glam::DVec3;
 use wgpu::{BindGroup, BindGroupLayout, Buffer, CommandEncoder, RenderPass, RenderPipeline, TextureView};
 
-use crate::casters::Casting;
+use crate::casters::CasterSet;
+use crate::closed_components::TriangleComponent;
 use crate::geometry::Geometry;
 use crate::gpu_scene::GpuScene;
-use crate::in_view::in_view;
-use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, nearer_wins, vertex_buffers};
+use crate::in_view::visible_runs;
+use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, reversed_depth_test, vertex_buffers};
 use crate::shadow_settings::{Culling, MapSize};
-use crate::shells::Shell;
 use crate::{Gpu, RenderError, gpu_structs, shaders};
 
 /// The pipelines, which outlive scenes and lights.
 #[derive(Debug)]
 pub(crate) struct ShadowPass {
-    /// By what surfaces are, as [`Shell`] numbers them: of closed ones only the side that faces the light is drawn.
+    /// By what surfaces are, as [`TriangleComponent`] numbers them: of closed ones only the side that faces the light is drawn.
     opaque: [RenderPipeline; 3],
-    masked: RenderPipeline,
+    alpha_tested: RenderPipeline,
     layout: BindGroupLayout,
 }
 
@@ -33,10 +33,10 @@ pub(crate) struct ShadowMap {
 
 impl ShadowPass {
     pub fn new(gpu: &Gpu, material_layout: &BindGroupLayout) -> Self {
-        let layout = gpu.layout("shadow", &[UNIFORM]);
+        let layout = gpu.bind_group_layout("shadow", &[UNIFORM]);
         let buffers = vertex_buffers();
         let pipeline = |wgsl, groups: &[&BindGroupLayout], vertex, fragment, buffers, cull_mode| {
-            let module = gpu.module("shadow", wgsl);
+            let module = gpu.shader_module("shadow", wgsl);
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(vertex),
                 layout: Some(&gpu.pipeline_layout("shadow", groups)),
@@ -47,7 +47,7 @@ impl ShadowPass {
                     buffers,
                 },
                 primitive: wgpu::PrimitiveState { cull_mode, ..Default::default() },
-                depth_stencil: Some(nearer_wins()),
+                depth_stencil: Some(reversed_depth_test()),
                 multisample: wgpu::MultisampleState::default(),
                 fragment: Option::map(fragment, |entry_point| wgpu::FragmentState {
                     module: &module,
@@ -62,7 +62,7 @@ impl ShadowPass {
         // Both sides of an open surface cast: what light meets does not depend on which side was modelled.
         let opaque = [None, Some(wgpu::Face::Back), Some(wgpu::Face::Front)]
             .map(|culled| pipeline(shaders::SHADOW, &[&layout], "vs_opaque", None, &buffers[..1], culled));
-        let masked = pipeline(
+        let alpha_tested = pipeline(
             shaders::SHADOW_MASKED,
             &[&layout, material_layout],
             "vs_masked",
@@ -70,13 +70,13 @@ impl ShadowPass {
             &buffers,
             None,
         );
-        Self { opaque, masked, layout }
+        Self { opaque, alpha_tested, layout }
     }
 
-    pub fn map(&self, gpu: &Gpu, size: MapSize) -> ShadowMap {
+    pub fn new_map(&self, gpu: &Gpu, size: MapSize) -> ShadowMap {
         let view = |_| {
             let uniform = gpu.uniform_buffer::<gpu_structs::ShadowView>("shadow view");
-            let group = gpu.group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
+            let group = gpu.bind_group("shadow view", &self.layout, &[uniform.as_entire_binding()]);
             (uniform, group)
         };
         ShadowMap { target: gpu.map_target("shadow map", size), views: (0..size.layers).map(view).collect() }
@@ -93,17 +93,17 @@ impl ShadowPass {
         encoder: &mut CommandEncoder,
         into: &ShadowMap,
         (views, source, culling): (&[Option<gpu_structs::ShadowView>], Option<DVec3>, Culling),
-        (scene, casting): (&GpuScene, &Casting),
+        (scene, casting): (&GpuScene, &CasterSet),
     ) -> Result<u64, RenderError> {
         let mut triangles = 0;
-        let parts = scene.parts(gpu, u64::from(into.target.size.side).pow(2));
+        let parts = scene.part_count(gpu, u64::from(into.target.size.side).pow(2));
         for ((layer, (uniform, group)), view) in into.target.layers.iter().zip(&into.views).zip(views) {
             let Some(view) = view else {
                 drop(begin(encoder, layer, group, true));
                 continue;
             };
             gpu.queue.write_buffer(uniform, 0, bytemuck::bytes_of(view));
-            let seen = in_view(casting.casters, &view.clip_from_scene, source, culling);
+            let seen = visible_runs(casting.casters, &view.clip_from_scene, source, culling);
             triangles += seen.iter().map(|(indices, _)| indices.len() as u64 / 3).sum::<u64>();
             let runs = self.runs(&scene.geometry, casting, &seen);
             let all: u32 = runs.iter().map(|run| run.indices.end - run.indices.start).sum();
@@ -124,7 +124,7 @@ impl ShadowPass {
                     indices.start = end;
                     if left == 0 {
                         drop(pass);
-                        gpu.finish(encoder)?;
+                        gpu.submit_and_wait(encoder)?;
                         gpu.yield_point()?;
                         pass = begin(encoder, layer, group, false);
                         run.bind(&mut pass);
@@ -140,13 +140,13 @@ impl ShadowPass {
     fn runs<'a>(
         &'a self,
         geometry: &'a Geometry,
-        casting: &Casting<'a>,
-        seen: &[(Range<u32>, Shell)],
-    ) -> Vec<Run<'a>> {
-        let Casting { casters, masked, .. } = *casting;
-        let opaque = Shell::ALL.into_iter().flat_map(|shell| {
+        casting: &CasterSet<'a>,
+        seen: &[(Range<u32>, TriangleComponent)],
+    ) -> Vec<ShadowRun<'a>> {
+        let CasterSet { casters, alpha_tested: masked, .. } = *casting;
+        let opaque = TriangleComponent::ALL.into_iter().flat_map(|shell| {
             let of_shell = seen.iter().filter(move |(_, own)| *own == shell);
-            of_shell.map(move |(indices, _)| Run {
+            of_shell.map(move |(indices, _)| ShadowRun {
                 pipeline: &self.opaque[shell as usize],
                 material: None,
                 vertices: [Some(&casters.positions), None],
@@ -154,8 +154,8 @@ impl ShadowPass {
                 indices: indices.clone(),
             })
         });
-        let masked = masked.iter().map(|draw| Run {
-            pipeline: &self.masked,
+        let masked = masked.iter().map(|draw| ShadowRun {
+            pipeline: &self.alpha_tested,
             material: Some(&draw.material),
             vertices: [Some(&geometry.positions), Some(&geometry.attributes)],
             index_buffer: &geometry.indices,
@@ -166,7 +166,7 @@ impl ShadowPass {
 }
 
 /// Triangles that are drawn in the same way.
-struct Run<'a> {
+struct ShadowRun<'a> {
     pipeline: &'a RenderPipeline,
     /// Of those with an alpha test.
     material: Option<&'a BindGroup>,
@@ -175,7 +175,7 @@ struct Run<'a> {
     indices: Range<u32>,
 }
 
-impl Run<'_> {
+impl ShadowRun<'_> {
     /// Whether it binds something else.
     fn binds_other_than(&self, other: &Self) -> bool {
         self.material.is_some() || !std::ptr::eq(self.pipeline, other.pipeline)

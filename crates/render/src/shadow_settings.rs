@@ -24,7 +24,7 @@ pub struct ShadowSettings {
     /// Only triangles without an alpha test are simplified, and of those no connected part 833 times as large
     /// and more: single precision does not resolve so little.
     pub mesh_error: f64,
-    /// Whether a BendyLight that is still straight ([`light::CheckedLight::straightened`]) is drawn as the spotlight that
+    /// Whether a BendyLight that is still straight ([`light::CheckedLight::equivalent_spotlight`]) is drawn as the spotlight that
     /// it is: then bending a spotlight changes no pixel, and costs nothing. Its own way is slower, and what it is
     /// compared by: the two share no code.
     pub straighten: bool,

@@ -2,7 +2,7 @@
 //! the other.
 
 use glam::{DAffine3, DMat4, DVec3, DVec4};
-use light::{CheckedLight, Cone, Light, LightFilter, MAX_EXTENT};
+use light::{CheckedLight, Cone, Light, LightProfile, MAX_EXTENT};
 use scene::PosedScene;
 
 use crate::baked_filter::BakedFilter;
@@ -10,7 +10,7 @@ use crate::camera::columns;
 use crate::gpu_scene::GpuScene;
 use crate::map_views::MapViews;
 use crate::shadow_settings::{MapSize, with_filter};
-use crate::spot_faces::{self, Face, FittedFaces};
+use crate::spot_faces::{self, FittedFaces, SpotFace};
 use crate::{ShadowFilter, ShadowSettings, gpu_structs};
 
 /// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end:
@@ -22,14 +22,14 @@ const NEAR_SHARE: f64 = 1e-3;
 #[derive(Clone, Debug)]
 pub(crate) struct GpuSpot {
     pub uniform: gpu_structs::Spot,
-    /// The same as in `uniform`.
-    pub light_filter: LightFilter,
+    /// The same as in `between`.
+    pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
 /// The convex hull of these world positions holds all that a light lights of a scene.
 pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
-    let end = cone.range.unwrap_or_else(|| far(cone, posed));
+    let end = cone.range.unwrap_or_else(|| far_distance(cone, posed));
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
         .map(|(x, y)| DVec3::new(x * cone.tan_outer, y * cone.tan_outer, -1.0) * end);
     let [a, b, c, d] = corners.map(|local| cone.translation + cone.rotation * local);
@@ -37,7 +37,7 @@ pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
 }
 
 /// Farther from a light than this nothing lies in a scene.
-fn far(cone: &Cone, posed: &PosedScene) -> f64 {
+fn far_distance(cone: &Cone, posed: &PosedScene) -> f64 {
     ((cone.translation - posed.origin_in_world).abs() + posed.half_extent).length()
 }
 
@@ -45,32 +45,33 @@ impl GpuSpot {
     /// Places a checked light within reach of a scene, to which its map was fitted.
     pub fn new(cone: &Cone, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedFaces) -> Self {
         let light_from_scene = light_from_scene(cone, scene.posed.origin_in_world);
-        let far = far(cone, &scene.posed);
+        let far = far_distance(cone, &scene.posed);
 
         let FittedFaces { faces, nearest } = fitted;
         let least_distance = (NEAR_SHARE * far).max(f64::MIN_POSITIVE);
         let shadow_near = (0.99 * nearest.min(far)).max(least_distance);
-        let view =
-            |face: &Face| face.casts.then(|| clip_from_face(face, shadow_near) * DMat4::from_mat3(face.axes));
+        let view = |face: &SpotFace| {
+            face.has_casters.then(|| clip_from_face(face, shadow_near) * DMat4::from_mat3(face.axes))
+        };
         let mut fits = [[0.0; 4]; gpu_structs::SPOT_FACES];
-        for (fit, Face { center, half, .. }) in fits.iter_mut().zip(faces) {
+        for (fit, SpotFace { center, half, .. }) in fits.iter_mut().zip(faces) {
             let scale = half.recip();
             *fit = [center.x, center.y, scale.x, scale.y].map(|x| x as f32);
         }
 
-        let least_distance = least_distance.max(cone.light_filter.least_distance);
-        let light_filter = LightFilter { least_distance, ..cone.light_filter.clone() };
+        let least_distance = least_distance.max(cone.light_profile.min_distance);
+        let light_profile = LightProfile { min_distance: least_distance, ..cone.light_profile.clone() };
         Self {
             uniform: gpu_structs::Spot {
                 light_from_scene: columns(&DMat4::from(light_from_scene)),
-                light_filter: (&light_filter).into(),
+                light_profile: (&light_profile).into(),
                 tan_outer: cone.tan_outer as f32,
                 range: cone.range.unwrap_or(0.0).min(2.0 * MAX_EXTENT) as f32,
                 shadow_near: shadow_near as f32,
                 mesh_error: shadows.mesh_error.min(2.0 * MAX_EXTENT) as f32,
                 fits,
             },
-            light_filter,
+            light_profile,
             views: MapViews {
                 light_from_scene: light_from_scene.into(),
                 near: Some(shadow_near),
@@ -81,7 +82,7 @@ impl GpuSpot {
 }
 
 /// The faces of a light's map over `scene`.
-pub(crate) fn fitted(
+pub(crate) fn fit_map(
     (light, cone): (&Light, &Cone),
     scene: &GpuScene,
     shadows: &ShadowSettings,
@@ -100,7 +101,7 @@ fn light_from_scene(cone: &Cone, scene_origin: DVec3) -> DAffine3 {
 }
 
 /// Reversed depth that starts at `near` and has no end.
-fn clip_from_face(face: &Face, near: f64) -> DMat4 {
+fn clip_from_face(face: &SpotFace, near: f64) -> DMat4 {
     let (scale, shift) = (face.half.recip(), -face.center / face.half);
     DMat4::from_cols(
         DVec4::X * scale.x,
@@ -121,27 +122,27 @@ pub(crate) struct BakedSpot {
     filter: ShadowFilter,
     /// Whether its map has the faces of a cube.
     cube: bool,
-    light_filter: BakedFilter,
+    light_profile: BakedFilter,
 }
 
 impl BakedSpot {
     pub fn of(light: &CheckedLight, filter: ShadowFilter) -> Self {
         let cube = spot_faces::face_count(light.light()) > 1;
-        Self { filter, cube, light_filter: BakedFilter::of(light.light_filter()) }
+        Self { filter, cube, light_profile: BakedFilter::of(light.light_profile()) }
     }
 
     /// Every value.
     #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Self> {
         let [plain, others @ ..] = BakedFilter::samples();
-        let with = move |filter| [false, true].map(move |cube| Self { filter, cube, light_filter: plain });
-        let other = |light_filter| Self { filter: ShadowFilter::Nearest, cube: false, light_filter };
+        let with = move |filter| [false, true].map(move |cube| Self { filter, cube, light_profile: plain });
+        let other = |light_profile| Self { filter: ShadowFilter::Nearest, cube: false, light_profile };
         ShadowFilter::ALL.into_iter().flat_map(with).chain(others.map(other))
     }
 
     /// `wgsl` with its constants.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { filter, cube, light_filter } = self;
-        format!("const SHADOW_CUBE = {cube};\n{}", light_filter.into_wgsl(&with_filter(filter, wgsl)))
+        let Self { filter, cube, light_profile } = self;
+        format!("const SHADOW_CUBE = {cube};\n{}", light_profile.into_wgsl(&with_filter(filter, wgsl)))
     }
 }

@@ -4,11 +4,11 @@ use glam::{DAffine3, DMat3, DVec2, DVec3};
 use light::Light;
 use light::parameters::CONE_ANGLE;
 
-use crate::clusters::{Clusters, Side};
+use crate::clusters::{Clusters, OpenSide};
 
 /// Largest half angle, in degrees, that one face holds. On a wider one the texels at its middle, where they are
 /// widest as angles, would be wider than those of the faces of a cube at half the resolution.
-const WIDEST_FACE: f64 = 60.0;
+const MAX_FACE_HALF_ANGLE_DEGREES: f64 = 60.0;
 /// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
 const MARGIN_TEXELS: f64 = 2.0;
 /// A face is fitted to no less than this share of it, and neither way to less than a quarter of the other way: finer
@@ -29,12 +29,12 @@ const CUBE: [DMat3; 5] = [
 
 /// How many faces a light's map has.
 pub(crate) fn face_count(light: &Light) -> usize {
-    if light.get(CONE_ANGLE) > WIDEST_FACE { CUBE.len() } else { 1 }
+    if light.get(CONE_ANGLE) > MAX_FACE_HALF_ANGLE_DEGREES { CUBE.len() } else { 1 }
 }
 
 /// A face of a map: what of it is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Face {
+pub(crate) struct SpotFace {
     /// From light space to (x, y, depth).
     pub axes: DMat3,
     /// Middle of what is drawn, as x / depth and y / depth.
@@ -42,13 +42,13 @@ pub(crate) struct Face {
     /// Half its size.
     pub half: DVec2,
     /// Nothing casts shadows where this is false: it need not be drawn.
-    pub casts: bool,
+    pub has_casters: bool,
 }
 
 /// The faces of a light's map, fitted to a scene.
 #[derive(Clone, Debug)]
 pub(crate) struct FittedFaces {
-    pub faces: Vec<Face>,
+    pub faces: Vec<SpotFace>,
     /// The least depth of what may cast shadows; infinity where nothing does.
     pub nearest: f64,
 }
@@ -64,7 +64,7 @@ impl FittedFaces {
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
         // Straight light that starts inside does not come back.
         let source = light_from_scene.inverse().translation;
-        let comes_in = |side: &Side| side.height(source) >= 0.0;
+        let comes_in = |side: &OpenSide| side.height(source) >= 0.0;
         let mut nearest = f64::INFINITY;
         let mut face = |index: usize, axes: DMat3| {
             let (low, high) = match (index, face_count(light)) {
@@ -74,17 +74,17 @@ impl FittedFaces {
                 _ => (DVec2::new(-1.0, tan_outer.recip()), DVec2::ONE),
             };
             let (middle, widest) = ((low + high) / 2.0, (high - low) / 2.0 * grown);
-            let mut bounds = Bounds::EMPTY;
-            for tree in clusters.casting(clusters.open_sides(comes_in)) {
+            let mut bounds = SpotFaceCover::EMPTY;
+            for tree in clusters.casting_trees(clusters.open_sides(comes_in)) {
                 tree.walk(|cluster, has_more| {
                     let corners = cluster.corners().map(|p| axes * light_from_scene.transform_point3(p));
-                    let Some(here) = Bounds::of(&corners, middle - widest, middle + widest) else {
+                    let Some(here) = SpotFaceCover::of(&corners, middle - widest, middle + widest) else {
                         return false;
                     };
                     if !has_more {
                         bounds.extend(&here);
                     }
-                    has_more && !bounds.hold(&here)
+                    has_more && !bounds.contains(&here)
                 });
             }
             nearest = nearest.min(bounds.depth);
@@ -96,7 +96,7 @@ impl FittedFaces {
             // Grown, but no farther than the filter reaches beyond the face.
             let room = widest - half;
             let center = ((low + high) / 2.0).clamp(middle - room, middle + room);
-            Face { axes, center, half, casts }
+            SpotFace { axes, center, half, has_casters: casts }
         };
         let faces =
             CUBE.into_iter().take(face_count(light)).enumerate().map(|(k, axes)| face(k, axes)).collect();
@@ -106,14 +106,14 @@ impl FittedFaces {
 
 /// What of a face boxes cover.
 #[derive(Clone, Copy, Debug)]
-struct Bounds {
+struct SpotFaceCover {
     low: DVec2,
     high: DVec2,
     /// The least depth.
     depth: f64,
 }
 
-impl Bounds {
+impl SpotFaceCover {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
 
     /// Those of a box with these corners in the face's (x, y, depth), from the slopes `least` to `most`; `None` where
@@ -144,7 +144,7 @@ impl Bounds {
         low.cmple(high).all().then_some(Self { low, high, depth: depth.max(0.0) })
     }
 
-    fn hold(&self, other: &Self) -> bool {
+    fn contains(&self, other: &Self) -> bool {
         self.low.cmple(other.low).all() && self.high.cmpge(other.high).all() && self.depth <= other.depth
     }
 

@@ -9,7 +9,7 @@ use rustix::time::{ClockId, clock_gettime};
 
 /// A part of a frame that is encoded, or waited for, by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum FrameStage {
     /// What each pixel sees.
     Gbuffer,
     /// That read back, and made ready to be lit by the processor where it draws.
@@ -38,7 +38,7 @@ pub enum Stage {
     Readback,
 }
 
-impl Stage {
+impl FrameStage {
     /// Every stage, in the order of a frame.
     pub const ALL: [Self; 13] = [
         Self::Gbuffer,
@@ -78,14 +78,14 @@ impl Stage {
 
 /// What some work took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Cost {
+pub struct StageCost {
     /// Milliseconds that passed.
     pub wall_ms: f64,
     /// Milliseconds of the whole process on all cores: with a driver that draws on the processor, its threads too.
     pub cpu_ms: f64,
 }
 
-impl AddAssign for Cost {
+impl AddAssign for StageCost {
     fn add_assign(&mut self, other: Self) {
         self.wall_ms += other.wall_ms;
         self.cpu_ms += other.cpu_ms;
@@ -106,10 +106,11 @@ impl Stopwatch {
     }
 
     /// What the lap took that ends here; the next begins.
-    pub fn lap(&mut self) -> Cost {
+    pub fn lap(&mut self) -> StageCost {
         let now = Self::start();
         let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
-        let cost = Cost { wall_ms: ms(now.wall - self.wall), cpu_ms: ms(now.cpu.saturating_sub(self.cpu)) };
+        let cost =
+            StageCost { wall_ms: ms(now.wall - self.wall), cpu_ms: ms(now.cpu.saturating_sub(self.cpu)) };
         *self = now;
         cost
     }
@@ -123,7 +124,7 @@ fn process_time() -> Duration {
 
 /// How much was worked on in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Counters {
+pub struct WorkCounters {
     /// Triangles that were looked at for shadow maps, once a map; of an omni light's or a very wide spotlight's, once a face.
     pub triangles_seen: u64,
     /// Pairs of a triangle and a slab of a tube that were clipped, and split where that was not enough.
@@ -141,32 +142,32 @@ pub struct Counters {
 /// A frame that was drawn stage by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Recording {
-    runs: [u64; Stage::ALL.len()],
-    costs: [Cost; Stage::ALL.len()],
+    runs: [u64; FrameStage::ALL.len()],
+    costs: [StageCost; FrameStage::ALL.len()],
     /// How much was worked on.
-    pub counters: Counters,
+    pub counters: WorkCounters,
 }
 
 impl Recording {
     /// How often a stage ran.
-    pub fn runs(&self, stage: Stage) -> u64 {
+    pub fn runs(&self, stage: FrameStage) -> u64 {
         self.runs[stage as usize]
     }
 
     /// What all its runs took together. One begins where the stage before has ended, so that what the processor does
     /// between two stages counts to the second.
-    pub fn cost(&self, stage: Stage) -> Cost {
+    pub fn cost(&self, stage: FrameStage) -> StageCost {
         self.costs[stage as usize]
     }
 }
 
 /// Takes down the stages of what threads draw on a device, of each that asked for it by itself.
 #[derive(Debug, Default)]
-pub(crate) struct StageRecorder(Mutex<Vec<Running>>);
+pub(crate) struct StageRecorder(Mutex<Vec<ThreadRecording>>);
 
 /// A recording that goes on.
 #[derive(Debug)]
-struct Running {
+struct ThreadRecording {
     thread: ThreadId,
     recording: Recording,
     watch: Stopwatch,
@@ -176,7 +177,7 @@ impl StageRecorder {
     /// On from here, for this thread.
     pub fn start(&self) {
         let (thread, recording) = (thread::current().id(), Recording::default());
-        self.lock().push(Running { thread, recording, watch: Stopwatch::start() });
+        self.lock().push(ThreadRecording { thread, recording, watch: Stopwatch::start() });
     }
 
     /// Off from here; what was taken down.
@@ -187,29 +188,29 @@ impl StageRecorder {
     }
 
     /// Whether stages of this thread are taken down, and so submitted one by one.
-    pub fn is_on(&self) -> bool {
+    pub fn is_recording(&self) -> bool {
         self.with_own(|_| ()).is_some()
     }
 
     /// Takes down that a stage has ended, which was waited for.
-    pub fn ended(&self, stage: Stage) {
-        self.with_own(|Running { recording, watch, .. }| {
+    pub fn record_stage(&self, stage: FrameStage) {
+        self.with_own(|ThreadRecording { recording, watch, .. }| {
             recording.runs[stage as usize] += 1;
             recording.costs[stage as usize] += watch.lap();
         });
     }
 
     /// Counts what a stage has worked on.
-    pub fn count(&self, add: impl FnOnce(&mut Counters)) {
+    pub fn count(&self, add: impl FnOnce(&mut WorkCounters)) {
         self.with_own(|running| add(&mut running.recording.counters));
     }
 
-    fn with_own<T>(&self, work: impl FnOnce(&mut Running) -> T) -> Option<T> {
+    fn with_own<T>(&self, work: impl FnOnce(&mut ThreadRecording) -> T) -> Option<T> {
         let thread = thread::current().id();
         self.lock().iter_mut().find(|running| running.thread == thread).map(work)
     }
 
-    fn lock(&self) -> MutexGuard<'_, Vec<Running>> {
+    fn lock(&self) -> MutexGuard<'_, Vec<ThreadRecording>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -227,12 +228,12 @@ mod tests {
             recorder.start();
             together.wait();
             for _ in 0..bytes {
-                recorder.ended(Stage::Readback);
+                recorder.record_stage(FrameStage::Readback);
                 recorder.count(|counters| counters.bytes += 1);
             }
             together.wait();
             let recording = recorder.stop();
-            (recording.runs(Stage::Readback), recording.counters.bytes, recorder.is_on())
+            (recording.runs(FrameStage::Readback), recording.counters.bytes, recorder.is_recording())
         };
         let [three, five] = thread::scope(|scope| {
             [3, 5]
@@ -241,7 +242,7 @@ mod tests {
         });
         assert_eq!((three, five), ((3, 3, false), (5, 5, false)));
         // Nobody records.
-        recorder.ended(Stage::Readback);
+        recorder.record_stage(FrameStage::Readback);
         assert_eq!(recorder.stop(), Recording::default());
     }
 }

@@ -4,16 +4,16 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use light::{CheckedLight, Cone, LightFilter, Omni, Parallel, Rays};
+use light::{CheckedLight, Cone, LightProfile, LightRays, Omni, Parallel};
 use scene::PosedScene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, CommandEncoder, Sampler};
 
 use crate::baked_filter::BakedFilter;
-use crate::directional::{self, FittedMap, GpuDirectional};
+use crate::directional::{self, DirectionalMapFit, GpuDirectional};
 use crate::gpu_scene::{GpuScene, SceneGroupLayouts};
-use crate::lighting::{LightingPass, Variants};
-use crate::linked::{Linked, casting};
+use crate::lighting::{LightingPass, PassVariants};
+use crate::linked::{LinkedCasters, caster_set};
 use crate::map_key::MapKey;
 use crate::map_views::MapViews;
 use crate::omni::{self, GpuOmni};
@@ -23,7 +23,7 @@ use crate::shadow::{ShadowMap, ShadowPass};
 use crate::shadow_settings::{MapSize, with_filter};
 use crate::spot::{self, BakedSpot, GpuSpot};
 use crate::spot_faces::FittedFaces;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, shaders};
 
 /// Group 2 of their lighting passes; see `spot.wgsl`.
@@ -31,7 +31,7 @@ const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
 /// A checked light whose rays are straight.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Straight<'a> {
+pub(crate) enum StraightLight<'a> {
     Spot(&'a CheckedLight, &'a Cone),
     Omni(&'a Omni),
     Directional(&'a Parallel),
@@ -50,7 +50,7 @@ pub(crate) enum BakedStraight {
 pub(crate) enum Fitted {
     Spot(FittedFaces),
     Omni(Box<FittedCube>),
-    Directional(FittedMap),
+    Directional(DirectionalMapFit),
 }
 
 /// A light in place: its numbers for one scene.
@@ -87,14 +87,14 @@ pub(crate) struct ReadyStraight {
     pub drawn: bool,
 }
 
-impl<'a> Straight<'a> {
+impl<'a> StraightLight<'a> {
     /// The light, unless its rays are bent.
     pub fn of(light: &'a CheckedLight) -> Option<Self> {
         match light.rays() {
-            Rays::Cone(cone) => Some(Self::Spot(light, cone)),
-            Rays::Omni(omni) => Some(Self::Omni(omni)),
-            Rays::Parallel(parallel) => Some(Self::Directional(parallel)),
-            Rays::Bent(_) => None,
+            LightRays::Cone(cone) => Some(Self::Spot(light, cone)),
+            LightRays::Omni(omni) => Some(Self::Omni(omni)),
+            LightRays::Parallel(parallel) => Some(Self::Directional(parallel)),
+            LightRays::Bent(_) => None,
         }
     }
 
@@ -111,19 +111,19 @@ impl<'a> Straight<'a> {
     pub fn baked(self, filter: ShadowFilter) -> BakedStraight {
         match self {
             Self::Spot(light, _) => BakedStraight::Spot(BakedSpot::of(light, filter)),
-            Self::Omni(omni) => BakedStraight::Omni(filter, BakedFilter::of(&omni.light_filter)),
+            Self::Omni(omni) => BakedStraight::Omni(filter, BakedFilter::of(&omni.light_profile)),
             Self::Directional(parallel) => {
-                BakedStraight::Directional(filter, BakedFilter::of(&parallel.light_filter))
+                BakedStraight::Directional(filter, BakedFilter::of(&parallel.light_profile))
             }
         }
     }
 
     /// What becomes of its light on the way.
-    pub fn light_filter(self) -> &'a LightFilter {
+    pub fn light_profile(self) -> &'a LightProfile {
         match self {
-            Self::Spot(_, cone) => &cone.light_filter,
-            Self::Omni(omni) => &omni.light_filter,
-            Self::Directional(parallel) => &parallel.light_filter,
+            Self::Spot(_, cone) => &cone.light_profile,
+            Self::Omni(omni) => &omni.light_profile,
+            Self::Directional(parallel) => &parallel.light_profile,
         }
     }
 
@@ -146,19 +146,19 @@ impl<'a> Straight<'a> {
     }
 
     /// How its map is fitted to a scene; as if to nothing where it has none.
-    pub fn fitted(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
-        let shadowed = self.light_filter().shadow_enable;
+    pub fn fit_map(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
+        let shadowed = self.light_profile().shadow_enable;
         match self {
             Self::Spot(light, cone) if shadowed => {
-                Fitted::Spot(spot::fitted((light.light(), cone), scene, shadows))
+                Fitted::Spot(spot::fit_map((light.light(), cone), scene, shadows))
             }
             Self::Spot(..) => Fitted::Spot(FittedFaces::NONE),
-            Self::Omni(omni) if shadowed => Fitted::Omni(Box::new(omni::fitted(omni, scene, shadows))),
+            Self::Omni(omni) if shadowed => Fitted::Omni(Box::new(omni::fit_map(omni, scene, shadows))),
             Self::Omni(_) => Fitted::Omni(Box::new(FittedCube::none())),
             Self::Directional(parallel) if shadowed => {
-                Fitted::Directional(directional::fitted(parallel, scene, shadows))
+                Fitted::Directional(directional::fit_map(parallel, scene, shadows))
             }
-            Self::Directional(_) => Fitted::Directional(FittedMap::NONE),
+            Self::Directional(_) => Fitted::Directional(DirectionalMapFit::NONE),
         }
     }
 
@@ -205,7 +205,7 @@ impl BakedStraight {
 #[derive(Debug)]
 pub(crate) struct StraightPass {
     shadow: ShadowPass,
-    lighting: Variants<BakedStraight>,
+    lighting: PassVariants<BakedStraight>,
     /// Of the view and the surface, the light's own, and that of links.
     group_layouts: [BindGroupLayout; 4],
     sampler: Sampler,
@@ -231,7 +231,7 @@ impl StraightSlot {
     }
 
     /// What its map shows.
-    pub fn shows(&self) -> Option<MapKey> {
+    pub fn map_key(&self) -> Option<MapKey> {
         self.shown.as_ref().map(|(key, _)| *key)
     }
 }
@@ -239,10 +239,10 @@ impl StraightSlot {
 impl StraightPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], scene: &SceneGroupLayouts) -> Self {
-        let ([view, surface], own) = (camera_groups, gpu.layout("straight light", &BINDINGS));
+        let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("straight light", &BINDINGS));
         Self {
             shadow: ShadowPass::new(gpu, &scene.material),
-            lighting: Variants::new(),
+            lighting: PassVariants::new(),
             group_layouts: [view.clone(), surface.clone(), own, scene.links.clone()],
             sampler: gpu
                 .device
@@ -259,7 +259,7 @@ impl StraightPass {
     }
 
     pub fn slot(&self, gpu: &Gpu, size: MapSize) -> StraightSlot {
-        StraightSlot { map: self.shadow.map(gpu, size), shown: None }
+        StraightSlot { map: self.shadow.new_map(gpu, size), shown: None }
     }
 
     /// Brings `slot` up to date with `light` over `scene`, its shadows thrown by what `linked` leaves.
@@ -268,12 +268,12 @@ impl StraightPass {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         slot: &mut StraightSlot,
-        (key, light): (MapKey, Straight),
-        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+        (key, light): (MapKey, StraightLight),
+        (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
     ) -> Result<ReadyStraight, RenderError> {
         let kept = slot.shown.take().filter(|(kept, _)| *kept == key);
-        let drawn = kept.is_none() && light.light_filter().shadow_enable;
-        let (_, fitted) = kept.unwrap_or_else(|| (key, light.fitted(scene, shadows)));
+        let drawn = kept.is_none() && light.light_profile().shadow_enable;
+        let (_, fitted) = kept.unwrap_or_else(|| (key, light.fit_map(scene, shadows)));
         let placed = light.placed(&fitted, scene, shadows);
         let uniform = gpu.device.create_buffer_init(&BufferInitDescriptor {
             label: Some("straight light"),
@@ -286,15 +286,15 @@ impl StraightPass {
             BindingResource::Sampler(&self.sampler),
         ];
         // One a picture: lights that share a map have colours of their own.
-        let group = gpu.group("straight light", &self.group_layouts[2], &resources);
+        let group = gpu.bind_group("straight light", &self.group_layouts[2], &resources);
         if drawn {
-            let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+            let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
             let what = (scene, &casting);
             let source = light.source_in_world().map(|source| source - scene.posed.origin_in_world);
             let views = placed.views().shadow_views();
             let views = (&views[..], source, shadows.culling);
             let triangles = self.shadow.draw(gpu, encoder, &slot.map, views, what)?;
-            gpu.end_stage(encoder, Stage::Draw)?;
+            gpu.end_stage(encoder, FrameStage::Draw)?;
             let MapSize { side, layers } = slot.map.target.size;
             gpu.stages.count(|counters| {
                 counters.triangles_seen += triangles;

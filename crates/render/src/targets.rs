@@ -4,32 +4,32 @@ use std::sync::OnceLock;
 use std::task::Poll;
 
 use glam::DVec2;
-use light::{Digest, LightId, LightInstance};
+use light::{LightDigest, LightId, LightInstance};
 use wgpu::{CommandEncoder, Texture, TextureView, TextureViewDescriptor};
 
-use crate::camera::Raster;
-use crate::composite::Terms;
-use crate::display::Exposed;
-use crate::gbuffer::{self, Gbuffer, GbufferKey, GbufferTexels};
+use crate::camera::CameraRaster;
+use crate::composite::GpuTerms;
+use crate::display::ExposedRadiance;
+use crate::gbuffer::{self, GbufferKey, GbufferTexels, GbufferTextures};
 use crate::gpu_scene::GpuScene;
-use crate::layers::{Layers, Work};
+use crate::layers::{LayerWork, Layers};
 use crate::lights::ReadyLight;
 use crate::memory::{Evictable, MemoryKind};
 use crate::native_targets::{self, NativeTargets};
-use crate::parts::{area, in_parts};
+use crate::parts::{area, row_bands};
 use crate::pass_runs::Cause;
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::tile::Tile;
 use crate::wgpu_layers::WgpuLayers;
 use crate::wgpu_maps::WgpuLight;
 use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs, lighting};
 
 /// Bytes a pixel of radiance and of what a screen shows of it.
-const LIT_BYTES_A_PIXEL: u64 = 16 + 4;
+const LIT_BYTES_PER_PIXEL: u64 = 16 + 4;
 /// Bytes a pixel of targets that the device lights.
-const BYTES_A_PIXEL: u64 = gbuffer::BYTES_A_PIXEL + LIT_BYTES_A_PIXEL;
+const BYTES_PER_PIXEL: u64 = gbuffer::BYTES_PER_PIXEL + LIT_BYTES_PER_PIXEL;
 
 /// The targets of every viewer.
 #[derive(Debug, Default)]
@@ -40,7 +40,7 @@ pub(crate) struct Viewers(Vec<(ViewSlot, Evictable<Targets>)>);
 pub(crate) struct Targets {
     /// Width and height in pixels, of the tile where there is one.
     pub size: [u32; 2],
-    gbuffer: Gbuffer,
+    gbuffer: GbufferTextures,
     /// What the G-buffer shows.
     gbuffer_key: Option<GbufferKey>,
     /// The same in memory, of what it was when it was last asked for.
@@ -50,9 +50,9 @@ pub(crate) struct Targets {
     /// What the processor lights.
     pub native: NativeTargets,
     /// Made when the device first lights something.
-    lit: OnceLock<Lit>,
+    lit: OnceLock<LitTargets>,
     /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
-    shown: Option<(u64, View, Tile, Vec<Shown>)>,
+    radiance_key: Option<(u64, View, Tile, Vec<LightRevision>)>,
     /// Samples a pixel of it that have been added up.
     pub samples_drawn: u32,
     /// How many of the lights the sample after those has; `None` before it has anything.
@@ -61,16 +61,16 @@ pub(crate) struct Targets {
 
 /// What the device lights.
 #[derive(Debug)]
-pub(crate) struct Lit {
+pub(crate) struct LitTargets {
     pub radiance: Texture,
     pub radiance_view: TextureView,
-    exposed: Exposed,
+    exposed: ExposedRadiance,
     pub display: Texture,
     display_view: TextureView,
 }
 
 /// A light and its revision of what pictures depend on.
-type Shown = (LightId, Digest);
+type LightRevision = (LightId, LightDigest);
 
 impl Viewers {
     /// The targets of the viewer of `view`, as it left them if the size is still the same. They are the caller's
@@ -82,13 +82,13 @@ impl Viewers {
             let what = "the picture's width or height";
             return Err(RenderError::TooLarge { what, size: f64::from(side), limit: f64::from(limit) });
         }
-        self.0.retain(|(_, targets)| targets.is_there());
+        self.0.retain(|(_, targets)| targets.is_present());
         let size = [view.width, view.height];
         let kept = self.0.iter().find(|(slot, _)| *slot == view.slot).and_then(|(_, kept)| kept.take());
         if let Some(targets) = kept.filter(|targets| targets.size == size) {
             return Ok(targets);
         }
-        self.forget(view.slot);
+        self.drop_view(view.slot);
         gpu.make_room(bytes_of(gpu.backend_of(view.aov), size));
         Ok(Targets::new(gpu, passes, size))
     }
@@ -115,7 +115,7 @@ impl Viewers {
     }
 
     /// Drops the targets of a viewer.
-    pub fn forget(&mut self, slot: ViewSlot) {
+    pub fn drop_view(&mut self, slot: ViewSlot) {
         self.0.retain(|(kept, _)| *kept != slot);
     }
 }
@@ -123,10 +123,10 @@ impl Viewers {
 /// Bytes of targets of `size` pixels at most, lit by `backend`; without layers.
 pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
     match backend {
-        Backend::Wgpu => pixels(size) * BYTES_A_PIXEL,
+        Backend::Wgpu => pixels(size) * BYTES_PER_PIXEL,
         Backend::Native => {
-            let device = pixels(size) * gbuffer::BYTES_A_PIXEL;
-            device + GbufferTexels::bytes_of(size) + NativeTargets::most_bytes(size)
+            let device = pixels(size) * gbuffer::BYTES_PER_PIXEL;
+            device + GbufferTexels::bytes_of(size) + NativeTargets::max_bytes(size)
         }
     }
 }
@@ -135,13 +135,13 @@ fn pixels([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-impl Lit {
+impl LitTargets {
     fn new(gpu: &Gpu, passes: &Passes, [width, height]: [u32; 2]) -> Self {
         let radiance = gpu.target("radiance", width, height, lighting::FORMAT);
         let radiance_view = radiance.create_view(&TextureViewDescriptor::default());
         let display = gpu.target("display", width, height, display::FORMAT);
         Self {
-            exposed: passes.display.exposed(gpu, &radiance_view),
+            exposed: passes.display.bind_radiance(gpu, &radiance_view),
             radiance,
             radiance_view,
             display_view: display.create_view(&TextureViewDescriptor::default()),
@@ -161,7 +161,7 @@ impl Targets {
             layers: Layers::default(),
             native: NativeTargets::default(),
             lit: OnceLock::new(),
-            shown: None,
+            radiance_key: None,
             samples_drawn: 0,
             lights_drawn: None,
         }
@@ -169,14 +169,14 @@ impl Targets {
 
     /// Of its textures, of what of them is in memory, and of what the processor made of that; without layers.
     fn bytes(&self) -> u64 {
-        let lit = if self.lit.get().is_some() { LIT_BYTES_A_PIXEL } else { 0 };
-        let device = pixels(self.size) * (gbuffer::BYTES_A_PIXEL + lit);
+        let lit = if self.lit.get().is_some() { LIT_BYTES_PER_PIXEL } else { 0 };
+        let device = pixels(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);
         device + self.texels.1.bytes() + self.native.bytes()
     }
 
     /// What the device lights.
-    pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &Lit {
-        self.lit.get_or_init(|| Lit::new(gpu, passes, self.size))
+    pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &LitTargets {
+        self.lit.get_or_init(|| LitTargets::new(gpu, passes, self.size))
     }
 
     /// The G-buffer in memory, read back unless it is there as it was drawn last. What draws it has to be submitted.
@@ -195,8 +195,8 @@ impl Targets {
         let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().picture));
         // Radiance knows no exposure: a view that differs in it alone is only shown anew.
         let shown = Some((revision, View { exposure: 0.0, ..view.clone() }, tile, shown.collect()));
-        if self.shown != shown {
-            self.shown = shown;
+        if self.radiance_key != shown {
+            self.radiance_key = shown;
             (self.samples_drawn, self.lights_drawn) = (0, None);
         }
     }
@@ -207,7 +207,7 @@ impl Targets {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         (passes, scene): (&Passes, &GpuScene),
-        (raster, tile): (&Raster, Tile),
+        (raster, tile): (&CameraRaster, Tile),
         sample_offset: DVec2,
     ) -> Result<Option<Cause>, RenderError> {
         let size = [raster.width, raster.height];
@@ -234,7 +234,7 @@ impl Targets {
 
     /// Draws everything anew when it is next asked for.
     pub fn invalidate(&mut self) {
-        (self.gbuffer_key, self.texels.0, self.shown) = (None, None, None);
+        (self.gbuffer_key, self.texels.0, self.radiance_key) = (None, None, None);
         self.layers.invalidate();
         self.native.invalidate();
     }
@@ -250,24 +250,26 @@ impl Targets {
         lights: &[ReadyLight<WgpuLight>],
     ) -> Result<(), RenderError> {
         let (_, scene) = what;
-        let drawn: Vec<_> = lights.iter().map(|light| (light, onto.1.cut(light.pixels))).collect();
-        if !gpu.stages.is_on() && drawn.iter().all(|(_, pixels)| scene.parts(gpu, area(*pixels)) == 1) {
+        let drawn: Vec<_> = lights.iter().map(|light| (light, onto.1.clip(light.pixels))).collect();
+        if !gpu.stages.is_recording()
+            && drawn.iter().all(|(_, pixels)| scene.part_count(gpu, area(*pixels)) == 1)
+        {
             self.draw_lights(gpu, encoder, what, onto, (base, clear), &drawn);
             return Ok(());
         }
         if base {
             self.draw_lights(gpu, encoder, what, onto, (base, clear), &[]);
-            gpu.end_stage(encoder, Stage::Fill)?;
+            gpu.end_stage(encoder, FrameStage::Fill)?;
         }
         for (light, pixels) in drawn {
-            for (part, is_last) in in_parts(pixels, scene.parts(gpu, area(pixels))) {
+            for (part, is_last) in row_bands(pixels, scene.part_count(gpu, area(pixels))) {
                 self.draw_lights(gpu, encoder, what, onto, (false, false), &[(light, part)]);
                 if !is_last {
-                    gpu.finish(encoder)?;
+                    gpu.submit_and_wait(encoder)?;
                     gpu.yield_point()?;
                 }
             }
-            gpu.end_stage(encoder, Stage::Light)?;
+            gpu.end_stage(encoder, FrameStage::Light)?;
             gpu.stages.count(|counters| counters.scissor_pixels += area(pixels));
         }
         Ok(())
@@ -309,7 +311,7 @@ impl Targets {
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
         passes: &Passes,
-        (terms, exposure): (Option<&Terms>, f64),
+        (terms, exposure): (Option<&GpuTerms>, f64),
     ) {
         let lit = self.lit(gpu, passes);
         passes.display.draw(gpu, encoder, (&lit.exposed, terms, exposure), &lit.display_view);
@@ -321,9 +323,9 @@ impl Targets {
         &mut self,
         encoder: &mut CommandEncoder,
         passes: &Passes,
-        work: &mut Work,
+        work: &mut LayerWork,
         lights: &[LightInstance],
-    ) -> Result<Poll<Option<Terms>>, RenderError> {
+    ) -> Result<Poll<Option<GpuTerms>>, RenderError> {
         let (gpu, scene, size, surface) = (work.gpu, work.scene, self.size, &self.gbuffer.surface);
         let mut painter = WgpuLayers { gpu, passes, scene, surface, size, encoder };
         self.layers.draw((work, &mut painter), lights)
@@ -331,20 +333,21 @@ impl Targets {
 
     /// Has what the pixels of the upper left `size` see in memory, as the processor lights it. `view` is what the G-buffer was
     /// drawn with, which has to be submitted.
-    pub fn see(
+    pub fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,
         scene: &GpuScene,
         (view, size): (&gpu_structs::View, [u32; 2]),
     ) -> Result<(), RenderError> {
-        if self.native.sees() {
+        if self.native.has_surfaces() {
             return Ok(());
         }
         let row = self.size[0] as usize;
         let GbufferTexels { packed, offset, depth, .. } = self.gbuffer_texels(gpu)?;
-        let gbuffer = relight::Gbuffer { size, row, packed, z: depth, terminator_offset: offset };
+        let gbuffer =
+            relight::GbufferRows { size, row_stride: row, packed, z: depth, terminator_offset: offset };
         let surfaces = native_targets::surfaces(gpu, scene, view, &gbuffer)?;
-        self.native.see(surfaces);
+        self.native.set_surfaces(surfaces);
         Ok(())
     }
 }

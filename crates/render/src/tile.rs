@@ -15,7 +15,7 @@ pub(crate) struct Tile {
 
 impl Tile {
     /// What this and `[x, y, width, height]` of the picture share, counted from this tile's corner.
-    pub fn cut(self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
+    pub fn clip(self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
         let [left, top] = [x.max(self.x), y.max(self.y)];
         let right = (x + width).min(self.x + self.width);
         let bottom = (y + height).min(self.y + self.height);
@@ -145,9 +145,9 @@ mod tests {
     #[test]
     fn what_lies_in_a_tile_is_counted_from_its_corner() {
         let tile = Tile { x: 100, y: 50, width: 20, height: 10 };
-        assert_eq!(tile.cut([0, 0, 500, 500]), [0, 0, 20, 10]);
-        assert_eq!(tile.cut([110, 40, 5, 15]), [10, 0, 5, 5]);
-        assert_eq!(tile.cut([0, 0, 100, 500])[2], 0, "beside it");
-        assert_eq!(tile.cut([0, 70, 500, 9])[3], 0, "below it");
+        assert_eq!(tile.clip([0, 0, 500, 500]), [0, 0, 20, 10]);
+        assert_eq!(tile.clip([110, 40, 5, 15]), [10, 0, 5, 5]);
+        assert_eq!(tile.clip([0, 0, 100, 500])[2], 0, "beside it");
+        assert_eq!(tile.clip([0, 70, 500, 9])[3], 0, "below it");
     }
 }

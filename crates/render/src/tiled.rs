@@ -6,40 +6,40 @@ use std::time::{Duration, Instant};
 use light::LightInstance;
 
 use crate::memory::{MemoryKind, Reservation};
-use crate::pause::Piece;
-use crate::renderer::Drawing;
+use crate::pause::DrawnPiece;
+use crate::renderer::CheckedPicture;
 use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
 use crate::{Aov, FileNeeds, Gpu, Picture, Pixels, RenderError, Renderer, View, position};
 
 /// How far a picture is, in samples of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub struct SampleProgress {
     /// Samples that are drawn.
     pub done: u64,
     /// All of them.
-    pub of: u64,
+    pub total: u64,
 }
 
 /// A picture on its way: a tile is drawn with all its samples before the next one is begun, so that it takes the
 /// memory of one tile and of the finished pixels, however large it is and however many samples it has.
 ///
 /// It holds the pixels that [`Renderer::render`] would give, but for what the rasteriser's arithmetic makes of
-/// another place on the target. Dropping it gives it up; [`Renderer::forget`] of its slot frees the rest.
+/// another place on the target. Dropping it gives it up; [`Renderer::drop_view`] of its slot frees the rest.
 #[derive(Debug)]
 pub struct TiledPicture {
     /// The view that it is of.
     view: View,
     /// What is drawn for that.
-    drawing: Drawing,
+    drawing: CheckedPicture,
     pixels: Pixels,
     /// Set when the first piece is drawn.
-    work: Option<Work>,
+    work: Option<TiledWork>,
 }
 
 /// What a picture under way has on the device.
 #[derive(Debug)]
-struct Work {
+struct TiledWork {
     tiling: Tiling,
     targets: Option<Targets>,
     /// Counts the targets.
@@ -47,10 +47,10 @@ struct Work {
     /// Counts the finished pixels.
     _pixels_memory: Reservation,
     /// What the longest piece of this tile took that grew with its pixels.
-    longest: Duration,
+    longest_piece: Duration,
     /// Samples of pixels: of finished tiles, and of this one.
-    finished: u64,
-    begun: u64,
+    finished_samples: u64,
+    tile_samples: u64,
 }
 
 impl TiledPicture {
@@ -63,28 +63,31 @@ impl TiledPicture {
 
     /// What files of `view` under `lights` need.
     pub fn for_files(view: &View, lights: &[LightInstance], needs: FileNeeds) -> Result<Self, RenderError> {
-        if needs == FileNeeds::Shown {
+        if needs == FileNeeds::Display {
             return Self::for_screen(view, lights);
         }
         let count = view.width as usize * view.height as usize;
         let picture = Picture { width: view.width, height: view.height, pixels: vec![[0.0; 4]; count] };
         let pixels = match needs {
             FileNeeds::Both => Pixels::Both(picture, vec![0; 4 * count]),
-            FileNeeds::Shown | FileNeeds::Values => Pixels::Raw(picture),
+            FileNeeds::Display | FileNeeds::Values => Pixels::Raw(picture),
         };
         Self::new(view, lights, pixels)
     }
 
     fn new(view: &View, lights: &[LightInstance], pixels: Pixels) -> Result<Self, RenderError> {
-        let drawn = View { aov: position::drawn_for(view.aov), ..view.clone() };
-        Ok(Self { view: view.clone(), drawing: Drawing::new(&drawn, lights)?, pixels, work: None })
+        let drawn = View { aov: position::rendered_aov(view.aov), ..view.clone() };
+        Ok(Self { view: view.clone(), drawing: CheckedPicture::new(&drawn, lights)?, pixels, work: None })
     }
 
     /// How far it is.
-    pub fn progress(&self) -> Progress {
-        let Drawing { view, samples, .. } = &self.drawing;
+    pub fn progress(&self) -> SampleProgress {
+        let CheckedPicture { view, samples, .. } = &self.drawing;
         let of = u64::from(*samples) * u64::from(view.width) * u64::from(view.height);
-        Progress { done: self.work.as_ref().map_or(0, |work| work.finished + work.begun), of }
+        SampleProgress {
+            done: self.work.as_ref().map_or(0, |work| work.finished_samples + work.tile_samples),
+            total: of,
+        }
     }
 
     /// What there is of it.
@@ -110,7 +113,7 @@ impl Renderer {
         view: &View,
         lights: &[LightInstance],
         needs: FileNeeds,
-        sampled: impl FnMut(Progress),
+        sampled: impl FnMut(SampleProgress),
     ) -> Result<Pixels, RenderError> {
         self.render_tiled(TiledPicture::for_files(view, lights, needs)?, sampled)
     }
@@ -119,10 +122,10 @@ impl Renderer {
     /// map or one light over a tile. The sizes of tiles follow from what those took. Returns whether it is finished.
     ///
     /// On an error the picture is of no use any more.
-    pub fn draw_some(&mut self, picture: &mut TiledPicture, aim: Duration) -> Result<bool, RenderError> {
+    pub fn advance_tiled(&mut self, picture: &mut TiledPicture, aim: Duration) -> Result<bool, RenderError> {
         let slot = picture.drawing.view.slot;
         let until = Instant::now().checked_add(aim);
-        self.attempt(slot, |renderer, gpu| {
+        self.run_or_discard(slot, |renderer, gpu| {
             gpu.memory.begin_picture();
             loop {
                 let over = || until.is_some_and(|until| Instant::now() >= until);
@@ -142,9 +145,9 @@ impl Renderer {
     pub(crate) fn render_tiled(
         &mut self,
         mut picture: TiledPicture,
-        mut sampled: impl FnMut(Progress),
+        mut sampled: impl FnMut(SampleProgress),
     ) -> Result<Pixels, RenderError> {
-        self.attempt(picture.drawing.view.slot, |renderer, gpu| {
+        self.run_or_discard(picture.drawing.view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
             loop {
                 let finished = renderer.draw_piece(gpu, &mut picture, Duration::MAX, &|| false)?;
@@ -170,16 +173,16 @@ impl Renderer {
         let TiledPicture { drawing, pixels, work, .. } = picture;
         let size = [drawing.view.width, drawing.view.height];
         let triangles = self.scene.casters.triangle_count;
-        let work = work.get_or_insert_with(|| Work::new(gpu, size, triangles, pixels));
+        let work = work.get_or_insert_with(|| TiledWork::new(gpu, size, triangles, pixels));
         let Some(next) = work.tiling.tile() else { return Ok(true) };
         let tile = if whole { Tile { x: 0, y: 0, width: size[0], height: size[1] } } else { next };
-        work.fit(gpu, self, (drawing.view.aov, tile))?;
+        work.ensure_targets(gpu, self, (drawing.view.aov, tile))?;
         let Some(targets) = &mut work.targets else { return Ok(false) };
 
-        let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest));
+        let (since, longest) = (Cell::new(Instant::now()), Cell::new(work.longest_piece));
         let pause = |piece| {
             let took = since.replace(Instant::now()).elapsed();
-            if piece == Piece::Pixels {
+            if piece == DrawnPiece::Pixels {
                 longest.set(took.max(longest.get()));
             }
             over()
@@ -187,20 +190,20 @@ impl Renderer {
         let sampled = targets.samples_drawn;
         let done = self.draw_sample(gpu, targets, drawing, tile, Some(&pause))?;
         if targets.samples_drawn != sampled || done {
-            pause(Piece::Pixels);
+            pause(DrawnPiece::Pixels);
         }
-        work.longest = longest.get();
-        work.begun = u64::from(targets.samples_drawn) * u64::from(tile.width) * u64::from(tile.height);
+        work.longest_piece = longest.get();
+        work.tile_samples = u64::from(targets.samples_drawn) * u64::from(tile.width) * u64::from(tile.height);
         if !done {
             return Ok(false);
         }
         self.collect_tile(gpu, targets, (tile, &drawing.view), pixels)?;
-        work.finished += std::mem::take(&mut work.begun);
+        work.finished_samples += std::mem::take(&mut work.tile_samples);
         if whole {
             return Ok(true);
         }
-        work.tiling.advance(work.longest, aim / PIECES_A_TURN);
-        work.longest = Duration::ZERO;
+        work.tiling.advance(work.longest_piece, aim / PIECES_PER_TURN);
+        work.longest_piece = Duration::ZERO;
         Ok(work.tiling.tile().is_none())
     }
 
@@ -221,29 +224,29 @@ impl Renderer {
         if let Some(picture) = picture {
             let drawn = self.read_raw(gpu, targets, (view.aov, size))?;
             let columns = (tile.x as usize, tile.width as usize);
-            place(&mut picture.pixels, view.width as usize, &drawn, columns, tile.y);
+            copy_rows(&mut picture.pixels, view.width as usize, &drawn, columns, tile.y);
         }
         if let Some(bytes) = shown {
             let drawn = self.read_display(gpu, targets, (size, view.exposure))?;
             let columns = (4 * tile.x as usize, 4 * tile.width as usize);
-            place(bytes, 4 * view.width as usize, &drawn, columns, tile.y);
+            copy_rows(bytes, 4 * view.width as usize, &drawn, columns, tile.y);
         }
         Ok(())
     }
 }
 
 /// So many pieces are to fit into one turn, that it ends about when it should.
-const PIECES_A_TURN: u32 = 2;
+const PIECES_PER_TURN: u32 = 2;
 
 /// Puts rows of a tile, which has columns from `.0` on and `.1` of them, into those of a picture.
-fn place<T: Copy>(picture: &mut [T], row: usize, tile: &[T], (from, count): (usize, usize), top: u32) {
+fn copy_rows<T: Copy>(picture: &mut [T], row: usize, tile: &[T], (from, count): (usize, usize), top: u32) {
     for (y, line) in tile.chunks_exact(count).enumerate() {
         let at = (top as usize + y) * row + from;
         picture[at..at + count].copy_from_slice(line);
     }
 }
 
-impl Work {
+impl TiledWork {
     fn new(gpu: &Gpu, size: [u32; 2], triangles: u32, pixels: &Pixels) -> Self {
         let bytes = match pixels {
             Pixels::Display { bytes, .. } => bytes.len(),
@@ -255,14 +258,19 @@ impl Work {
             targets: None,
             tile_memory: None,
             _pixels_memory: gpu.memory.reserve(MemoryKind::Tiled, bytes as u64),
-            longest: Duration::ZERO,
-            finished: 0,
-            begun: 0,
+            longest_piece: Duration::ZERO,
+            finished_samples: 0,
+            tile_samples: 0,
         }
     }
 
     /// Has targets that hold `tile`, and not much more.
-    fn fit(&mut self, gpu: &Gpu, renderer: &Renderer, (aov, tile): (Aov, Tile)) -> Result<(), RenderError> {
+    fn ensure_targets(
+        &mut self,
+        gpu: &Gpu,
+        renderer: &Renderer,
+        (aov, tile): (Aov, Tile),
+    ) -> Result<(), RenderError> {
         let (width, height) = (tile.width, tile.height);
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let side = width.max(height);
@@ -278,7 +286,7 @@ impl Work {
         if !fits {
             // The old ones first: at no time are there two.
             (self.targets, self.tile_memory) = (None, None);
-            gpu.collect();
+            gpu.free_dropped_memory();
             let bytes = bytes_of(gpu.backend_of(aov), [width, height]);
             self.tile_memory = Some(gpu.memory.reserve(MemoryKind::Tiled, bytes));
             self.targets = Some(Targets::new(gpu, &renderer.passes, [width, height]));

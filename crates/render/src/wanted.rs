@@ -11,7 +11,7 @@ const NAMELESS: &str = "light";
 
 /// One picture that is wanted.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Wanted {
+pub struct WantedPicture {
     /// What it shows.
     pub aov: Aov,
     /// The index of the light that it is of, where it is of one.
@@ -22,23 +22,23 @@ pub struct Wanted {
 
 /// The pictures of `aovs`. What is of a light is of that of index `light`; where that is `None` of each light that shines. Beside what
 /// a camera sees of all lights a light has its name, since both have an alpha.
-pub fn wanted(aovs: &[Aov], light: Option<usize>, lights: &[LightInstance]) -> Vec<Wanted> {
+pub fn wanted_pictures(aovs: &[Aov], light: Option<usize>, lights: &[LightInstance]) -> Vec<WantedPicture> {
     let mut names: Vec<String> = Vec::new();
     for light in lights {
         names.push(free_name(light.light.light().name(), &names));
     }
-    let names_one = aovs.iter().any(|aov| !aov.is_of_light());
-    let shine = |index: &usize| !lights[*index].light.light_filter().is_dark();
+    let names_one = aovs.iter().any(|aov| !aov.is_per_light());
+    let shine = |index: &usize| !lights[*index].light.light_profile().is_dark();
     let each = |aov| {
-        let of = |light: usize| Wanted { aov, light, name: Some(names[light].clone()) };
+        let of = |light: usize| WantedPicture { aov, light, name: Some(names[light].clone()) };
         (0..lights.len()).filter(shine).map(of).collect()
     };
     let pictures = |aov: &Aov| match light {
-        None if aov.is_of_light() => each(*aov),
-        Some(light) if names_one && aov.is_of_light() && light < lights.len() => {
-            vec![Wanted { aov: *aov, light, name: Some(names[light].clone()) }]
+        None if aov.is_per_light() => each(*aov),
+        Some(light) if names_one && aov.is_per_light() && light < lights.len() => {
+            vec![WantedPicture { aov: *aov, light, name: Some(names[light].clone()) }]
         }
-        of => vec![Wanted { aov: *aov, light: of.unwrap_or_default(), name: None }],
+        of => vec![WantedPicture { aov: *aov, light: of.unwrap_or_default(), name: None }],
     };
     aovs.iter().flat_map(pictures).collect()
 }

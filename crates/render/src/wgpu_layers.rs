@@ -4,15 +4,15 @@ use light::LightInstance;
 use scene::MapScale;
 use wgpu::{BindGroup, CommandEncoder, TextureFormat, TextureView, TextureViewDescriptor};
 
-use crate::camera::Raster;
-use crate::composite::{Term, Terms};
+use crate::camera::CameraRaster;
+use crate::composite::{GpuTerm, GpuTerms};
 use crate::gpu_scene::GpuScene;
 use crate::layers::LayerPainter;
 use crate::lights::{ReadyLight, ShadowMaps};
-use crate::parts::{area, in_parts};
+use crate::parts::{area, row_bands};
 use crate::passes::Passes;
 use crate::pipeline::color_attachment;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::wgpu_maps::{WgpuLight, WgpuMaps};
 use crate::{Gpu, RenderError, composite, lighting};
 
@@ -40,19 +40,19 @@ impl LayerPainter for WgpuLayers<'_> {
     type Layer = TextureView;
     type Sum = TextureView;
     type Light = WgpuLight;
-    type Terms = Terms;
-    const LAYER_BYTES_A_PIXEL: u64 = 16;
-    const SUM_BYTES_A_PIXEL: u64 = 8;
+    type Terms = GpuTerms;
+    const LAYER_BYTES_PER_PIXEL: u64 = 16;
+    const SUM_BYTES_PER_PIXEL: u64 = 8;
 
-    fn ready(
+    fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
-        raster: &Raster,
+        raster: &CameraRaster,
         light: (&LightInstance, MapScale),
     ) -> Result<Option<ReadyLight<WgpuLight>>, RenderError> {
         let (gpu, passes, scene) = (self.gpu, self.passes, self.scene);
         let mut maps = WgpuMaps { gpu, passes, scene, encoder: self.encoder };
-        shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), light)
+        shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), light)
     }
 
     fn draw_layer(
@@ -62,8 +62,8 @@ impl LayerPainter for WgpuLayers<'_> {
         over: Option<TextureView>,
     ) -> Result<TextureView, RenderError> {
         let layer = over.unwrap_or_else(|| self.texture(lighting::LAYER_FORMAT));
-        let parts = self.scene.parts(self.gpu, area(pixels));
-        for (part, is_last) in in_parts(pixels, parts) {
+        let parts = self.scene.part_count(self.gpu, area(pixels));
+        for (part, is_last) in row_bands(pixels, parts) {
             let clears = part[1] == pixels[1];
             let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                 label: Some("layer"),
@@ -75,34 +75,34 @@ impl LayerPainter for WgpuLayers<'_> {
             light.lighting(self.gpu, self.passes).draw_layer(self.gpu, &mut pass, &light.groups(), part);
             drop(pass);
             if !is_last {
-                self.gpu.finish(self.encoder)?;
+                self.gpu.submit_and_wait(self.encoder)?;
                 self.gpu.yield_point()?;
             }
         }
-        self.gpu.end_stage(self.encoder, Stage::Light)?;
+        self.gpu.end_stage(self.encoder, FrameStage::Light)?;
         // A map that passes is to be gone before the next one comes.
-        if light.passing.is_some() {
-            self.gpu.finish(self.encoder)?;
+        if light.transient_map.is_some() {
+            self.gpu.submit_and_wait(self.encoder)?;
         }
         Ok(layer)
     }
 
-    fn draw_sum(&mut self, terms: &Terms, over: Option<TextureView>) -> Result<TextureView, RenderError> {
+    fn draw_sum(&mut self, terms: &GpuTerms, over: Option<TextureView>) -> Result<TextureView, RenderError> {
         let sum = over.unwrap_or_else(|| self.texture(composite::SUM_FORMAT));
         self.passes.composite.draw_sum(self.encoder, terms, &sum);
-        self.gpu.end_stage(self.encoder, Stage::Sum)?;
+        self.gpu.end_stage(self.encoder, FrameStage::Sum)?;
         Ok(sum)
     }
 
-    fn terms_of_layers(&self, layers: &[Term<TextureView>]) -> Terms {
+    fn terms_of_layers(&self, layers: &[GpuTerm<TextureView>]) -> GpuTerms {
         self.passes.composite.layers(self.gpu, layers)
     }
 
-    fn terms_of_sums(&self, sums: &[TextureView]) -> Terms {
+    fn terms_of_sums(&self, sums: &[TextureView]) -> GpuTerms {
         self.passes.composite.sums(self.gpu, sums)
     }
 
     fn finish(&mut self) -> Result<(), RenderError> {
-        self.gpu.finish(self.encoder)
+        self.gpu.submit_and_wait(self.encoder)
     }
 }

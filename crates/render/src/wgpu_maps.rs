@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use light::{CheckedLight, Rays};
+use light::{CheckedLight, LightRays};
 use wgpu::{BindGroup, CommandEncoder};
 
 use crate::backend::Backend;
 use crate::bendy_light::{Baked, BendyPass};
 use crate::gpu_scene::GpuScene;
 use crate::lighting::LightingPass;
-use crate::lights::{LightSlot, MapPainter, MapWork, ReadyLight};
-use crate::linked::Linked;
+use crate::lights::{LightSlot, MapBuilders, MapPainter, ReadyLight};
+use crate::linked::LinkedCasters;
 use crate::map_key::MapKey;
 use crate::passes::Passes;
 use crate::shadow_settings::MapSize;
-use crate::straight::{BakedStraight, Straight};
+use crate::straight::{BakedStraight, StraightLight};
 use crate::{Gpu, RenderError, ShadowSettings};
 
 /// Draws maps of lights over a scene. Those of straight lights are encoded, others submitted.
@@ -62,10 +62,10 @@ impl MapPainter for WgpuMaps<'_> {
 
     fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot {
         match light.rays() {
-            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => {
+            LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_) => {
                 LightSlot::Straight(Box::new(self.passes.straight.slot(self.gpu, size)))
             }
-            Rays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(self.gpu, size))),
+            LightRays::Bent(_) => LightSlot::Bendy(Box::new(BendyPass::slot(self.gpu, size))),
         }
     }
 
@@ -73,13 +73,13 @@ impl MapPainter for WgpuMaps<'_> {
         &mut self,
         slot: &mut LightSlot,
         (key, light): (MapKey, &CheckedLight),
-        (linked, shadows): (Option<&Linked>, &ShadowSettings),
-        MapWork { bent_work, coarse, .. }: MapWork,
+        (linked, shadows): (Option<&LinkedCasters>, &ShadowSettings),
+        MapBuilders { bent_buffers: bent_work, coarse, .. }: MapBuilders,
     ) -> Result<(WgpuLight, bool), RenderError> {
         let Self { gpu, passes, scene, encoder } = self;
         let what = (*scene, linked, shadows);
-        let (kind, group, drawn) = match (slot, light.rays(), Straight::of(light)) {
-            (LightSlot::Bendy(slot), Rays::Bent(tube), _) => {
+        let (kind, group, drawn) = match (slot, light.rays(), StraightLight::of(light)) {
+            (LightSlot::Bendy(slot), LightRays::Bent(tube), _) => {
                 let of = (key, light, tube);
                 let (placed, drawn) = passes.bendy.prepare(gpu, bent_work, slot, of, what, coarse)?;
                 (LightingKind::Bendy(placed.baked), placed.group, drawn)

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-use light::Reach;
+use light::SceneBounds;
 
 /// Width over height of the picture of a camera that does not say what it frames.
 pub const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
@@ -104,8 +104,8 @@ impl Projection {
 /// high.
 ///
 /// The bounding sphere fits the narrower of the two fields of view (40 degrees vertical).
-pub fn framing_camera(reach: &Reach, aspect: f64) -> Camera {
-    let Reach { middle: center, half_extent } = *reach;
+pub fn framing_camera(reach: &SceneBounds, aspect: f64) -> Camera {
+    let SceneBounds { center, half_extent } = *reach;
     // A scene without extent, an empty one above all, is seen from some way off.
     let radius =
         if half_extent == DVec3::ZERO { DVec3::ONE.length() } else { half_extent.length().max(1e-6) };

@@ -22,9 +22,9 @@ pub struct NodeTree {
     /// One a node: its parent, and its own part of its path.
     nodes: Vec<(Option<usize>, String)>,
     /// The same, turned round.
-    by_step: BTreeMap<(Option<usize>, String), usize>,
+    by_parent_and_name: BTreeMap<(Option<usize>, String), usize>,
     /// One a node: whether it or one that is under it has a mesh.
-    is_drawn: Vec<bool>,
+    has_mesh_below: Vec<bool>,
 }
 
 impl NodeTree {
@@ -38,13 +38,13 @@ impl NodeTree {
             *count += 1;
             let name = escaped(name);
             let step = if *count > 1 { format!("{name}#{count}") } else { name };
-            tree.by_step.insert((node.parent, step.clone()), index);
+            tree.by_parent_and_name.insert((node.parent, step.clone()), index);
             tree.nodes.push((node.parent, step));
-            tree.is_drawn.push(node.mesh.is_some());
+            tree.has_mesh_below.push(node.mesh.is_some());
         }
         for (index, node) in scene.nodes.iter().enumerate().rev() {
             if let Some(parent) = node.parent {
-                tree.is_drawn[parent] |= tree.is_drawn[index];
+                tree.has_mesh_below[parent] |= tree.has_mesh_below[index];
             }
         }
         tree
@@ -60,14 +60,14 @@ impl NodeTree {
     /// The node that a path names; `None` where there is no such one.
     pub fn find(&self, path: &str) -> Option<usize> {
         path.split('/').try_fold(None, |parent, step| {
-            self.by_step.get(&(parent, step.to_owned())).map(|node| Some(*node))
+            self.by_parent_and_name.get(&(parent, step.to_owned())).map(|node| Some(*node))
         })?
     }
 
     /// Paths of at most `most` of the nodes under which something is drawn, none longer than `most_bytes`, in the order of
     /// the scene; and how many more there are.
     pub fn drawn_paths(&self, most: usize, most_bytes: usize) -> (Vec<String>, usize) {
-        let drawn = || (0..self.nodes.len()).filter(|&node| self.is_drawn[node]);
+        let drawn = || (0..self.nodes.len()).filter(|&node| self.has_mesh_below[node]);
         // The length of a path without the path: a chain of nodes would take the square of its length.
         let mut bytes: Vec<usize> = Vec::with_capacity(self.nodes.len());
         for (parent, step) in &self.nodes {
@@ -80,7 +80,7 @@ impl NodeTree {
     }
 
     /// Which nodes `links` leave, one a node. Paths that name none count for nothing.
-    pub fn linked(&self, links: &Links) -> Vec<bool> {
+    pub fn selected_nodes(&self, links: &Links) -> Vec<bool> {
         let mut said: BTreeMap<usize, bool> = BTreeMap::new();
         // What is excluded comes last, and so counts.
         for (paths, counts) in [(links.include(), true), (links.exclude(), false)] {

@@ -23,10 +23,10 @@ pub struct View {
     pub aov: Aov,
     /// Index of the light that the quantities of a light are of.
     pub light: usize,
-    /// How much of the scene's fill the beauty has: a factor from 0, the lights alone, 1, as the scene has it, and more; within [`View::FILL`].
+    /// How much of the scene's fill the beauty has: a factor from 0, the lights alone, 1, as the scene has it, and more; within [`View::FILL_RANGE`].
     pub fill: f64,
     /// Stops by which the beauty is brightened for a screen or a PNG: its radiance times 2 to this, before tone mapping, within
-    /// [`View::EXPOSURE`]. Values themselves, as [`Aov`] has them, know nothing of it.
+    /// [`View::EXPOSURE_RANGE`]. Values themselves, as [`Aov`] has them, know nothing of it.
     pub exposure: f64,
     /// How fine shadow maps have to be; the reference, which has none, knows nothing of it.
     pub shadow_map: MapScale,
@@ -36,10 +36,10 @@ pub struct View {
 
 impl View {
     /// What [`View::fill`] may be. A million times a scene's fill is far from the largest radiance that f32 holds.
-    pub const FILL: RangeInclusive<f64> = 0.0..=1e6;
+    pub const FILL_RANGE: RangeInclusive<f64> = 0.0..=1e6;
 
     /// What [`View::exposure`] may be, in stops. From starlight to the sun in the sky are 32.
-    pub const EXPOSURE: RangeInclusive<f64> = -32.0..=32.0;
+    pub const EXPOSURE_RANGE: RangeInclusive<f64> = -32.0..=32.0;
 
     /// The lit scene as `camera` sees it in a picture of that width and height, with a sample at each pixel's centre.
     pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
@@ -114,12 +114,12 @@ impl Aov {
     }
 
     /// Whether it belongs to one light.
-    pub fn is_of_light(self) -> bool {
+    pub fn is_per_light(self) -> bool {
         matches!(self, Self::T | Self::Vw | Self::Direction | Self::Visibility | Self::Wireframe)
     }
 
     /// Whether an average over the pixel means something.
-    pub fn takes_samples(self) -> bool {
+    pub fn can_be_multisampled(self) -> bool {
         matches!(self, Self::Beauty | Self::Visibility)
     }
 }

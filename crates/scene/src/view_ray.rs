@@ -12,15 +12,16 @@ pub struct ViewRay {
     /// One unit long along the view axis, so that lengths of it are depths.
     pub direction: DVec3,
     /// Depths of the near and the far plane.
-    pub range: [f64; 2],
+    pub depth_range: [f64; 2],
 }
 
 impl ViewRay {
-    /// Through `pixel` of a picture of `size`, in pixels from its top left corner; `origin_in_world` is where scene space
+    /// Through `pixel` of a picture of `size`, in pixels from its top left corner; `origin` is where scene space
     /// begins.
     pub fn new(camera: &Camera, size: [u32; 2], pixel: DVec2, origin_in_world: DVec3) -> Self {
         let size = DVec2::from(size.map(f64::from));
-        let DVec2 { x, y } = (2.0 * pixel - size) * DVec2::new(1.0, -1.0) / size.y * framed(camera, size);
+        let DVec2 { x, y } =
+            (2.0 * pixel - size) * DVec2::new(1.0, -1.0) / size.y * frame_scale(camera, size);
         let world_from_camera = camera.world_from_camera();
         let (axes, eye) = (world_from_camera.matrix3, world_from_camera.translation - origin_in_world);
         match camera.projection {
@@ -28,11 +29,11 @@ impl ViewRay {
                 let half = libm::tan(yfov / 2.0);
                 let direction = axes * DVec3::new(x * half, y * half, -1.0);
                 let range = [znear, zfar.unwrap_or(f64::INFINITY)];
-                Self { origin: eye, direction, range }
+                Self { origin: eye, direction, depth_range: range }
             }
             Projection::Orthographic { ymag, znear, zfar, .. } => {
                 let origin = eye + axes * DVec3::new(x * ymag, y * ymag, 0.0);
-                Self { origin, direction: -axes.z_axis, range: [znear, zfar] }
+                Self { origin, direction: -axes.z_axis, depth_range: [znear, zfar] }
             }
         }
     }
@@ -55,12 +56,12 @@ pub fn pixel_of(camera: &Camera, size: [u32; 2], point: DVec3, origin_in_world: 
         }
         Projection::Orthographic { ymag, .. } => in_camera.truncate() / ymag,
     };
-    Some((across / framed(camera, size) * size.y * DVec2::new(1.0, -1.0) + size) / 2.0)
+    Some((across / frame_scale(camera, size) * size.y * DVec2::new(1.0, -1.0) + size) / 2.0)
 }
 
 /// Half the height of a picture as a share of half the height that its camera frames: more than 1 where the picture is
 /// narrower than that.
-fn framed(camera: &Camera, size: DVec2) -> f64 {
+fn frame_scale(camera: &Camera, size: DVec2) -> f64 {
     camera.projection.aspect_ratio().map_or(1.0, |framed| (framed * size.y / size.x).max(1.0))
 }
 

@@ -59,7 +59,7 @@ fn the_deepest_entry_decides() {
     let tree =
         tree(&[("room", None), ("table", Some(0)), ("vase", Some(1)), ("vase", Some(1)), ("sky", None)]);
     let left = |include: &[&str], exclude: &[&str]| {
-        tree.linked(&links(include, exclude)).into_iter().map(u8::from).collect::<Vec<_>>()
+        tree.selected_nodes(&links(include, exclude)).into_iter().map(u8::from).collect::<Vec<_>>()
     };
     assert_eq!(left(&[], &["room/table"]), [1, 0, 0, 0, 1]);
     assert_eq!(left(&["room/table"], &[]), [0, 1, 1, 1, 0]);

@@ -3,7 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
 use glam::{DAffine3, DVec3, Vec2, Vec3};
-use light::Reach;
+use light::SceneBounds;
 use scene::{Material, Mesh, Node, Primitive, Projection, Scene, framing_camera, pose, world_bounds};
 
 fn node(parent: Option<usize>, parent_from_local: DAffine3, mesh: Option<usize>) -> Node {
@@ -36,7 +36,7 @@ fn placements_are_composed_from_the_root() {
     let scene = nested();
     let posed = pose(scene.clone());
     let [primitive] = posed.primitives[..] else { panic!("one node has a mesh") };
-    assert_eq!((primitive.node, primitive.index), (2, [0, 0]));
+    assert_eq!((primitive.node, primitive.mesh_and_primitive), (2, [0, 0]));
     // 10 + 2 (10 + 1): outer first.
     assert_eq!(primitive.world_from_local.transform_point3(DVec3::X), DVec3::new(32.0, 0.0, 0.0));
     // Scene space begins in the middle of the bounds.
@@ -68,7 +68,7 @@ fn the_framing_camera_sees_everything() {
     let scene = nested();
     let (min, max) = world_bounds(&scene).expect("it has a triangle");
     for aspect in [0.25, 1.0, 686.0 / 382.0, 4.0] {
-        let camera = framing_camera(&Reach::from(&scene), aspect);
+        let camera = framing_camera(&SceneBounds::from(&scene), aspect);
         let Projection::Perspective { yfov, aspect_ratio: None, znear, .. } = camera.projection else {
             panic!("perspective")
         };
@@ -106,8 +106,8 @@ fn what_stands_on_a_floor_is_framed() {
         let mut scene = nested();
         scene.nodes = vec![node(None, DAffine3::from_translation(DVec3::new(5.0, 1.0, 0.0)), Some(0))];
         scene.meshes[0].primitives = primitives.to_vec();
-        let subject = pose(scene).subject();
-        (subject.middle, 2.0 * subject.half_extent)
+        let subject = pose(scene).subject_bounds();
+        (subject.center, 2.0 * subject.half_extent)
     };
     let mut wall = square(1.0, 0.0);
     wall.positions[2..].iter_mut().for_each(|corner| corner.y = 2.0);

@@ -4,28 +4,28 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::turns::{ACCOUNTS, Payer};
+use crate::charges::{MAX_ACCOUNTS, Payer};
 
 /// How fast an allowance comes back, and how much of it may be saved up. This is a token bucket.
 #[derive(Clone, Copy, Debug)]
-pub struct Rate {
+pub struct AllowanceRate {
     pub per_second: f64,
-    pub saved: f64,
+    pub burst: f64,
 }
 
 /// What one has left.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
-    rate: Rate,
+    rate: AllowanceRate,
     /// How much was left, and when; less than nothing where more was taken.
-    left: f64,
-    at: Instant,
+    tokens: f64,
+    updated_at: Instant,
 }
 
 /// What each session and each actor have left. Who asks for something needs some of both.
 #[derive(Debug)]
 pub struct Allowances {
-    rate: Rate,
+    rate: AllowanceRate,
     /// Of those that may not have all of it.
     sessions: BTreeMap<Arc<str>, Allowance>,
     actors: BTreeMap<Arc<str>, Allowance>,
@@ -33,13 +33,13 @@ pub struct Allowances {
 
 impl Allowance {
     /// All that may be saved up.
-    pub fn full(rate: Rate, now: Instant) -> Self {
-        Self { rate, left: rate.saved, at: now }
+    pub fn full(rate: AllowanceRate, now: Instant) -> Self {
+        Self { rate, tokens: rate.burst, updated_at: now }
     }
 
     fn left(&self, now: Instant) -> f64 {
-        let since = now.saturating_duration_since(self.at).as_secs_f64();
-        (self.left + self.rate.per_second * since).min(self.rate.saved)
+        let since = now.saturating_duration_since(self.updated_at).as_secs_f64();
+        (self.tokens + self.rate.per_second * since).min(self.rate.burst)
     }
 
     /// When there will be some; not after `now` where there is.
@@ -59,18 +59,18 @@ impl Allowance {
 
     /// Takes something off, whether there is as much or not.
     pub fn take(&mut self, amount: f64, now: Instant) {
-        (self.left, self.at) = (self.left(now) - amount, now);
+        (self.tokens, self.updated_at) = (self.left(now) - amount, now);
     }
 }
 
 impl Allowances {
     /// Everybody has all.
-    pub fn new(rate: Rate) -> Self {
+    pub fn new(rate: AllowanceRate) -> Self {
         Self { rate, sessions: BTreeMap::new(), actors: BTreeMap::new() }
     }
 
     /// Whether a payer has some left.
-    pub fn has_some(&self, payer: &Payer, now: Instant) -> bool {
+    pub fn has_tokens(&self, payer: &Payer, now: Instant) -> bool {
         self.back_at(payer, now) <= now
     }
 
@@ -96,7 +96,7 @@ impl Allowances {
         let take = |accounts: &mut BTreeMap<Arc<str>, Allowance>, name: &Arc<str>| {
             let full = Allowance::full(self.rate, now);
             accounts.entry(Arc::clone(name)).or_insert(full).take(amount, now);
-            if accounts.len() > ACCOUNTS {
+            if accounts.len() > MAX_ACCOUNTS {
                 let mut all: Vec<f64> = accounts.values().map(|of| of.left(now)).collect();
                 all.sort_by(f64::total_cmp);
                 // The half that has most left is forgotten, and so has all of it again.
@@ -116,7 +116,7 @@ mod tests {
 
     #[test]
     fn an_allowance_is_used_up_and_comes_back() {
-        let rate = Rate { per_second: 0.1, saved: 0.2 };
+        let rate = AllowanceRate { per_second: 0.1, burst: 0.2 };
         let (mut allowances, start) = (Allowances::new(rate), Instant::now());
         let (ada, other) = (payer("shot", "ada"), payer("other", "ben"));
         let mut used = 0.0;
@@ -124,27 +124,27 @@ mod tests {
         // For a hundred seconds something is asked for every 10 ms.
         while now < start + Duration::from_secs(100) {
             now += Duration::from_millis(10);
-            if allowances.has_some(&ada, now) {
+            if allowances.has_tokens(&ada, now) {
                 allowances.take(&ada, 0.01, now);
                 used += 0.01;
             }
         }
-        let most = rate.saved + 100.0 * rate.per_second + 0.01;
+        let most = rate.burst + 100.0 * rate.per_second + 0.01;
         assert!(used <= most && used > 0.95 * most, "{used} of {most}");
-        allowances.take(&ada, rate.saved, now);
+        allowances.take(&ada, rate.burst, now);
         // By another actor of its session or from another session it is the same client, and nobody else.
-        assert!(!allowances.has_some(&payer("shot", "eve"), now));
-        assert!(!allowances.has_some(&payer("elsewhere", "ada"), now));
-        assert!(allowances.has_some(&other, now));
+        assert!(!allowances.has_tokens(&payer("shot", "eve"), now));
+        assert!(!allowances.has_tokens(&payer("elsewhere", "ada"), now));
+        assert!(allowances.has_tokens(&other, now));
         let back_at = allowances.back_at(&ada, now);
-        assert!(!allowances.has_some(&ada, now + back_at.duration_since(now) / 2));
-        assert!(allowances.has_some(&ada, back_at + Duration::from_millis(1)));
+        assert!(!allowances.has_tokens(&ada, now + back_at.duration_since(now) / 2));
+        assert!(allowances.has_tokens(&ada, back_at + Duration::from_millis(1)));
         for name in 0..10_000 {
             // All at once, and all as much: nobody's comes back meanwhile.
             allowances.take(&payer("shot", &name.to_string()), 0.001, now);
         }
-        assert!(allowances.actors.len() <= ACCOUNTS + 1, "{}", allowances.actors.len());
-        assert!(!allowances.has_some(&payer("shot", "new"), now), "another name is the same session");
+        assert!(allowances.actors.len() <= MAX_ACCOUNTS + 1, "{}", allowances.actors.len());
+        assert!(!allowances.has_tokens(&payer("shot", "new"), now), "another name is the same session");
     }
 
     fn payer(session: &str, actor: &str) -> Payer {

@@ -7,11 +7,11 @@ use tokio::sync::Semaphore;
 use tokio_util::sync::CancellationToken;
 use tokio_util::task::TaskTracker;
 
-use crate::in_flight::InFlight;
+use crate::in_flight::ByteBudget;
 use crate::metrics::Metrics;
 use crate::pacing::RequestPacing;
-use crate::renderer::Renders;
-use crate::scenes::Scenes;
+use crate::renderer::RenderQueue;
+use crate::scenes::SceneCache;
 use crate::solver::Solver;
 use crate::storage::Storage;
 use crate::trace::Trace;
@@ -19,13 +19,13 @@ use crate::views::MovingPixels;
 
 /// One of each; clones share them.
 #[derive(Clone, Debug)]
-pub struct Backend {
+pub struct Services {
     /// Logs and assets.
     pub storage: Storage,
     /// Decoded scenes.
-    pub scenes: Arc<Scenes>,
+    pub scenes: Arc<SceneCache>,
     /// The renderer.
-    pub renders: Renders,
+    pub renders: RenderQueue,
     /// What of views moves, by actor.
     pub moving_pixels: Arc<MovingPixels>,
     /// A permit for each probe whose rays are followed.
@@ -37,7 +37,7 @@ pub struct Backend {
     /// Holds back requests.
     pub request_pacing: Arc<RequestPacing>,
     /// Bytes of bodies, answers and messages.
-    pub in_flight: InFlight,
+    pub in_flight: ByteBudget,
     /// What is counted.
     pub metrics: Arc<Metrics>,
     /// What is told of each picture.

@@ -24,7 +24,7 @@ const REQUEST_THREADS: usize = 2;
 pub fn request_runtime() -> io::Result<Runtime> {
     let mut threads = runtime::Builder::new_multi_thread();
     threads.worker_threads(REQUEST_THREADS).thread_name("request").enable_all();
-    threads.on_thread_start(|| give_way(NICE)).build()
+    threads.on_thread_start(|| lower_priority(NICE)).build()
 }
 
 /// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
@@ -32,15 +32,15 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
     let (done, result) = oneshot::channel();
     let named = thread::Builder::new().name("background".into());
     let started = named.spawn(move || {
-        give_way_to_all();
+        set_idle_priority();
         // Whoever asked may have gone.
         drop(done.send(work()));
     });
     if let Err(error) = started {
         tracing::error!("no thread can be started: {error}");
-        return Err(ServerError::Fault);
+        return Err(ServerError::Internal);
     }
-    result.await.map_err(|_| ServerError::Fault)
+    result.await.map_err(|_| ServerError::Internal)
 }
 
 /// Does `work` as [`run`] does while `permit` is held, and gives that back with what came of it: where nobody waits for that any more,
@@ -53,10 +53,10 @@ pub async fn run_with<P: Send + 'static, T: Send + 'static>(
 }
 
 /// Does `work` on such a thread and waits for it. What it panicked with where it did; false where no thread could be started.
-pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
+pub fn run_blocking(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
         let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
-            give_way_to_all();
+            set_idle_priority();
             work();
         });
         let thread = started.inspect_err(|error| tracing::error!("no thread can be started: {error}"));
@@ -65,7 +65,7 @@ pub fn run_here(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
 }
 
 /// Makes this thread less important to the system by so much.
-fn give_way(nice: i32) {
+fn lower_priority(nice: i32) {
     // On Linux that is of this thread alone. Where it is refused the work is as important as any.
     if let Err(error) = rustix::process::nice(nice) {
         tracing::debug!("a background thread keeps its priority: {error}");
@@ -74,7 +74,7 @@ fn give_way(nice: i32) {
 
 /// Has this thread go on only where the processor has nothing else to do. To the system a core that does only such work is idle: what
 /// wakes up goes there, where nothing else of the server waits for it. There is no way back.
-pub fn give_way_to_all() {
+pub fn set_idle_priority() {
     #[cfg(target_os = "linux")]
     if let Err(error) = set_thread_priority_and_policy(
         thread_native_id(),
@@ -110,7 +110,7 @@ mod tests {
         assert_eq!(of_this_thread(policy), other);
         assert_eq!(run(move || of_this_thread(policy)).await.expect("done"), idle);
         let mut here = other;
-        assert!(run_here(&mut || here = of_this_thread(policy)).is_ok_and(|is_done| is_done));
+        assert!(run_blocking(&mut || here = of_this_thread(policy)).is_ok_and(|is_done| is_done));
         assert_eq!((here, of_this_thread(policy)), (idle, other));
     }
 
@@ -141,6 +141,6 @@ mod tests {
     #[tokio::test]
     async fn work_that_panics_is_a_fault() {
         let panics: fn() = || panic!("planted");
-        assert!(matches!(run(panics).await, Err(ServerError::Fault)));
+        assert!(matches!(run(panics).await, Err(ServerError::Internal)));
     }
 }

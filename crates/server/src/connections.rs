@@ -21,105 +21,112 @@ use tokio::time::{sleep, timeout};
 use tokio_util::sync::{CancellationToken, DropGuard};
 use tokio_util::task::TaskTracker;
 
-use crate::in_flight::taken_within;
+use crate::in_flight::delivery_timeout;
 use crate::limits::{
-    HEADERS_WITHIN, MAX_CONNECTIONS, MAX_HEAD_BYTES, MAX_STRANGERS, RECEIVE_BUFFER_BYTES, SEND_BUFFER_BYTES,
-    SEND_WITHIN,
+    HEADERS_TIMEOUT, MAX_ANONYMOUS_CONNECTIONS, MAX_CONNECTIONS, MAX_HEAD_BYTES, RECEIVE_BUFFER_BYTES,
+    SEND_BUFFER_BYTES, SEND_TIMEOUT,
 };
-use crate::send_within::SendWithin;
+use crate::send_within::WriteTimeoutStream;
 
 /// How long to wait after the system has refused a connection, as it does where too many files are open.
-const AFTER_REFUSAL: Duration = Duration::from_millis(100);
+const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(100);
 
 /// One connection, for its requests to say that they know it. Clones are of the same connection.
 #[derive(Clone, Debug)]
-pub struct Connection(Arc<Inner>);
+pub struct Connection(Arc<ConnectionState>);
 
 #[derive(Debug)]
-struct Inner {
+struct ConnectionState {
     number: u64,
-    strangers: Arc<Strangers>,
-    given_up: CancellationToken,
+    anonymous: Arc<AnonymousConnections>,
+    close_token: CancellationToken,
     /// Whether a request has come by it.
-    asked: AtomicBool,
+    has_requested: AtomicBool,
     /// Whether it has shown the token.
-    is_known: AtomicBool,
+    is_authenticated: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
 
 /// Connections that have not shown the token, by their number, which grows with each.
 #[derive(Debug, Default)]
-struct Strangers {
+struct AnonymousConnections {
     last: AtomicU64,
     waiting: Mutex<BTreeMap<u64, CancellationToken>>,
 }
 
 impl Connection {
-    fn of(strangers: &Arc<Strangers>, permit: OwnedSemaphorePermit) -> Self {
+    fn of(strangers: &Arc<AnonymousConnections>, permit: OwnedSemaphorePermit) -> Self {
         let (number, given_up) = strangers.enter();
         let (asked, is_known) = (AtomicBool::new(false), AtomicBool::new(false));
         let strangers = Arc::clone(strangers);
-        Self(Arc::new(Inner { number, strangers, given_up, asked, is_known, _permit: permit }))
+        Self(Arc::new(ConnectionState {
+            number,
+            anonymous: strangers,
+            close_token: given_up,
+            has_requested: asked,
+            is_authenticated: is_known,
+            _permit: permit,
+        }))
     }
 
     /// Whoever is behind it has shown the token.
-    pub fn is_known(&self) {
-        self.0.is_known.store(true, Ordering::Relaxed);
-        self.0.strangers.leave(self.0.number);
+    pub fn mark_authenticated(&self) {
+        self.0.is_authenticated.store(true, Ordering::Relaxed);
+        self.0.anonymous.leave(self.0.number);
     }
 
     /// Whether it has: what is asked by it counts as asked by somebody who has the token.
-    pub fn has_shown_token(&self) -> bool {
-        self.0.is_known.load(Ordering::Relaxed)
+    pub fn is_authenticated(&self) -> bool {
+        self.0.is_authenticated.load(Ordering::Relaxed)
     }
 
     /// The same bytes for an answer to it: where they are not taken as fast as they have to be, it is cut off.
-    pub fn takes_in_time(&self, bytes: Bytes) -> Bytes {
+    pub fn with_delivery_timeout(&self, bytes: Bytes) -> Bytes {
         let taken = CancellationToken::new();
         let untaken = taken.clone().drop_guard();
-        let within = taken_within(bytes.len());
-        let given_up = self.0.given_up.clone();
+        let within = delivery_timeout(bytes.len());
+        let given_up = self.0.close_token.clone();
         tokio::spawn(async move {
             if timeout(within, taken.cancelled()).await.is_err() {
                 given_up.cancel();
             }
         });
-        Bytes::from_owner(Untaken { bytes, _untaken: untaken })
+        Bytes::from_owner(UndeliveredBytes { bytes, _untaken: untaken })
     }
 
     /// Returns when the connection has to end: to make room for others, which one that is known never has to, or because it takes an
     /// answer too slowly.
-    pub async fn given_up(&self) {
-        self.0.given_up.cancelled().await;
+    pub async fn until_closed_by_server(&self) {
+        self.0.close_token.cancelled().await;
     }
 }
 
 /// Bytes of which not all are taken.
-struct Untaken {
+struct UndeliveredBytes {
     bytes: Bytes,
     _untaken: DropGuard,
 }
 
-impl AsRef<[u8]> for Untaken {
+impl AsRef<[u8]> for UndeliveredBytes {
     fn as_ref(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-impl Drop for Inner {
+impl Drop for ConnectionState {
     fn drop(&mut self) {
-        self.strangers.leave(self.number);
+        self.anonymous.leave(self.number);
     }
 }
 
-impl Strangers {
+impl AnonymousConnections {
     /// Takes in one more. Where there are too many the oldest is given up: whoever has the token shows it at once.
     fn enter(&self) -> (u64, CancellationToken) {
         let number = self.last.fetch_add(1, Ordering::Relaxed);
         let token = CancellationToken::new();
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         waiting.insert(number, token.clone());
-        if waiting.len() > MAX_STRANGERS
+        if waiting.len() > MAX_ANONYMOUS_CONNECTIONS
             && let Some((_, oldest)) = waiting.pop_first()
         {
             oldest.cancel();
@@ -134,7 +141,7 @@ impl Strangers {
 
 /// How the server ends.
 #[derive(Clone, Debug, Default)]
-pub struct Ending {
+pub struct ShutdownSignals {
     /// What was accepted is being finished. Connections end with the answer that they wait for; new ones get one answer each,
     /// so that `/readyz` can say what goes on.
     pub draining: CancellationToken,
@@ -142,8 +149,8 @@ pub struct Ending {
     pub sockets_ended: CancellationToken,
 }
 
-/// Answers connections on `requests`, by `router`, until all that came before [`Ending::draining`], and the sockets, have ended.
-pub async fn serve(listener: TcpListener, requests: Handle, router: Router, ending: Ending) {
+/// Answers connections on `requests`, by `router`, until all that came before [`ShutdownSignals::is_draining`], and the sockets, have ended.
+pub async fn serve(listener: TcpListener, requests: Handle, router: Router, ending: ShutdownSignals) {
     // Its connections have the same.
     let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
         .and_then(|()| set_socket_send_buffer_size(&listener, SEND_BUFFER_BYTES));
@@ -151,7 +158,7 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
         tracing::debug!("connections have buffers as large as the system likes: {error}");
     }
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-    let strangers = Arc::new(Strangers::default());
+    let strangers = Arc::new(AnonymousConnections::default());
     let (open, late) = (TaskTracker::new(), TaskTracker::new());
     let (over, ended) = (CancellationToken::new(), ending.clone());
     let are_over = async {
@@ -170,10 +177,14 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
         let connection = Connection::of(&strangers, permit);
         let router = router.clone();
         let is_late = ending.draining.is_cancelled();
-        let ends = if is_late { Ends::AfterOne(over.clone()) } else { Ends::With(ending.draining.clone()) };
+        let ends = if is_late {
+            ConnectionEnd::AfterOneAnswer(over.clone())
+        } else {
+            ConnectionEnd::AfterCurrentAnswer(ending.draining.clone())
+        };
         let served = async move {
-            match SendWithin::new(stream, SEND_WITHIN).moved_here() {
-                Ok(stream) => answer(stream, connection, router, ends).await,
+            match WriteTimeoutStream::new(stream, SEND_TIMEOUT).into_current_runtime() {
+                Ok(stream) => serve_connection(stream, connection, router, ends).await,
                 Err(error) => tracing::debug!("a connection broke: {error}"),
             }
         };
@@ -190,11 +201,11 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
 }
 
 /// When a connection ends that nobody closes.
-enum Ends {
+enum ConnectionEnd {
     /// With the answer that is under way when this is cancelled.
-    With(CancellationToken),
+    AfterCurrentAnswer(CancellationToken),
     /// After one answer; without, when this is cancelled before it is asked for.
-    AfterOne(CancellationToken),
+    AfterOneAnswer(CancellationToken),
 }
 
 /// The next connection and its permit. While there are too many, others wait in the system's queue.
@@ -214,35 +225,40 @@ async fn accept(
             }
             Err(error) => {
                 tracing::warn!("a connection was not accepted: {error}");
-                sleep(AFTER_REFUSAL).await;
+                sleep(ACCEPT_RETRY_DELAY).await;
             }
         }
     }
 }
 
-async fn answer(stream: SendWithin, connection: Connection, router: Router, ends: Ends) {
+async fn serve_connection(
+    stream: WriteTimeoutStream,
+    connection: Connection,
+    router: Router,
+    ends: ConnectionEnd,
+) {
     let service = TowerToHyperService::new(router);
     let named = connection.clone();
     let service = service_fn(move |mut request: Request<Incoming>| {
-        named.0.asked.store(true, Ordering::Relaxed);
+        named.0.has_requested.store(true, Ordering::Relaxed);
         request.extensions_mut().insert(named.clone());
         service.call(request)
     });
     let mut served = http1::Builder::new();
-    served.timer(TokioTimer::new()).header_read_timeout(HEADERS_WITHIN).max_buf_size(MAX_HEAD_BYTES);
+    served.timer(TokioTimer::new()).header_read_timeout(HEADERS_TIMEOUT).max_buf_size(MAX_HEAD_BYTES);
     let (is_last, end) = match ends {
-        Ends::With(end) => (false, end),
-        Ends::AfterOne(end) => (true, end),
+        ConnectionEnd::AfterCurrentAnswer(end) => (false, end),
+        ConnectionEnd::AfterOneAnswer(end) => (true, end),
     };
     served.keep_alive(!is_last);
     let served = served.serve_connection(TokioIo::new(stream), service).with_upgrades();
     let mut served = std::pin::pin!(served);
     let ended = tokio::select! {
         ended = served.as_mut() => ended,
-        () = connection.given_up() => return,
+        () = connection.until_closed_by_server() => return,
         () = end.cancelled() => {
             // One that has asked for nothing would be waited for in vain.
-            if !connection.0.asked.load(Ordering::Relaxed) {
+            if !connection.0.has_requested.load(Ordering::Relaxed) {
                 return;
             }
             served.as_mut().graceful_shutdown();
@@ -259,17 +275,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oldest_stranger_gives_way_and_who_is_known_never() {
-        let permits = Arc::new(Semaphore::new(MAX_STRANGERS + 3));
-        let strangers = Arc::new(Strangers::default());
+    fn the_oldest_anonymous_connection_is_evicted() {
+        let permits = Arc::new(Semaphore::new(MAX_ANONYMOUS_CONNECTIONS + 3));
+        let strangers = Arc::new(AnonymousConnections::default());
         let enter = || Connection::of(&strangers, Arc::clone(&permits).try_acquire_owned().unwrap());
         let (known, oldest) = (enter(), enter());
-        known.is_known();
-        let rest: Vec<Connection> = (1..MAX_STRANGERS).map(|_| enter()).collect();
-        assert!(!oldest.0.given_up.is_cancelled());
+        known.mark_authenticated();
+        let rest: Vec<Connection> = (1..MAX_ANONYMOUS_CONNECTIONS).map(|_| enter()).collect();
+        assert!(!oldest.0.close_token.is_cancelled());
         let _one_more = enter();
-        assert!(oldest.0.given_up.is_cancelled());
-        assert!(!known.0.given_up.is_cancelled() && rest.iter().all(|one| !one.0.given_up.is_cancelled()));
+        assert!(oldest.0.close_token.is_cancelled());
+        assert!(
+            !known.0.close_token.is_cancelled() && rest.iter().all(|one| !one.0.close_token.is_cancelled())
+        );
         drop(rest);
         assert_eq!(strangers.waiting.lock().unwrap().len(), 1);
     }

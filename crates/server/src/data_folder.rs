@@ -4,7 +4,7 @@ use std::fs::{self, DirBuilder, File, Permissions, TryLockError};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-use store::{DATABASE, FILES, check_folder};
+use store::{DATABASE_FILE, FILES, check_folder};
 
 use crate::ServerError;
 
@@ -17,11 +17,11 @@ pub fn make(folder: &Path) -> Result<(), ServerError> {
     check_folder(folder)?;
     let unusable = |reason| ServerError::Data { path: folder.into(), reason };
     DirBuilder::new().recursive(true).mode(0o700).create(folder).map_err(unusable)?;
-    if folder.join(DATABASE).is_file() {
-        close(folder);
-        close(&folder.join(LOCK));
+    if folder.join(DATABASE_FILE).is_file() {
+        restrict_to_owner(folder);
+        restrict_to_owner(&folder.join(LOCK));
         for name in FILES {
-            close(&folder.join(name));
+            restrict_to_owner(&folder.join(name));
         }
     } else if fs::metadata(folder).map_err(unusable)?.permissions().mode() & 0o077 != 0 {
         let folder = folder.display();
@@ -33,7 +33,7 @@ pub fn make(folder: &Path) -> Result<(), ServerError> {
 }
 
 /// Leaves a file or folder to its owner alone, or says that the system does not allow it. One that is missing is passed over.
-fn close(path: &Path) {
+fn restrict_to_owner(path: &Path) {
     let Ok(metadata) = fs::metadata(path) else { return };
     let mode = metadata.permissions().mode() & 0o777;
     let closed = mode & 0o700;
@@ -79,13 +79,13 @@ mod tests {
             make(folder).unwrap();
             assert_eq!(mode(folder), 0o755, "it holds nothing of ours");
         }
-        for name in [DATABASE, LOCK] {
+        for name in [DATABASE_FILE, LOCK] {
             fs::write(new.join(name), "").unwrap();
             fs::set_permissions(new.join(name), Permissions::from_mode(0o644)).unwrap();
         }
         make(&new).unwrap();
         assert_eq!(
-            [&new, &new.join(DATABASE), &new.join(LOCK)].map(|path| mode(path)),
+            [&new, &new.join(DATABASE_FILE), &new.join(LOCK)].map(|path| mode(path)),
             [0o700, 0o600, 0o600]
         );
     }

@@ -5,19 +5,19 @@ use std::sync::{Arc, OnceLock};
 use axum::body::Bytes;
 use document::Document;
 
-use crate::in_flight::{InFlight, Reservation};
+use crate::in_flight::{ByteBudget, ByteReservation};
 
 /// The JSON of a document as it is after one record. It is on the account for as long as anybody has it.
 #[derive(Debug)]
 pub struct DocumentText {
     document: Document,
-    in_flight: InFlight,
-    made: OnceLock<(String, Reservation)>,
+    in_flight: ByteBudget,
+    made: OnceLock<(String, ByteReservation)>,
 }
 
 impl DocumentText {
     /// Of this document; nothing is made yet.
-    pub fn new(document: Document, in_flight: InFlight) -> Self {
+    pub fn new(document: Document, in_flight: ByteBudget) -> Self {
         Self { document, in_flight, made: OnceLock::new() }
     }
 
@@ -31,7 +31,7 @@ impl DocumentText {
         let make = || {
             let document = protocol::Document::from(&self.document);
             let json = serde_json::to_string(&document).expect("plain data with string keys");
-            let held = self.in_flight.count(json.len());
+            let held = self.in_flight.reserve_unchecked(json.len());
             (json, held)
         };
         &self.made.get_or_init(make).0
@@ -52,7 +52,7 @@ mod tests {
 
     #[test]
     fn a_text_is_made_once_and_is_on_the_account_while_somebody_has_it() {
-        let in_flight = InFlight::default();
+        let in_flight = ByteBudget::default();
         let text = Arc::new(DocumentText::new(Document::default(), in_flight.clone()));
         assert_eq!(in_flight.bytes(), 0, "nobody has asked");
         let (one, two) = (Arc::clone(&text).bytes(), Arc::clone(&text).bytes());

@@ -4,14 +4,14 @@ use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use edit::Refusal;
+use edit::EditRefusal;
 use protocol::{ErrorCode, FileError, PROTOCOL, Problem, Refused, RenderRefusal};
 use reference::ReferenceError;
 use render::RenderError;
 use store::StoreError;
 use thiserror::Error;
 
-use crate::limits::{BODY_RESTS_AT_MOST, HELLO_WITHIN, LARGE_BODY_WITHIN, MAX_MOVING_PIXELS, SMALL_BYTES};
+use crate::limits::{BODY_IDLE_TIMEOUT, HELLO_TIMEOUT, LARGE_BODY_TIMEOUT, MAX_MOVING_PIXELS, SMALL_BYTES};
 
 /// Why the server does not start, or why a request is refused.
 #[derive(Debug, Error)]
@@ -55,7 +55,7 @@ pub enum ServerError {
     Render(#[from] RenderError),
     /// A picture that is not asked for as it can be.
     #[error(transparent)]
-    Picture(#[from] RenderRefusal),
+    InvalidRenderRequest(#[from] RenderRefusal),
     /// A point of a picture that cannot be looked at.
     #[error(transparent)]
     Probe(#[from] ReferenceError),
@@ -67,7 +67,7 @@ pub enum ServerError {
     Store(#[from] StoreError),
     /// The store, or its disk, did not give what was to be read.
     #[error(transparent)]
-    Unread(StoreError),
+    StoreRead(StoreError),
     /// Why a session could not be opened, for each who asked.
     #[error(transparent)]
     Opening(Arc<ServerError>),
@@ -93,7 +93,7 @@ pub enum ServerError {
     #[error("a connection begins with exactly one `hello`: send that first")]
     Hello,
     /// No `hello` at all.
-    #[error("no `hello` came within {} seconds: connect again", HELLO_WITHIN.as_secs())]
+    #[error("no `hello` came within {} seconds: connect again", HELLO_TIMEOUT.as_secs())]
     HelloTooLate,
     /// A message or a body that cannot be read.
     #[error("{0}")]
@@ -103,10 +103,10 @@ pub enum ServerError {
     BadCommand(#[from] Refused),
     /// What the session refuses.
     #[error(transparent)]
-    Refused(#[from] Refusal),
+    Refused(#[from] EditRefusal),
     /// An edit of a group that cannot be read.
     #[error("edit {number} of the group: {reason}; nothing of the group was done")]
-    OfGroup {
+    InGroup {
         /// Which, counted from 1.
         number: usize,
         /// What is wrong with it.
@@ -131,7 +131,7 @@ pub enum ServerError {
     /// A session that is to go, and has people in it.
     #[error(
         "{} in session `{session}`, which cannot be deleted while anybody is: ask them to leave it",
-        said(people)
+        names_in_sentence(people)
     )]
     InUse {
         /// Its name.
@@ -167,10 +167,10 @@ pub enum ServerError {
         unit: &'static str,
     },
     /// A body that does not come.
-    #[error("nothing of the request came for {} s: send it again", BODY_RESTS_AT_MOST.as_secs())]
-    Stalled,
+    #[error("nothing of the request came for {} s: send it again", BODY_IDLE_TIMEOUT.as_secs())]
+    BodyTimedOut,
     /// A large body that comes too slowly.
-    #[error("a request of more than {SMALL_BYTES} bytes has to come within {} s: send it in parts", LARGE_BODY_WITHIN.as_secs())]
+    #[error("a request of more than {SMALL_BYTES} bytes has to come within {} s: send it in parts", LARGE_BODY_TIMEOUT.as_secs())]
     TooSlow,
     /// As many bytes in flight as there may be.
     #[error("the server holds as many bytes of requests and answers as it may: try again in a moment")]
@@ -190,7 +190,7 @@ pub enum ServerError {
     #[error(
         "the session has {count} {what} under way, and leaves the rest to others: try again when one of them is done"
     )]
-    TooManyOfOne {
+    SessionLimitReached {
         /// As people call them: requests, pictures.
         what: &'static str,
         /// Those under way.
@@ -209,10 +209,10 @@ pub enum ServerError {
     #[error(
         "the light, its pins or the scene changed {0} times while this was solved: try again when others are done"
     )]
-    KeepsChanging(u32),
+    TooManySolveRetries(u32),
     /// A task of the server is gone.
     #[error("the server has a fault of its own: try again, and send its log to its makers")]
-    Fault,
+    Internal,
 }
 
 impl ServerError {
@@ -222,11 +222,11 @@ impl ServerError {
             Self::Data { .. } | Self::Trace { .. } | Self::Locked(_) | Self::BadToken(_) => {
                 ErrorCode::Storage
             }
-            Self::Listen(_) | Self::Fault => ErrorCode::Fault,
+            Self::Listen(_) | Self::Internal => ErrorCode::Fault,
             Self::Scene(_) => ErrorCode::BadScene,
             Self::NoDemo(_) => ErrorCode::UnknownAsset,
             Self::Render(_) | Self::Encode(_) => ErrorCode::Render,
-            Self::Store(error) | Self::Unread(error) => error.code(),
+            Self::Store(error) | Self::StoreRead(error) => error.code(),
             Self::Opening(error) => error.code(),
             Self::Unauthorized => ErrorCode::Unauthorized,
             Self::ForeignOrigin(_) => ErrorCode::ForeignOrigin,
@@ -235,21 +235,21 @@ impl ServerError {
             Self::HelloTooLate => ErrorCode::HelloTooLate,
             Self::Probe(ReferenceError::Camera(_)) => ErrorCode::InvalidCamera,
             Self::BadMessage(_) | Self::CutOff | Self::Probe(_) => ErrorCode::BadMessage,
-            Self::Picture(refusal) => refusal.code(),
+            Self::InvalidRenderRequest(refusal) => refusal.code(),
             Self::BadCommand(refused) => refused.code(),
             Self::Refused(refusal) => refusal.into(),
-            Self::OfGroup { reason, .. } => reason.code(),
+            Self::InGroup { reason, .. } => reason.code(),
             Self::NotFound { .. } | Self::NoRoute(_) => ErrorCode::NotFound,
             Self::InUse { .. } => ErrorCode::InUse,
             Self::MethodNotAllowed { .. } => ErrorCode::MethodNotAllowed,
             Self::NotJson(_) => ErrorCode::UnsupportedMediaType,
             Self::TooLarge { .. } => ErrorCode::TooLarge,
             Self::TooMany { .. }
-            | Self::TooManyOfOne { .. }
+            | Self::SessionLimitReached { .. }
             | Self::ViewsMoveTooMuch
             | Self::NoSessionName(_) => ErrorCode::TooMany,
-            Self::KeepsChanging(_) => ErrorCode::KeepsChanging,
-            Self::Stalled | Self::TooSlow => ErrorCode::Stalled,
+            Self::TooManySolveRetries(_) => ErrorCode::KeepsChanging,
+            Self::BodyTimedOut | Self::TooSlow => ErrorCode::Stalled,
             Self::Busy => ErrorCode::Busy,
             Self::WarmingUp => ErrorCode::WarmingUp,
             Self::NotReady(_) => ErrorCode::NotReady,
@@ -258,13 +258,13 @@ impl ServerError {
     }
 
     /// Whether another try may go otherwise (SPEC, REC-4).
-    pub fn is_of_the_moment(&self) -> bool {
-        self.code().is_of_the_moment()
+    pub fn is_transient(&self) -> bool {
+        self.code().is_transient()
     }
 
     /// Whether what was asked for may have been done all the same.
-    pub fn is_unknown(&self) -> bool {
-        matches!(self, Self::Store(StoreError::Unknown(_)))
+    pub fn has_unknown_outcome(&self) -> bool {
+        matches!(self, Self::Store(StoreError::UnknownOutcome(_)))
     }
 
     /// What a user is told. The disk's own words name folders of this machine: those go to the log only.
@@ -274,8 +274,8 @@ impl ServerError {
             tracing::error!("the store failed: {self}");
         }
         let message = match (code, self) {
-            (ErrorCode::Storage, Self::Unread(_)) => READ_FAILED.into(),
-            (ErrorCode::Storage, Self::Opening(error)) if matches!(**error, Self::Unread(_)) => {
+            (ErrorCode::Storage, Self::StoreRead(_)) => READ_FAILED.into(),
+            (ErrorCode::Storage, Self::Opening(error)) if matches!(**error, Self::StoreRead(_)) => {
                 READ_FAILED.into()
             }
             (ErrorCode::Storage, _) => WRITE_FAILED.into(),
@@ -293,7 +293,7 @@ const OUTCOME_UNKNOWN: &str = "the server's disk failed, and this may have been 
     or send it again under the same name";
 
 /// Who is there, as far as a sentence has the room.
-fn said(people: &[String]) -> String {
+fn names_in_sentence(people: &[String]) -> String {
     match people {
         [] => "somebody is".into(),
         [one] => format!("{one} is"),

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use document::{AssetHash, Command, Context, SceneContents};
-use edit::{Actor, Request, Session, Sources};
-use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
+use document::{AssetHash, Command, CommandContext, SceneContents};
+use edit::{Actor, EditRequest, EditSources, Session};
+use store::{CommitBatch, MAX_NAME_CHARS, Store, StoreError};
 
 use crate::ServerError;
 use crate::room::time_ms;
@@ -15,7 +15,7 @@ const FIRST_SCENE: &str = "demo:vases";
 /// Of a scene's session; the rest is for a number behind it.
 const MAX_STEM_CHARS: usize = MAX_NAME_CHARS - 4;
 /// How many names are tried for a session of a scene whose own name is taken.
-const MOST_TRIES: usize = 100;
+const MAX_NAME_TRIES: usize = 100;
 
 /// The session that a start leads to.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,7 +23,7 @@ pub struct StartSession {
     /// What it is called.
     pub name: String,
     /// What the first session keeps, where that holds another scene than was asked for.
-    pub kept: Option<String>,
+    pub scene_already_there: Option<String>,
 }
 
 /// Makes the first session, with its scene as its first record, or nothing. A session that has no record yet, as a start
@@ -33,7 +33,7 @@ pub struct StartSession {
 pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<StartSession, ServerError> {
     let sessions = store.sessions()?;
     let is_begun = sessions.iter().any(|row| row.name == name && row.seq > 0);
-    let first = StartSession { name: name.into(), kept: None };
+    let first = StartSession { name: name.into(), scene_already_there: None };
     let has_only_others = !sessions.is_empty() && sessions.iter().all(|row| row.name != name);
     if has_only_others && scene.is_none() {
         return Ok(first);
@@ -46,26 +46,26 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
     let Some(scene) = scene else { return Ok(first) };
     let bytes = bytes_of(scene)?;
     let asset = AssetHash::of(&bytes);
-    if is_of(store, name, asset) {
+    if uses_scene(store, name, asset) {
         return Ok(first);
     }
     let held = store.open_session(name).ok().and_then(|opened| opened.session.document().scene().cloned());
     let kept = Some(held.map_or_else(|| "what it has".to_owned(), |held| held.name));
     let stem = session_name(scene);
-    let names = (1..=MOST_TRIES).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+    let names = (1..=MAX_NAME_TRIES).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
     for name in names.filter(|tried| tried != name) {
         if !store.sessions()?.into_iter().any(|row| row.name == name && row.seq > 0) {
             begin(store, &name, scene, &bytes)?;
-        } else if !is_of(store, &name, asset) {
+        } else if !uses_scene(store, &name, asset) {
             continue;
         }
-        return Ok(StartSession { name, kept });
+        return Ok(StartSession { name, scene_already_there: kept });
     }
     Err(ServerError::NoSessionName(stem))
 }
 
 /// Whether a session began with a scene, or holds it now. One that cannot be read does neither: it keeps nobody from starting.
-fn is_of(store: &Store, session: &str, asset: AssetHash) -> bool {
+fn uses_scene(store: &Store, session: &str, asset: AssetHash) -> bool {
     let holds = |session: Result<Session, StoreError>| {
         session.is_ok_and(|session| session.document().scene().is_some_and(|scene| scene.asset == asset))
     };
@@ -74,16 +74,16 @@ fn is_of(store: &Store, session: &str, asset: AssetHash) -> bool {
 
 /// Gives a session that is missing or empty its scene.
 fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(), ServerError> {
-    let (asset, contents) = stored(store, scene, bytes)?;
+    let (asset, contents) = store_scene(store, scene, bytes)?;
     let actor = Actor { id: "server".into(), name: "Server".into() };
     let command = Command::LoadScene { asset, name: scene_label(scene) };
-    let request = Request::Edit { base_seq: None, command };
+    let request = EditRequest::Edit { base_seq: None, command };
     let mut session = Session::default();
-    let context = Context { loaded: Some(&contents), ..Context::default() };
-    let sources = Sources { context, taken_back: None };
-    let record = session.request(request, &actor, "first-scene", time_ms(), sources)?;
+    let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
+    let sources = EditSources { context, reverted: None };
+    let record = session.execute_request(request, &actor, "first-scene", time_ms(), sources)?;
     let (records, hash) = (&[record], session.document().hash());
-    let first = Batch { session: name, records, rejections: &[], hash };
+    let first = CommitBatch { session: name, records, rejections: &[], hash };
     match store.session(name) {
         Err(StoreError::NoSession(_)) => drop(store.begin_session(&first, None)?),
         Err(error) => return Err(error.into()),
@@ -112,13 +112,13 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, ServerError> {
 }
 
 /// Keeps a scene and what it is called; gives what comes with it.
-fn stored(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, SceneContents), ServerError> {
+fn store_scene(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, SceneContents), ServerError> {
     let loaded =
         assets::load_bytes(bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
     let asset = store.assets.put(bytes)?;
-    let loaded = loaded.lit();
+    let loaded = loaded.with_default_light();
     if loaded.name.as_deref() != Some(name) {
-        store.assets.name(&asset, &scene_label(name))?;
+        store.assets.set_name(&asset, &scene_label(name))?;
     }
     Ok((asset, loaded.contents))
 }

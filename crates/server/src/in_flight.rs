@@ -9,14 +9,16 @@ use std::time::Duration;
 use axum::body::Bytes;
 
 use crate::ServerError;
-use crate::limits::{MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, SEND_WITHIN, TAKEN_BYTES_PER_SECOND};
+use crate::limits::{
+    MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, MIN_DELIVERY_BYTES_PER_SECOND, SEND_TIMEOUT,
+};
 
 /// The account. Clones are of the same one.
 #[derive(Clone, Debug, Default)]
-pub struct InFlight(Arc<Account>);
+pub struct ByteBudget(Arc<BudgetCounters>);
 
 #[derive(Debug, Default)]
-struct Account {
+struct BudgetCounters {
     bytes: AtomicUsize,
     /// Those of them that are bodies'.
     body_bytes: AtomicUsize,
@@ -24,31 +26,31 @@ struct Account {
 
 /// Bytes on the account; dropping it takes them off.
 #[derive(Debug)]
-pub struct Reservation {
-    account: InFlight,
+pub struct ByteReservation {
+    account: ByteBudget,
     bytes: usize,
 }
 
 /// Bytes of a body on the account; dropping it takes them off.
 #[derive(Debug)]
-pub struct BodyReservation(Reservation);
+pub struct BodyReservation(ByteReservation);
 
-impl InFlight {
+impl ByteBudget {
     /// Puts bytes on the account where they fit. Where nothing else is there, anything does.
-    pub fn reserve(&self, bytes: usize) -> Result<Reservation, ServerError> {
-        take(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
-        Ok(Reservation { account: self.clone(), bytes })
+    pub fn reserve(&self, bytes: usize) -> Result<ByteReservation, ServerError> {
+        try_add(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
+        Ok(ByteReservation { account: self.clone(), bytes })
     }
 
     /// A body that has no bytes yet.
     pub fn body(&self) -> BodyReservation {
-        BodyReservation(self.count(0))
+        BodyReservation(self.reserve_unchecked(0))
     }
 
     /// Puts bytes on the account whether they fit or not: what is there already, and has to be sent.
-    pub fn count(&self, bytes: usize) -> Reservation {
+    pub fn reserve_unchecked(&self, bytes: usize) -> ByteReservation {
         self.0.bytes.fetch_add(bytes, Ordering::Relaxed);
-        Reservation { account: self.clone(), bytes }
+        ByteReservation { account: self.clone(), bytes }
     }
 
     /// Refuses where it is full.
@@ -68,12 +70,12 @@ impl InFlight {
 }
 
 /// How long bytes may take to be taken.
-pub fn taken_within(bytes: usize) -> Duration {
-    SEND_WITHIN + Duration::from_secs_f64(bytes as f64 / TAKEN_BYTES_PER_SECOND as f64)
+pub fn delivery_timeout(bytes: usize) -> Duration {
+    SEND_TIMEOUT + Duration::from_secs_f64(bytes as f64 / MIN_DELIVERY_BYTES_PER_SECOND as f64)
 }
 
 /// Adds bytes to a sum that may be so much at most. Where it is nothing, anything fits.
-fn take(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
+fn try_add(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
     let fits = |held: usize| {
         let sum = held.saturating_add(bytes);
         (held == 0 || sum <= most).then_some(sum)
@@ -87,8 +89,8 @@ impl BodyReservation {
     pub fn grow_to(&mut self, bytes: usize) -> Result<(), ServerError> {
         let more = bytes.saturating_sub(self.0.bytes);
         let account = &self.0.account.0;
-        take(&account.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
-        if let Err(busy) = take(&account.bytes, more, MAX_BYTES_IN_FLIGHT) {
+        try_add(&account.body_bytes, more, MAX_BODY_BYTES_IN_FLIGHT)?;
+        if let Err(busy) = try_add(&account.bytes, more, MAX_BYTES_IN_FLIGHT) {
             account.body_bytes.fetch_sub(more, Ordering::Relaxed);
             return Err(busy);
         }
@@ -103,14 +105,14 @@ impl Drop for BodyReservation {
     }
 }
 
-impl Reservation {
+impl ByteReservation {
     /// The same bytes, on the account until the last clone of them is dropped.
-    pub fn of(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
+    pub fn attach_to(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
         Bytes::from_owner(Owned { bytes, _reservation: self })
     }
 }
 
-impl Drop for Reservation {
+impl Drop for ByteReservation {
     fn drop(&mut self) {
         self.account.0.bytes.fetch_sub(self.bytes, Ordering::Relaxed);
     }
@@ -118,7 +120,7 @@ impl Drop for Reservation {
 
 struct Owned<T> {
     bytes: T,
-    _reservation: Reservation,
+    _reservation: ByteReservation,
 }
 
 impl<T: AsRef<[u8]>> AsRef<[u8]> for Owned<T> {
@@ -133,14 +135,14 @@ mod tests {
 
     #[test]
     fn the_account_holds_what_fits_and_one_alone_always_does() {
-        let account = InFlight::default();
+        let account = ByteBudget::default();
         let alone = account.reserve(2 * MAX_BYTES_IN_FLIGHT).unwrap();
         assert!(matches!(account.reserve(1), Err(ServerError::Busy)));
         drop(alone);
         let most = account.reserve(MAX_BYTES_IN_FLIGHT).unwrap();
         assert!(account.reserve(1).is_err() && account.body().grow_to(1).is_err());
         drop(most);
-        let counted = account.count(10).of(vec![0; 10]);
+        let counted = account.reserve_unchecked(10).attach_to(vec![0; 10]);
         let clone = counted.clone();
         drop(counted);
         assert_eq!(account.bytes(), 10, "shared bytes count once, until the last clone is gone");
@@ -150,7 +152,7 @@ mod tests {
 
     #[test]
     fn bodies_leave_room_for_answers() {
-        let account = InFlight::default();
+        let account = ByteBudget::default();
         let mut bodies: Vec<_> = (0..3).map(|_| account.body()).collect();
         bodies[0].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();
         bodies[1].grow_to(MAX_BODY_BYTES_IN_FLIGHT / 2).unwrap();

@@ -5,8 +5,10 @@
 
 mod access;
 mod allowances;
+mod anonymous;
 mod backend;
 mod background;
+mod charges;
 mod connections;
 mod data_folder;
 mod document_text;
@@ -34,13 +36,11 @@ mod socket;
 mod solver;
 mod state;
 mod storage;
-mod strangers;
 mod trace;
-mod turns;
 mod views;
 
 pub use access::{PublicUrl, Token};
 pub use background::request_runtime;
 pub use error::ServerError;
 pub use first_session::StartSession;
-pub use server::{Config, Server};
+pub use server::{Server, ServerConfig};

@@ -12,7 +12,7 @@ use protocol::ErrorCode;
 use render::{MemoryBudget, MemoryKind};
 use stream::Codec;
 
-use crate::in_flight::InFlight;
+use crate::in_flight::ByteBudget;
 #[cfg(target_os = "linux")]
 use crate::process_metrics::ProcessMetrics;
 
@@ -67,7 +67,7 @@ pub struct Metrics {
     render_memory: MemoryBudget,
     /// Bytes of bodies, answers and messages; read from their account when they are asked for.
     bytes_in_flight: Gauge,
-    in_flight: InFlight,
+    in_flight: ByteBudget,
 }
 
 /// By encoding.
@@ -129,7 +129,7 @@ impl From<Codec> for CodecLabel {
 
 impl Metrics {
     /// All at zero.
-    pub fn new(render_memory: MemoryBudget, in_flight: InFlight) -> Self {
+    pub fn new(render_memory: MemoryBudget, in_flight: ByteBudget) -> Self {
         // From a millisecond to 8 seconds, each bound twice the one before.
         let seconds: fn() -> Histogram = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
@@ -225,9 +225,9 @@ impl Metrics {
     }
 
     /// A request is under way until what this gives is dropped.
-    pub fn request_begins(&self) -> UnderWay {
+    pub fn request_begins(&self) -> RequestUnderWay {
         self.requests_under_way.inc();
-        UnderWay(self.requests_under_way.clone())
+        RequestUnderWay(self.requests_under_way.clone())
     }
 
     /// Counts a request that was answered, with this code where it was refused.
@@ -259,9 +259,9 @@ impl Metrics {
 }
 
 /// A request that is under way.
-pub struct UnderWay(Gauge);
+pub struct RequestUnderWay(Gauge);
 
-impl Drop for UnderWay {
+impl Drop for RequestUnderWay {
     fn drop(&mut self) {
         self.0.dec();
     }

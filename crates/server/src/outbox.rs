@@ -12,35 +12,35 @@ use protocol::{Problem, ServerMessage};
 use tokio::sync::{mpsc, watch};
 
 use crate::ServerError;
-use crate::in_flight::InFlight;
-use crate::limits::{ANSWER_BYTES, CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE, SMALL_BYTES};
+use crate::in_flight::ByteBudget;
+use crate::limits::{CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE, READ_PAUSE_BYTES, SMALL_BYTES};
 
 /// What goes over a socket as one message.
 #[derive(Debug)]
 pub enum SocketMessage {
     /// A control message.
-    Text(Text),
+    Text(SharedText),
     /// A frame, or a tile of one.
     Binary(Bytes),
 }
 
 /// A control message as it goes over the wire, in pieces: what is sent to many stands in a piece of its own, which they share.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Text {
+pub struct SharedText {
     pieces: Vec<Bytes>,
     /// Bytes of what is not the text of a document.
     own_bytes: usize,
 }
 
-impl Text {
+impl SharedText {
     /// The text of a message, on the account until all have taken it.
-    pub fn of(message: &ServerMessage, in_flight: &InFlight) -> Self {
+    pub fn of(message: &ServerMessage, in_flight: &ByteBudget) -> Self {
         let text = counted(json(message), in_flight);
         Self { own_bytes: text.len(), pieces: vec![text] }
     }
 
     /// The text of a message that holds an empty document, with the text of another in its place.
-    pub fn around(message: &ServerMessage, document: Bytes, in_flight: &InFlight) -> Self {
+    pub fn with_document(message: &ServerMessage, document: Bytes, in_flight: &ByteBudget) -> Self {
         let (before, after) = protocol::json_around_document(message);
         let own_bytes = before.len() + after.len();
         Self { pieces: vec![counted(before, in_flight), document, counted(after, in_flight)], own_bytes }
@@ -52,7 +52,7 @@ impl Text {
     }
 }
 
-impl From<String> for Text {
+impl From<String> for SharedText {
     fn from(text: String) -> Self {
         Self { own_bytes: text.len(), pieces: vec![text.into()] }
     }
@@ -61,19 +61,19 @@ impl From<String> for Text {
 /// The sending end. Dropping it closes the connection once the control queue is empty.
 #[derive(Debug)]
 pub struct Outbox {
-    control: mpsc::UnboundedSender<Text>,
+    control: mpsc::UnboundedSender<SharedText>,
     frames: mpsc::Sender<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
     /// Answers to a client that is behind: they may refer to what it has not been told yet. `None` where it is not.
-    held: Option<Vec<Text>>,
-    in_flight: InFlight,
+    deferred_answers: Option<Vec<SharedText>>,
+    in_flight: ByteBudget,
 }
 
 /// The receiving end, for the task that writes to the socket.
 #[derive(Debug)]
 pub struct OutboxReceiver {
     /// Texts to send, first of all.
-    pub control: mpsc::UnboundedReceiver<Text>,
+    pub control: mpsc::UnboundedReceiver<SharedText>,
     /// Frames to send where no text waits: a message a tile, and what is told of the frame behind its last.
     pub frames: mpsc::Receiver<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
@@ -87,56 +87,56 @@ pub struct Backlog {
 }
 
 /// An empty outbox and its receiving end. What waits in it is on that account.
-pub fn outbox(in_flight: InFlight) -> (Outbox, OutboxReceiver) {
+pub fn outbox(in_flight: ByteBudget) -> (Outbox, OutboxReceiver) {
     let (control, control_end) = mpsc::unbounded_channel();
     let (frames, frames_end) = mpsc::channel(FRAME_QUEUE);
     let backlog = Arc::new(watch::Sender::new(Backlog::default()));
     let end = OutboxReceiver { control: control_end, frames: frames_end, backlog: Arc::clone(&backlog) };
-    (Outbox { control, frames, backlog, held: None, in_flight }, end)
+    (Outbox { control, frames, backlog, deferred_answers: None, in_flight }, end)
 }
 
 impl Outbox {
     /// Sends what this client has requested or alone is to know. It always gets there: a client that lets its answers
     /// pile up is not listened to meanwhile.
     pub fn send(&mut self, message: &ServerMessage) {
-        self.send_text(Text::of(message, &self.in_flight));
+        self.send_text(SharedText::of(message, &self.in_flight));
     }
 
     /// As [`Self::send`], of a message that is text already.
-    pub fn send_text(&mut self, text: Text) {
+    pub fn send_text(&mut self, text: SharedText) {
         self.backlog.send_modify(|backlog| backlog.add(&text));
-        match &mut self.held {
+        match &mut self.deferred_answers {
             Some(held) => held.push(text),
             None => self.queue(text),
         }
     }
 
     /// Sends what is broadcast, where there is room for it. Where there is none the client is behind.
-    pub fn offer(&mut self, text: Text) {
-        if self.held.is_some() {
+    pub fn try_broadcast(&mut self, text: SharedText) {
+        if self.deferred_answers.is_some() {
             return;
         }
         let backlog = *self.backlog.borrow();
-        if backlog.fits(&text) && (backlog.is_small_with(&text) || !self.in_flight.is_full()) {
+        if backlog.fits(&text) && (backlog.stays_small_with(&text) || !self.in_flight.is_full()) {
             self.send_text(text);
         } else {
-            self.held = Some(Vec::new());
+            self.deferred_answers = Some(Vec::new());
         }
     }
 
     /// Whether something that was broadcast did not fit.
     pub fn is_behind(&self) -> bool {
-        self.held.is_some()
+        self.deferred_answers.is_some()
     }
 
     /// Whether the client is behind and has taken all that it was sent.
     pub fn can_catch_up(&self) -> bool {
-        self.held.as_ref().is_some_and(|held| self.backlog.borrow().messages == held.len())
+        self.deferred_answers.as_ref().is_some_and(|held| self.backlog.borrow().messages == held.len())
     }
 
     /// Sends a client that is behind the session as it is, and then its answers.
-    pub fn catch_up(&mut self, resync: Text) {
-        let held = self.held.take().unwrap_or_default();
+    pub fn catch_up(&mut self, resync: SharedText) {
+        let held = self.deferred_answers.take().unwrap_or_default();
         self.send_text(resync);
         for text in held {
             self.queue(text);
@@ -149,13 +149,13 @@ impl Outbox {
     }
 
     /// Whether it takes one more frame. A client that is behind is shown nothing that it has not been told.
-    pub fn takes_frame(&self) -> bool {
-        self.held.is_none() && self.frames.capacity() > 0
+    pub fn can_take_frame(&self) -> bool {
+        self.deferred_answers.is_none() && self.frames.capacity() > 0
     }
 
     /// Whether it takes a frame and holds none that the client has not taken.
-    pub fn has_taken_frames(&self) -> bool {
-        self.held.is_none() && self.frames.capacity() == FRAME_QUEUE
+    pub fn has_empty_frame_queue(&self) -> bool {
+        self.deferred_answers.is_none() && self.frames.capacity() == FRAME_QUEUE
     }
 
     /// Sends the messages of a frame, or some of them; without room for them they are lost.
@@ -168,7 +168,7 @@ impl Outbox {
         self.control.is_closed()
     }
 
-    fn queue(&self, text: Text) {
+    fn queue(&self, text: SharedText) {
         // A connection that is over takes nothing; the session lets go of its client soon.
         let _ = self.control.send(text);
     }
@@ -176,7 +176,7 @@ impl Outbox {
 
 impl OutboxReceiver {
     /// The client has taken a text.
-    pub fn taken(&self, text: &Text) {
+    pub fn note_delivered(&self, text: &SharedText) {
         self.backlog.send_modify(|backlog| backlog.remove(text));
     }
 
@@ -188,34 +188,34 @@ impl OutboxReceiver {
 
 impl Backlog {
     /// Whether the client reads what it is sent.
-    pub fn takes_more(&self) -> bool {
-        self.messages < CONTROL_QUEUE && self.bytes < ANSWER_BYTES
+    pub fn is_reading(&self) -> bool {
+        self.messages < CONTROL_QUEUE && self.bytes < READ_PAUSE_BYTES
     }
 
     /// Whether `text` fits. Where nothing waits, anything does.
-    fn fits(&self, text: &Text) -> bool {
+    fn fits(&self, text: &SharedText) -> bool {
         self.messages == 0 || self.messages < CONTROL_QUEUE && self.bytes + text.own_bytes <= CONTROL_BYTES
     }
 
     /// Whether what waits is still little with `text`: others' large bodies and answers hold up nobody's small messages. Where
     /// nothing waits, anything is.
-    fn is_small_with(&self, text: &Text) -> bool {
+    fn stays_small_with(&self, text: &SharedText) -> bool {
         self.messages == 0 || self.bytes + text.own_bytes <= SMALL_BYTES
     }
 
-    fn add(&mut self, text: &Text) {
+    fn add(&mut self, text: &SharedText) {
         self.messages += 1;
         self.bytes += text.own_bytes;
     }
 
-    fn remove(&mut self, text: &Text) {
+    fn remove(&mut self, text: &SharedText) {
         self.messages -= 1;
         self.bytes -= text.own_bytes;
     }
 }
 
 /// A control message as it goes over the wire, for what is sent with a frame and counts as part of it.
-pub fn text(message: &ServerMessage) -> Text {
+pub fn text(message: &ServerMessage) -> SharedText {
     json(message).into()
 }
 
@@ -223,8 +223,8 @@ fn json(message: &ServerMessage) -> String {
     serde_json::to_string(message).expect("plain data with string keys")
 }
 
-fn counted(text: String, in_flight: &InFlight) -> Bytes {
-    in_flight.count(text.len()).of(text)
+fn counted(text: String, in_flight: &ByteBudget) -> Bytes {
+    in_flight.reserve_unchecked(text.len()).attach_to(text)
 }
 
 /// The message that says what is wrong.
@@ -237,72 +237,72 @@ pub fn error_message(error: &ServerError, fatal: bool) -> ServerMessage {
 mod tests {
     use super::*;
 
-    fn said(text: &str) -> Text {
+    fn said(text: &str) -> SharedText {
         text.to_owned().into()
     }
 
-    fn sent(end: &mut OutboxReceiver) -> Vec<Text> {
-        let texts: Vec<Text> = std::iter::from_fn(|| end.control.try_recv().ok()).collect();
+    fn sent(end: &mut OutboxReceiver) -> Vec<SharedText> {
+        let texts: Vec<SharedText> = std::iter::from_fn(|| end.control.try_recv().ok()).collect();
         for text in &texts {
-            end.taken(text);
+            end.note_delivered(text);
         }
         texts
     }
 
     #[test]
     fn who_does_not_read_is_sent_a_bounded_part_and_the_rest_at_once() {
-        let (mut outbox, mut end) = outbox(InFlight::default());
+        let (mut outbox, mut end) = outbox(ByteBudget::default());
         for _ in 0..2 * CONTROL_QUEUE {
-            outbox.offer(said("news"));
+            outbox.try_broadcast(said("news"));
         }
         outbox.send_text(said("answer"));
-        assert!(outbox.is_behind() && !outbox.takes_frame() && !outbox.can_catch_up());
-        assert!(!end.backlog().borrow().takes_more(), "it is not listened to meanwhile");
+        assert!(outbox.is_behind() && !outbox.can_take_frame() && !outbox.can_catch_up());
+        assert!(!end.backlog().borrow().is_reading(), "it is not listened to meanwhile");
         assert_eq!(sent(&mut end).len(), CONTROL_QUEUE, "the answer waits for what it refers to");
         assert!(outbox.can_catch_up());
         outbox.catch_up(said("all"));
-        outbox.offer(said("more"));
+        outbox.try_broadcast(said("more"));
         assert_eq!(sent(&mut end), ["all", "answer", "more"].map(said));
-        assert!(!outbox.is_behind() && outbox.takes_frame() && end.backlog().borrow().takes_more());
+        assert!(!outbox.is_behind() && outbox.can_take_frame() && end.backlog().borrow().is_reading());
     }
 
     #[test]
     fn large_messages_are_bounded_by_their_bytes_and_one_alone_always_fits() {
-        let (mut outbox, mut end) = outbox(InFlight::default());
-        let large: Text = "x".repeat(CONTROL_BYTES / 2 + 1).into();
-        let huge: Text = "x".repeat(2 * CONTROL_BYTES).into();
-        outbox.offer(large.clone());
-        outbox.offer(large.clone());
+        let (mut outbox, mut end) = outbox(ByteBudget::default());
+        let large: SharedText = "x".repeat(CONTROL_BYTES / 2 + 1).into();
+        let huge: SharedText = "x".repeat(2 * CONTROL_BYTES).into();
+        outbox.try_broadcast(large.clone());
+        outbox.try_broadcast(large.clone());
         assert!(outbox.is_behind());
         assert_eq!(sent(&mut end), [large]);
         outbox.catch_up(huge.clone());
         assert_eq!(sent(&mut end), std::slice::from_ref(&huge));
-        outbox.offer(huge.clone());
+        outbox.try_broadcast(huge.clone());
         assert!(!outbox.is_behind());
         assert_eq!(sent(&mut end), [huge]);
     }
 
     #[test]
     fn texts_are_on_the_account_once_and_where_it_is_full_who_does_not_read_is_behind() {
-        let in_flight = InFlight::default();
+        let in_flight = ByteBudget::default();
         let ((mut one, mut end), (mut two, _two_end)) =
             (outbox(in_flight.clone()), outbox(in_flight.clone()));
         let news = ServerMessage::Draining { retry_after_ms: 1 };
-        let text = Text::of(&news, &in_flight);
+        let text = SharedText::of(&news, &in_flight);
         let length = text.own_bytes;
-        one.offer(text.clone());
-        two.offer(text);
+        one.try_broadcast(text.clone());
+        two.try_broadcast(text);
         assert_eq!(in_flight.bytes(), length, "both wait for the same bytes");
-        let full = in_flight.count(crate::limits::MAX_BYTES_IN_FLIGHT);
+        let full = in_flight.reserve_unchecked(crate::limits::MAX_BYTES_IN_FLIGHT);
         sent(&mut end);
-        let text = Text::of(&news, &in_flight);
-        one.offer(text.clone());
-        two.offer(text);
+        let text = SharedText::of(&news, &in_flight);
+        one.try_broadcast(text.clone());
+        two.try_broadcast(text);
         assert!(!one.is_behind() && !two.is_behind(), "others' large messages hold up no small ones");
         sent(&mut end);
         let large = said(&"x".repeat(SMALL_BYTES));
-        one.offer(large.clone());
-        two.offer(large);
+        one.try_broadcast(large.clone());
+        two.try_broadcast(large);
         assert!(!one.is_behind() && two.is_behind(), "who reads is told, who does not is behind");
         drop((full, one, end));
     }

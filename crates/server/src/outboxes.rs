@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use protocol::ServerMessage;
 
 use crate::ServerError;
-use crate::in_flight::InFlight;
-use crate::outbox::{Outbox, SocketMessage, Text, error_message};
+use crate::in_flight::ByteBudget;
+use crate::outbox::{Outbox, SharedText, SocketMessage, error_message};
 
 /// A client of a session. Counts from 1 while the session is open.
 pub type ClientId = u64;
@@ -15,12 +15,12 @@ pub type ClientId = u64;
 #[derive(Debug)]
 pub struct Outboxes {
     boxes: BTreeMap<ClientId, Outbox>,
-    in_flight: InFlight,
+    in_flight: ByteBudget,
 }
 
 impl Outboxes {
     /// None yet. What waits in them is on that account.
-    pub fn new(in_flight: InFlight) -> Self {
+    pub fn new(in_flight: ByteBudget) -> Self {
         Self { boxes: BTreeMap::new(), in_flight }
     }
 
@@ -42,7 +42,7 @@ impl Outboxes {
     }
 
     /// As [`Self::send`], of a message that is text already.
-    pub fn send_text(&mut self, client: ClientId, text: Text) {
+    pub fn send_text(&mut self, client: ClientId, text: SharedText) {
         if let Some(outbox) = self.boxes.get_mut(&client) {
             outbox.send_text(text);
         }
@@ -50,7 +50,7 @@ impl Outboxes {
 
     /// Sends every client what each has to know, however far behind it is.
     pub fn send_all(&mut self, message: &ServerMessage) {
-        let text = Text::of(message, &self.in_flight);
+        let text = SharedText::of(message, &self.in_flight);
         for outbox in self.boxes.values_mut() {
             outbox.send_text(text.clone());
         }
@@ -58,12 +58,12 @@ impl Outboxes {
 
     /// Sends all clients but those that are behind; they will be sent the outcome. `requester` is sent it in any case.
     pub fn broadcast(&mut self, message: &ServerMessage, requester: Option<ClientId>) {
-        let text = Text::of(message, &self.in_flight);
+        let text = SharedText::of(message, &self.in_flight);
         for (id, outbox) in &mut self.boxes {
             if Some(*id) == requester {
                 outbox.send_text(text.clone());
             } else {
-                outbox.offer(text.clone());
+                outbox.try_broadcast(text.clone());
             }
         }
     }
@@ -76,18 +76,18 @@ impl Outboxes {
     /// Sends a client, unless it is behind, what is wrong without its doing.
     pub fn warn(&mut self, client: ClientId, error: &ServerError) {
         if let Some(outbox) = self.boxes.get_mut(&client) {
-            outbox.offer(Text::of(&error_message(error, false), &self.in_flight));
+            outbox.try_broadcast(SharedText::of(&error_message(error, false), &self.in_flight));
         }
     }
 
     /// Whether a client takes one more frame.
-    pub fn takes_frame(&self, client: ClientId) -> bool {
-        self.boxes.get(&client).is_some_and(Outbox::takes_frame)
+    pub fn can_take_frame(&self, client: ClientId) -> bool {
+        self.boxes.get(&client).is_some_and(Outbox::can_take_frame)
     }
 
     /// Whether a client has taken all frames that it was sent, and takes more.
-    pub fn has_taken_frames(&self, client: ClientId) -> bool {
-        self.boxes.get(&client).is_some_and(Outbox::has_taken_frames)
+    pub fn has_empty_frame_queue(&self, client: ClientId) -> bool {
+        self.boxes.get(&client).is_some_and(Outbox::has_empty_frame_queue)
     }
 
     /// Sends a client the messages of a frame.
@@ -113,7 +113,7 @@ impl Outboxes {
     }
 
     /// Sends the clients that `chosen` picks of those behind the session as it is.
-    pub fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool, resync: &Text) {
+    pub fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool, resync: &SharedText) {
         for outbox in self.boxes.values_mut().filter(|outbox| chosen(outbox)) {
             outbox.catch_up(resync.clone());
         }

@@ -7,12 +7,12 @@ use tokio::sync::{OwnedMutexGuard, OwnedSemaphorePermit, Semaphore};
 use tokio::time::sleep_until;
 
 use crate::ServerError;
-use crate::allowances::{Allowance, Allowances, Rate};
+use crate::allowances::{Allowance, AllowanceRate, Allowances};
 use crate::background;
+use crate::charges::Payer;
 use crate::limits::{
-    MESSAGE_COST_EDITS, MESSAGES_BESIDE_A_HAND, MOVING_FOR, UPLOAD_COUNTED, UPLOADS_BESIDE_A_HAND,
+    MAX_UPLOAD_CHARGE, MESSAGE_COST_EDITS, MOVING_FOR, THROTTLED_MESSAGE_RATE, THROTTLED_UPLOAD_RATE,
 };
-use crate::turns::Payer;
 use crate::views::MovingPixels;
 
 /// Messages of one socket, of which edits count among those of its client too.
@@ -42,14 +42,14 @@ pub struct UploadPacing {
 impl SocketPacing {
     /// Of a socket of that client, beside its edits by requests and other sockets.
     pub fn new(payer: Payer, edits: &Arc<RequestPacing>) -> Self {
-        let allowance = Allowance::full(MESSAGES_BESIDE_A_HAND, Instant::now());
+        let allowance = Allowance::full(THROTTLED_MESSAGE_RATE, Instant::now());
         Self { payer, allowance, moving: Arc::clone(&edits.moving), edits: Arc::clone(edits) }
     }
 
     /// Waits until the next message may be carried out.
     pub async fn wait(&mut self) {
         let try_take = |now| self.allowance.try_take(1.0, now);
-        wait_beside_a_hand(&self.moving, self.payer.actor_id(), try_take).await;
+        wait_while_others_interact(&self.moving, self.payer.actor_id(), try_take).await;
     }
 
     /// Waits until its next edit may be carried out.
@@ -60,7 +60,7 @@ impl SocketPacing {
 
 impl RequestPacing {
     /// Nobody has asked for anything, of which a client may have so much beside the hand of another.
-    pub fn new(rate: Rate, moving: Arc<MovingPixels>) -> Self {
+    pub fn new(rate: AllowanceRate, moving: Arc<MovingPixels>) -> Self {
         Self { allowances: Mutex::new(Allowances::new(rate)), moving }
     }
 
@@ -70,14 +70,14 @@ impl RequestPacing {
             let mut allowances = self.allowances.lock().unwrap_or_else(PoisonError::into_inner);
             allowances.try_take(payer, count, now)
         };
-        wait_beside_a_hand(&self.moving, payer.actor_id(), try_take).await;
+        wait_while_others_interact(&self.moving, payer.actor_id(), try_take).await;
     }
 }
 
 impl UploadPacing {
     /// Nothing has been decoded.
     pub fn new(moving: Arc<MovingPixels>) -> Self {
-        Self { allowance: Allowance::full(UPLOADS_BESIDE_A_HAND, Instant::now()), moving }
+        Self { allowance: Allowance::full(THROTTLED_UPLOAD_RATE, Instant::now()), moving }
     }
 
     /// Does `decode` in the background, once an upload may be decoded and nothing else is. Gives the permit of `decoding` back with
@@ -88,14 +88,14 @@ impl UploadPacing {
         decode: impl FnOnce() -> T + Send + 'static,
     ) -> Result<(T, OwnedSemaphorePermit), ServerError> {
         let moving = Arc::clone(&turn.moving);
-        wait_beside_a_hand(&moving, None, |now| turn.allowance.try_take(0.0, now)).await;
-        let permit = Arc::clone(decoding).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+        wait_while_others_interact(&moving, None, |now| turn.allowance.try_take(0.0, now)).await;
+        let permit = Arc::clone(decoding).acquire_owned().await.map_err(|_| ServerError::Internal)?;
         let timed = move || {
             let start = Instant::now();
             let decoded = decode();
             let now = Instant::now();
             // Also where nobody waits for it any more: the turn moves into the thread.
-            turn.allowance.take((now - start).min(UPLOAD_COUNTED).as_secs_f64(), now);
+            turn.allowance.take((now - start).min(MAX_UPLOAD_CHARGE).as_secs_f64(), now);
             decoded
         };
         background::run_with(permit, timed).await
@@ -103,14 +103,14 @@ impl UploadPacing {
 }
 
 /// Waits until nobody else's hand moves a view, or until there is something to take; `try_take` takes it, or says when there will be.
-async fn wait_beside_a_hand(
+async fn wait_while_others_interact(
     moving: &MovingPixels,
     actor_id: Option<&Arc<str>>,
     mut try_take: impl FnMut(Instant) -> Result<(), Instant>,
 ) {
     loop {
         let now = Instant::now();
-        if !moving.move_for_another(actor_id, now) {
+        if !moving.is_another_interacting(actor_id, now) {
             return;
         }
         let Err(back_at) = try_take(now) else { return };
@@ -129,37 +129,37 @@ mod tests {
     use tokio::time::timeout;
 
     use super::*;
-    use crate::limits::EDITS_BESIDE_A_HAND;
+    use crate::limits::THROTTLED_EDIT_RATE;
 
     fn moved_by(actor_id: &str) -> Arc<MovingPixels> {
         let moving = MovingPixels::default();
-        moving.note(&actor_id.into(), (ViewSlot(1), true), [640, 360], Instant::now());
+        moving.record_picture(&actor_id.into(), (ViewSlot(1), true), [640, 360], Instant::now());
         Arc::new(moving)
     }
 
     fn pacing_of(actor: &str, moving: Arc<MovingPixels>) -> SocketPacing {
-        let edits = Arc::new(RequestPacing::new(EDITS_BESIDE_A_HAND, moving));
+        let edits = Arc::new(RequestPacing::new(THROTTLED_EDIT_RATE, moving));
         SocketPacing::new(Payer::new(&"shot".into(), actor), &edits)
     }
 
     /// Seconds until so many more messages than are saved up have been let through.
     async fn seconds_of_messages(moving: Arc<MovingPixels>, more: f64) -> f64 {
         let (mut pacing, start) = (pacing_of("ben", moving), Instant::now());
-        for _ in 0..(MESSAGES_BESIDE_A_HAND.saved + more) as usize {
+        for _ in 0..(THROTTLED_MESSAGE_RATE.burst + more) as usize {
             pacing.wait().await;
         }
         start.elapsed().as_secs_f64()
     }
 
     #[tokio::test]
-    async fn messages_wait_beside_the_hand_of_another_and_beside_no_other() {
+    async fn messages_wait_while_another_client_interacts() {
         let more = 100.0;
         // The one before the first that waits is taken though less than one is left.
-        let least = (more - 2.0) / MESSAGES_BESIDE_A_HAND.per_second;
+        let least = (more - 2.0) / THROTTLED_MESSAGE_RATE.per_second;
         let beside_another = seconds_of_messages(moved_by("ada"), more).await;
         assert!(beside_another > least, "{beside_another} s");
         let (mut own, now) = (pacing_of("ada", moved_by("ada")), Instant::now());
-        own.allowance.try_take(MESSAGES_BESIDE_A_HAND.saved + 1.0, now).expect("all is left");
+        own.allowance.try_take(THROTTLED_MESSAGE_RATE.burst + 1.0, now).expect("all is left");
         let before = own.allowance.try_take(1.0, now);
         own.wait().await;
         assert_eq!((own.allowance.try_take(1.0, now), before.is_err()), (before, true), "nothing is taken");
@@ -167,18 +167,18 @@ mod tests {
 
     #[tokio::test]
     async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
-        let pacing = RequestPacing::new(EDITS_BESIDE_A_HAND, moved_by("ada"));
+        let pacing = RequestPacing::new(THROTTLED_EDIT_RATE, moved_by("ada"));
         let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
         // The hand moves for 300 ms after its last picture, and this much comes back in less.
         let more = 30.0;
-        pacing.wait(&payer("shot", "ben"), EDITS_BESIDE_A_HAND.saved + more).await;
+        pacing.wait(&payer("shot", "ben"), THROTTLED_EDIT_RATE.burst + more).await;
         let start = Instant::now();
         pacing.wait(&payer("elsewhere", "eve"), 1.0).await;
         pacing.wait(&payer("shot", "ada"), 1.0).await;
         let of_others = start.elapsed();
         // It is a client's though another of its actors asks. The planted fault: an account for each name.
         pacing.wait(&payer("shot", "eve"), 1.0).await;
-        let least = Duration::from_secs_f64(more / EDITS_BESIDE_A_HAND.per_second);
+        let least = Duration::from_secs_f64(more / THROTTLED_EDIT_RATE.per_second);
         assert!(of_others < least / 2 && start.elapsed() > least / 2, "{of_others:?}");
     }
 
@@ -187,14 +187,14 @@ mod tests {
         let (decoding, moving) = (Arc::new(Semaphore::new(1)), moved_by("ada"));
         let uploads = Arc::new(Mutex::new(UploadPacing::new(moving)));
         let mut turn = Arc::clone(&uploads).lock_owned().await;
-        turn.allowance.take(UPLOADS_BESIDE_A_HAND.saved + 1.0, Instant::now());
+        turn.allowance.take(THROTTLED_UPLOAD_RATE.burst + 1.0, Instant::now());
         let waits = UploadPacing::run(turn, &decoding, || ());
         assert!(timeout(Duration::from_millis(20), waits).await.is_err());
         assert!(decoding.try_acquire().is_ok());
     }
 
     #[tokio::test]
-    async fn uploads_rest_beside_a_hand_and_not_else() {
+    async fn uploads_rest_only_while_a_client_interacts() {
         let work = Duration::from_millis(5);
         let seconds = async |hand_moves: bool| {
             let moving = Arc::<MovingPixels>::default();
@@ -202,10 +202,10 @@ mod tests {
             let uploads = Arc::new(Mutex::new(UploadPacing::new(Arc::clone(&moving))));
             let turn = || Arc::clone(&uploads).lock_owned();
             let start = Instant::now();
-            turn().await.allowance.try_take(UPLOADS_BESIDE_A_HAND.saved, start).expect("all is left");
+            turn().await.allowance.try_take(THROTTLED_UPLOAD_RATE.burst, start).expect("all is left");
             for _ in 0..10 {
                 if hand_moves {
-                    moving.note(&"ada".into(), (ViewSlot(1), true), [640, 360], Instant::now());
+                    moving.record_picture(&"ada".into(), (ViewSlot(1), true), [640, 360], Instant::now());
                 }
                 drop(UploadPacing::run(turn().await, &decoding, move || sleep(work)).await.expect("decoded"));
             }
@@ -214,7 +214,7 @@ mod tests {
         let (beside, alone) = (seconds(true).await, seconds(false).await);
         // What one has used up is waited for by the next. The planted fault: no allowance is taken.
         let work = work.as_secs_f64();
-        let rests = 9.0 * work * (1.0 / UPLOADS_BESIDE_A_HAND.per_second - 1.0);
+        let rests = 9.0 * work * (1.0 / THROTTLED_UPLOAD_RATE.per_second - 1.0);
         assert!(beside >= 10.0 * work + rests && alone < beside, "{beside} s, {alone} s alone");
     }
 }

@@ -8,10 +8,10 @@ use crate::ServerError;
 /// So many permits. A session takes one while it has fewer than are free: alone it gets half of them, and whoever comes next
 /// finds some (the dynamic threshold of Choudhury and Hahne, 1998, for buffers that ports share).
 #[derive(Debug)]
-pub struct Permits {
+pub struct SessionPermits {
     /// What they are for, as people call it.
-    what: &'static str,
-    most: usize,
+    label: &'static str,
+    limit: usize,
     /// How many each session has, of those that have some. What is of no session has an empty name.
     taken: Mutex<BTreeMap<String, usize>>,
 }
@@ -19,26 +19,26 @@ pub struct Permits {
 /// A permit, until it is dropped.
 #[derive(Debug)]
 pub struct Permit<'a> {
-    permits: &'a Permits,
+    permits: &'a SessionPermits,
     session: String,
 }
 
-impl Permits {
+impl SessionPermits {
     /// None is taken.
-    pub fn new(what: &'static str, most: usize) -> Self {
-        Self { what, most, taken: Mutex::default() }
+    pub fn new(label: &'static str, limit: usize) -> Self {
+        Self { label, limit, taken: Mutex::default() }
     }
 
     /// Takes a permit for a session.
-    pub fn take(&self, session: &str) -> Result<Permit<'_>, ServerError> {
+    pub fn acquire(&self, session: &str) -> Result<Permit<'_>, ServerError> {
         let mut taken = self.taken();
-        let free = self.most - taken.values().sum::<usize>();
+        let free = self.limit - taken.values().sum::<usize>();
         let own = taken.get(session).copied().unwrap_or_default();
         if own >= free {
             return Err(match (free, session) {
-                (0, _) => ServerError::TooMany { what: self.what, limit: self.most },
-                (_, "") => ServerError::TooMany { what: self.what, limit: own },
-                _ => ServerError::TooManyOfOne { what: self.what, count: own },
+                (0, _) => ServerError::TooMany { what: self.label, limit: self.limit },
+                (_, "") => ServerError::TooMany { what: self.label, limit: own },
+                _ => ServerError::SessionLimitReached { what: self.label, count: own },
             });
         }
         taken.insert(session.to_owned(), own + 1);
@@ -66,10 +66,10 @@ mod tests {
 
     /// How many permits each of these sessions gets that all ask for as many as they can, one after the other.
     fn had(most: usize, sessions: &[&str]) -> Vec<usize> {
-        let permits = Permits::new("pictures", most);
+        let permits = SessionPermits::new("pictures", most);
         let mut held = Vec::new();
         let count = |session: &&str| {
-            let own: Vec<_> = std::iter::from_fn(|| permits.take(session).ok()).collect();
+            let own: Vec<_> = std::iter::from_fn(|| permits.acquire(session).ok()).collect();
             let count = own.len();
             held.extend(own);
             count
@@ -84,15 +84,15 @@ mod tests {
     fn no_session_takes_all() {
         assert_eq!(had(8, &["greedy", "other", "third", "fourth"]), [4, 2, 1, 1]);
         assert_eq!(had(64, &["greedy", "other"]), [32, 16]);
-        let permits = Permits::new("pictures", 2);
-        let _one = permits.take("greedy").expect("free");
-        let refused = permits.take("greedy").expect_err("the last is another's");
-        assert!(matches!(refused, ServerError::TooManyOfOne { count: 1, .. }), "{refused}");
+        let permits = SessionPermits::new("pictures", 2);
+        let _one = permits.acquire("greedy").expect("free");
+        let refused = permits.acquire("greedy").expect_err("the last is another's");
+        assert!(matches!(refused, ServerError::SessionLimitReached { count: 1, .. }), "{refused}");
         // What is of no session is told of none.
-        let nobodys = Permits::new("requests", 2);
-        let _first = nobodys.take("").expect("free");
-        assert!(matches!(nobodys.take(""), Err(ServerError::TooMany { limit: 1, .. })));
-        let _other = permits.take("other").expect("free");
-        assert!(matches!(permits.take("third"), Err(ServerError::TooMany { limit: 2, .. })));
+        let nobodys = SessionPermits::new("requests", 2);
+        let _first = nobodys.acquire("").expect("free");
+        assert!(matches!(nobodys.acquire(""), Err(ServerError::TooMany { limit: 1, .. })));
+        let _other = permits.acquire("other").expect("free");
+        assert!(matches!(permits.acquire("third"), Err(ServerError::TooMany { limit: 2, .. })));
     }
 }

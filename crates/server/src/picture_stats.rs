@@ -5,7 +5,7 @@ use std::time::Duration;
 use protocol::{Cause, Pass, PassRun};
 
 /// Passes that ran.
-pub fn on_the_wire(runs: &[render::PassRun]) -> Vec<PassRun> {
+pub fn wire_pass_runs(runs: &[render::PassRun]) -> Vec<PassRun> {
     let run = |&render::PassRun { pass, light, cause, runs }: &render::PassRun| PassRun {
         pass: match pass {
             render::Pass::Gbuffer => Pass::Gbuffer,

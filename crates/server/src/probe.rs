@@ -13,14 +13,14 @@ use reference::{LightState, Reference};
 use scene::{Camera, View, ViewRay};
 
 use crate::ServerError;
-use crate::backend::Backend;
+use crate::backend::Services;
 use crate::background;
 use crate::request::valid_camera;
-use crate::scenes::Decoded;
+use crate::scenes::DecodedScene;
 
 /// A point of a picture that somebody asks about.
 #[derive(Clone, Debug)]
-pub struct Probe {
+pub struct ProbeJob {
     /// Who looks.
     pub camera: Camera,
     /// Width and height of the picture, in pixels.
@@ -28,13 +28,13 @@ pub struct Probe {
     /// In pixels from its top left corner.
     pub pixel: [f64; 2],
     /// Whether it is asked where highlights lie.
-    pub highlights: bool,
+    pub wants_highlights: bool,
     /// The lights of the document.
     pub lights: Vec<LightInstance>,
     /// Those of them that the view does not show.
     pub muted: BTreeSet<LightId>,
     /// What they light.
-    pub scene: Decoded,
+    pub scene: DecodedScene,
 }
 
 /// The camera that is asked for, of a document or of the asker's own.
@@ -49,15 +49,15 @@ pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera,
 }
 
 /// Why a pixel is lit or not.
-pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerError> {
+pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, ServerError> {
     let size = RenderLimits::HTTP.check_size(probe.size)?;
     let follow = move |bvh| {
-        let reference = Reference::for_points(bvh);
+        let reference = Reference::for_point_queries(bvh);
         let viewport = Viewport { camera: probe.camera.clone(), size };
         let view = View::beauty(probe.camera, size);
         let found = reference.probe(&view, probe.pixel.into(), &probe.lights, &probe.muted)?;
         Ok(Probed::new(&found, &reference.bvh.posed, |light| {
-            let shows = probe.highlights && light.state == LightState::Lit;
+            let shows = probe.wants_highlights && light.state == LightState::Lit;
             let centre = || highlight_near(&reference.bvh, &viewport, &light.light.light, probe.pixel.into());
             shows.then(centre).flatten().map(Into::into)
         }))
@@ -66,22 +66,26 @@ pub async fn probe(backend: &Backend, probe: Probe) -> Result<Probed, ServerErro
 }
 
 /// The point that is seen in the middle of a camera's picture, in the world; `None` where nothing is.
-pub async fn pick(backend: &Backend, camera: Camera, scene: &Decoded) -> Result<Option<DVec3>, ServerError> {
+pub async fn pick(
+    backend: &Services,
+    camera: Camera,
+    scene: &DecodedScene,
+) -> Result<Option<DVec3>, ServerError> {
     let follow = move |bvh: Arc<Bvh>| {
         let origin_in_world = bvh.posed.origin_in_world;
         let ray = ViewRay::new(&camera, [1, 1], DVec2::splat(0.5), origin_in_world);
-        bvh.seen(&ray).map(|seen| seen.position + origin_in_world)
+        bvh.visible_point(&ray).map(|seen| seen.position + origin_in_world)
     };
     follow_rays(backend, scene, follow).await
 }
 
 /// Follows rays through a scene in the background. A few at once do so, over all sessions; others wait.
 async fn follow_rays<T: Send + 'static>(
-    backend: &Backend,
-    scene: &Decoded,
+    backend: &Services,
+    scene: &DecodedScene,
     follow: impl FnOnce(Arc<Bvh>) -> T + Send + 'static,
 ) -> Result<T, ServerError> {
     let bvh = scene.bvh().await?;
-    let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+    let permit = Arc::clone(&backend.probes).acquire_owned().await.map_err(|_| ServerError::Internal)?;
     background::run_with(permit, move || follow(bvh)).await.map(|(found, _)| found)
 }

@@ -1,7 +1,7 @@
 //! What clients and programs request of a session, read from what they send.
 
 use document::{Command, Document};
-use edit::{Actor, Scope};
+use edit::{Actor, UndoScope};
 use light::LightId;
 use protocol::{ClientMessage, Interaction, ProbeCamera, ViewSource};
 use scene::Camera;
@@ -10,7 +10,7 @@ use store::check_scene_name;
 use crate::ServerError;
 use crate::limits::{MAX_LABEL_BYTES, MAX_VIEW_PIXELS, MAX_VIEW_SIDE};
 use crate::outboxes::ClientId;
-use crate::scenes::Scenes;
+use crate::scenes::SceneCache;
 use crate::views::ViewSettings;
 
 /// What a client requests of its session.
@@ -61,7 +61,7 @@ pub enum ClientRequest {
     /// A frame could not be decoded.
     RequestKeyFrame(u64),
     /// Something that ends in a record.
-    Step(Step),
+    Step(RecordRequest),
     /// To drag a light.
     BeginGesture {
         /// The client's name for it.
@@ -97,12 +97,12 @@ pub enum ClientRequest {
 impl ClientRequest {
     /// Whether it changes what its sender sees already: then that one waits for each picture of it. Whoever opens a view waits for
     /// the first like those who watch: else views opened by the dozen take turns with the hand of another, one each.
-    pub fn is_of_a_hand(&self) -> bool {
-        self.edits() || matches!(self, Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_))
+    pub fn is_interactive(&self) -> bool {
+        self.may_edit() || matches!(self, Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_))
     }
 
     /// Whether it may change the document, or what is being dragged in it.
-    pub fn edits(&self) -> bool {
+    pub fn may_edit(&self) -> bool {
         matches!(
             self,
             Self::Step(_) | Self::BeginGesture { .. } | Self::UpdateGesture { .. } | Self::CancelGesture(_)
@@ -122,45 +122,45 @@ pub struct ProbeQuestion {
     /// In pixels from the top left corner.
     pub pixel: [f64; 2],
     /// Whether it is asked where highlights lie.
-    pub highlights: bool,
+    pub wants_highlights: bool,
 }
 
 /// A request that ends in a record, under its sender's name for it; or why it has no meaning.
 #[derive(Debug)]
-pub struct Step {
+pub struct RecordRequest {
     /// The sender's name.
     pub op_id: String,
     /// What is asked for.
-    pub request: Result<Asked, ServerError>,
+    pub request: Result<RecordAction, ServerError>,
 }
 
 /// What is asked for, before a document answers it.
 #[derive(Debug)]
-pub enum Asked {
+pub enum RecordAction {
     /// A command.
-    Edit(AskedEdit),
+    Edit(RequestedEdit),
     /// Commands as one step, each in the document that those before it leave.
-    Group(Vec<AskedEdit>),
+    Group(Vec<RequestedEdit>),
     /// To commit a gesture of this name.
     Commit(String),
     /// To take back a step.
-    Undo(Scope),
+    Undo(UndoScope),
     /// To take back an undo.
-    Redo(Scope),
+    Redo(UndoScope),
 }
 
 /// A command, and the latest record that its sender knew.
 #[derive(Clone, Debug)]
-pub struct AskedEdit {
+pub struct RequestedEdit {
     /// `None` where the sender does not say.
     pub base_seq: Option<u64>,
     /// What to do.
-    pub command: AskedCommand,
+    pub command: RequestedCommand,
 }
 
 /// What to do, by ids or names.
 #[derive(Clone, Debug)]
-pub enum AskedCommand {
+pub enum RequestedCommand {
     /// What means the same in every document.
     Command(Command),
     /// Setting what an address names, by ids or names.
@@ -172,13 +172,13 @@ pub enum AskedCommand {
     },
 }
 
-impl AskedCommand {
+impl RequestedCommand {
     /// The command that it is in `document`.
     pub fn of(&self, document: &Document) -> Result<Command, ServerError> {
         match self {
             Self::Command(command) => Ok(command.clone()),
             Self::Set { target, value } => {
-                let target = document.address_by_id(target).map_err(edit::Refusal::from)?;
+                let target = document.address_by_id(target).map_err(edit::EditRefusal::from)?;
                 Ok(protocol::Command::Set { target, value: value.clone() }.try_into()?)
             }
         }
@@ -190,13 +190,13 @@ impl AskedCommand {
     }
 }
 
-impl Step {
+impl RecordRequest {
     /// Whether the scene has something to say of it ([`needs_scene`]), unless it came before.
     pub fn needs_scene(&self) -> bool {
         match &self.request {
-            Ok(Asked::Edit(edit)) => edit.command.needs_scene(),
-            Ok(Asked::Group(edits)) => edits.iter().any(|edit| edit.command.needs_scene()),
-            Ok(Asked::Commit(_) | Asked::Undo(_) | Asked::Redo(_)) | Err(_) => false,
+            Ok(RecordAction::Edit(edit)) => edit.command.needs_scene(),
+            Ok(RecordAction::Group(edits)) => edits.iter().any(|edit| edit.command.needs_scene()),
+            Ok(RecordAction::Commit(_) | RecordAction::Undo(_) | RecordAction::Redo(_)) | Err(_) => false,
         }
     }
 }
@@ -208,11 +208,11 @@ pub fn needs_scene(command: &Command) -> bool {
 }
 
 /// What a message of a client requests. What is wrong with it is for the session to answer, in its turn.
-pub async fn client_request(message: ClientMessage, scenes: &Scenes) -> ClientRequest {
+pub async fn client_request(message: ClientMessage, scenes: &SceneCache) -> ClientRequest {
     parse(message, scenes).await.unwrap_or_else(ClientRequest::Invalid)
 }
 
-async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest, ServerError> {
+async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequest, ServerError> {
     Ok(match message {
         ClientMessage::Hello { .. } => return Err(ServerError::Hello),
         ClientMessage::OpenView {
@@ -245,16 +245,16 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
         ClientMessage::RequestKeyFrame { frame } => ClientRequest::RequestKeyFrame(frame),
         ClientMessage::Edit { op_id, base_seq, command } => {
             let request = asked_edit(command, Some(base_seq), scenes).await;
-            ClientRequest::Step(step(op_id, request.map(Asked::Edit))?)
+            ClientRequest::Step(step(op_id, request.map(RecordAction::Edit))?)
         }
         ClientMessage::GestureCommit { gesture, op_id } => {
-            ClientRequest::Step(step(op_id, label(gesture).map(Asked::Commit))?)
+            ClientRequest::Step(step(op_id, label(gesture).map(RecordAction::Commit))?)
         }
         ClientMessage::Undo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Asked::Undo(scope.into())))?)
+            ClientRequest::Step(step(op_id, Ok(RecordAction::Undo(scope.into())))?)
         }
         ClientMessage::Redo { op_id, scope } => {
-            ClientRequest::Step(step(op_id, Ok(Asked::Redo(scope.into())))?)
+            ClientRequest::Step(step(op_id, Ok(RecordAction::Redo(scope.into())))?)
         }
         ClientMessage::GestureBegin { gesture, light, base_seq } => {
             ClientRequest::BeginGesture { gesture: label(gesture)?, light: LightId(light), base_seq }
@@ -267,15 +267,21 @@ async fn parse(message: ClientMessage, scenes: &Scenes) -> Result<ClientRequest,
         ClientMessage::Presence { selection } => ClientRequest::Select(selection),
         ClientMessage::History {} => ClientRequest::History,
         ClientMessage::Probe { probe, pixel, camera, size, highlights } => {
-            ClientRequest::Probe(ProbeQuestion { probe: label(probe)?, camera, size, pixel, highlights })
+            ClientRequest::Probe(ProbeQuestion {
+                probe: label(probe)?,
+                camera,
+                size,
+                pixel,
+                wants_highlights: highlights,
+            })
         }
         ClientMessage::Ping { sent } => ClientRequest::Ping(sent),
     })
 }
 
 /// A step under its sender's name for it.
-pub fn step(op_id: String, request: Result<Asked, ServerError>) -> Result<Step, ServerError> {
-    Ok(Step { op_id: label(op_id)?, request })
+pub fn step(op_id: String, request: Result<RecordAction, ServerError>) -> Result<RecordRequest, ServerError> {
+    Ok(RecordRequest { op_id: label(op_id)?, request })
 }
 
 /// A command as it is asked for. A scene that it loads is decoded here, outside of the session's task, a demo's
@@ -283,10 +289,10 @@ pub fn step(op_id: String, request: Result<Asked, ServerError>) -> Result<Step, 
 pub async fn asked_edit(
     mut command: protocol::Command,
     base_seq: Option<u64>,
-    scenes: &Scenes,
-) -> Result<AskedEdit, ServerError> {
+    scenes: &SceneCache,
+) -> Result<RequestedEdit, ServerError> {
     if let protocol::Command::Set { target, value } = command {
-        return Ok(AskedEdit { base_seq, command: AskedCommand::Set { target, value } });
+        return Ok(RequestedEdit { base_seq, command: RequestedCommand::Set { target, value } });
     }
     if let protocol::Command::LoadScene { scene, name } = &mut command {
         name.as_deref().map_or(Ok(()), check_scene_name)?;
@@ -294,7 +300,7 @@ pub async fn asked_edit(
         *scene = asset.to_string();
         name.get_or_insert(called);
     }
-    Ok(AskedEdit { base_seq, command: AskedCommand::Command(command.try_into()?) })
+    Ok(RequestedEdit { base_seq, command: RequestedCommand::Command(command.try_into()?) })
 }
 
 /// Who it is, within limits.
@@ -314,7 +320,7 @@ fn label(text: String) -> Result<String, ServerError> {
 /// A camera that makes a picture.
 pub fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
     let camera = Camera::from(wire);
-    camera.check().map_err(|why| edit::Refusal::from(document::EditError::InvalidCamera(why)))?;
+    camera.check().map_err(|why| edit::EditRefusal::from(document::EditError::InvalidCamera(why)))?;
     Ok(camera)
 }
 

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use assets::Loaded;
+use assets::LoadedScene;
 use document::{AssetHash, Document, SceneContents};
 use protocol::Asset;
 use raycast::Bvh;
@@ -14,7 +14,7 @@ use tokio::sync::{Mutex as AsyncMutex, OnceCell, Semaphore};
 
 use crate::ServerError;
 use crate::background;
-use crate::limits::MAX_SCENES_KEPT;
+use crate::limits::MAX_CACHED_SCENES;
 use crate::metrics::Metrics;
 use crate::pacing::UploadPacing;
 use crate::storage::Storage;
@@ -25,13 +25,13 @@ pub const DEMO: &str = "demo:";
 /// Primitives past which a scene's notes say so: each is a draw of its own.
 const MANY_PRIMITIVES: usize = 10_000;
 /// Triangles over one another past which they say so ([`PosedScene::depth_complexity`]); scenes that people model have some dozens.
-const DEEP: f64 = 1_000.0;
+const MANY_OVERLAPPING_TRIANGLES: f64 = 1_000.0;
 /// Digits of its hash that tell a scene without a name from others.
-const DIGITS_OF_UNNAMED: usize = 8;
+const UNNAMED_HASH_DIGITS: usize = 8;
 
 /// A scene as its bytes have it.
 #[derive(Clone, Debug, Default)]
-pub struct Decoded {
+pub struct DecodedScene {
     /// Geometry and materials, in place.
     pub posed: Arc<PosedScene>,
     /// The lights and cameras that come with it.
@@ -39,28 +39,28 @@ pub struct Decoded {
     /// What of the file is not drawn or was changed, a sentence each.
     pub notes: Arc<[String]>,
     /// What the file itself calls it.
-    own_name: Option<String>,
+    embedded_name: Option<String>,
     /// One for all who have the scene.
     bvh: Arc<OnceCell<Arc<Bvh>>>,
 }
 
 /// Decodes scenes, one at a time as each may take gigabytes, and keeps the latest.
 #[derive(Debug)]
-pub struct Scenes {
+pub struct SceneCache {
     storage: Storage,
     /// The latest used at the end. Never held while a scene is decoded.
-    kept: Mutex<Vec<(AssetHash, Decoded)>>,
+    cache: Mutex<Vec<(AssetHash, DecodedScene)>>,
     decoding: Arc<Semaphore>,
     uploads: Arc<AsyncMutex<UploadPacing>>,
     metrics: Arc<Metrics>,
 }
 
-impl Scenes {
+impl SceneCache {
     /// None is decoded yet.
     pub fn new(storage: Storage, metrics: Arc<Metrics>, moving: Arc<MovingPixels>) -> Self {
         Self {
             storage,
-            kept: Mutex::default(),
+            cache: Mutex::default(),
             decoding: Arc::new(Semaphore::new(1)),
             uploads: Arc::new(AsyncMutex::new(UploadPacing::new(moving))),
             metrics,
@@ -86,7 +86,7 @@ impl Scenes {
         let folder = self.storage.folder().to_owned();
         let decode = move || {
             let bytes = read_all(file).map_err(|reason| ServerError::Data { path: folder, reason })?;
-            let decoded = Decoded::of(&bytes)?;
+            let decoded = DecodedScene::of(&bytes)?;
             Ok::<_, ServerError>((bytes, decoded))
         };
         let (decoded, permit) = UploadPacing::run(turn, &self.decoding, decode).await?;
@@ -97,47 +97,47 @@ impl Scenes {
         if let Some(name) = name {
             self.storage.name_asset(asset, name).await?;
         }
-        self.keep(asset, &decoded);
+        self.cache_scene(asset, &decoded);
         let name = self.name_of(asset, &decoded).await?;
         Ok(Asset { asset: asset.to_string(), name, notes: decoded.notes.to_vec() })
     }
 
     /// What people call a scene: what somebody named it, else what its file calls it, else the start of its hash.
-    async fn name_of(&self, asset: AssetHash, decoded: &Decoded) -> Result<String, ServerError> {
+    async fn name_of(&self, asset: AssetHash, decoded: &DecodedScene) -> Result<String, ServerError> {
         let named = self.storage.read(move |store| store.assets.name_of(&asset)).await?;
-        let own = || decoded.own_name.clone();
-        Ok(named.or_else(own).unwrap_or_else(|| format!("scene {}", &asset.hex()[..DIGITS_OF_UNNAMED])))
+        let own = || decoded.embedded_name.clone();
+        Ok(named.or_else(own).unwrap_or_else(|| format!("scene {}", &asset.hex()[..UNNAMED_HASH_DIGITS])))
     }
 
     /// The scene of those bytes.
-    pub async fn load(&self, asset: AssetHash) -> Result<Decoded, ServerError> {
-        if let Some(scene) = self.kept(&asset) {
+    pub async fn load(&self, asset: AssetHash) -> Result<DecodedScene, ServerError> {
+        if let Some(scene) = self.cached(&asset) {
             return Ok(scene);
         }
-        let permit = Arc::clone(&self.decoding).acquire_owned().await.map_err(|_| ServerError::Fault)?;
+        let permit = Arc::clone(&self.decoding).acquire_owned().await.map_err(|_| ServerError::Internal)?;
         // Whoever had the turn before may have wanted the same.
-        if let Some(scene) = self.kept(&asset) {
+        if let Some(scene) = self.cached(&asset) {
             return Ok(scene);
         }
         let storage = self.storage.clone();
-        let decode = move || decode(&storage.open().map_err(ServerError::Unread)?, &asset);
+        let decode = move || decode(&storage.open().map_err(ServerError::StoreRead)?, &asset);
         let (decoded, _permit) = background::run_with(permit, decode).await?;
         let decoded = decoded?;
         self.metrics.scenes_decoded.inc();
-        self.keep(asset, &decoded);
+        self.cache_scene(asset, &decoded);
         Ok(decoded)
     }
 
     /// The scene of a document; an empty one where it has none.
-    pub async fn of(&self, document: &Document) -> Result<Decoded, ServerError> {
+    pub async fn of(&self, document: &Document) -> Result<DecodedScene, ServerError> {
         match document.scene() {
             Some(scene) => self.load(scene.asset).await,
-            None => Ok(Decoded::default()),
+            None => Ok(DecodedScene::default()),
         }
     }
 
-    fn kept(&self, asset: &AssetHash) -> Option<Decoded> {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+    fn cached(&self, asset: &AssetHash) -> Option<DecodedScene> {
+        let mut kept = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
         let index = kept.iter().position(|(known, _)| known == asset)?;
         let found = kept.remove(index);
         let decoded = found.1.clone();
@@ -145,23 +145,23 @@ impl Scenes {
         Some(decoded)
     }
 
-    fn keep(&self, asset: AssetHash, decoded: &Decoded) {
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+    fn cache_scene(&self, asset: AssetHash, decoded: &DecodedScene) {
+        let mut kept = self.cache.lock().unwrap_or_else(PoisonError::into_inner);
         kept.retain(|(known, _)| *known != asset);
-        if kept.len() == MAX_SCENES_KEPT {
+        if kept.len() == MAX_CACHED_SCENES {
             kept.remove(0);
         }
         kept.push((asset, decoded.clone()));
     }
 }
 
-impl Decoded {
+impl DecodedScene {
     /// Decodes a scene's file.
     fn of(bytes: &[u8]) -> Result<Self, ServerError> {
-        let Loaded { scene, contents, name, notes } = assets::load_bytes(bytes)?.lit();
+        let LoadedScene { scene, contents, name, notes } = assets::load_bytes(bytes)?.with_default_light();
         let (posed, contents) = (scene::pose(scene), Arc::new(contents));
-        let notes = notes.into_iter().chain(costs(&posed)).collect();
-        Ok(Self { posed, contents, notes, own_name: name, bvh: Arc::default() })
+        let notes = notes.into_iter().chain(performance_notes(&posed)).collect();
+        Ok(Self { posed, contents, notes, embedded_name: name, bvh: Arc::default() })
     }
 
     /// The scene ready for rays: built when it is first asked for, once for all who have the scene though whoever asked first has
@@ -172,19 +172,19 @@ impl Decoded {
             let build = || background::run(move || Arc::new(Bvh::new(posed)));
             bvh.get_or_try_init(build).await.map(Arc::clone)
         });
-        built.await.map_err(|_| ServerError::Fault)?
+        built.await.map_err(|_| ServerError::Internal)?
     }
 }
 
 /// What makes pictures of a scene take long, a sentence each.
-fn costs(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
+fn performance_notes(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
     let (count, depth) = (posed.primitives.len(), posed.depth_complexity());
     let primitives = (count > MANY_PRIMITIVES).then(|| {
         format!(
             "the scene has {count} primitives, so its pictures take long: join those that share a material"
         )
     });
-    let depth = (depth > DEEP).then(|| {
+    let depth = (depth > MANY_OVERLAPPING_TRIANGLES).then(|| {
         let sheets = depth.round();
         format!("in one place of the scene {sheets} triangles lie over one another, so its pictures take long: leave out what is hidden")
     });
@@ -199,10 +199,10 @@ fn read_all(mut file: File) -> io::Result<Vec<u8>> {
 }
 
 /// Reads and decodes a stored scene. Blocks.
-fn decode(store: &Store, asset: &AssetHash) -> Result<Decoded, ServerError> {
-    let unknown = || edit::Refusal::Edit(document::EditError::UnknownAsset(*asset));
-    let bytes = store.assets.bytes(asset).map_err(ServerError::Unread)?.ok_or_else(unknown)?;
-    Decoded::of(&bytes)
+fn decode(store: &Store, asset: &AssetHash) -> Result<DecodedScene, ServerError> {
+    let unknown = || edit::EditRefusal::Edit(document::EditError::UnknownAsset(*asset));
+    let bytes = store.assets.bytes(asset).map_err(ServerError::StoreRead)?.ok_or_else(unknown)?;
+    DecodedScene::of(&bytes)
 }
 
 #[cfg(test)]
@@ -211,13 +211,13 @@ mod tests {
 
     #[tokio::test]
     async fn rays_are_prepared_once_for_all_who_have_the_scene() {
-        let decoded = Decoded::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+        let decoded = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
         let other = decoded.clone();
         let (one, two) = tokio::join!(decoded.bvh(), other.bvh());
         let (one, two) = (one.expect("built"), two.expect("built"));
         assert!(Arc::ptr_eq(&one, &two) && Arc::ptr_eq(&one.posed, &decoded.posed));
         // The planted fault: the same scene decoded again has its own.
-        let again = Decoded::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
+        let again = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
         assert!(!Arc::ptr_eq(&one, &again.bvh().await.expect("built")));
     }
 }

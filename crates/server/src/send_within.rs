@@ -13,29 +13,29 @@ use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep};
 
 /// Tries for each `within`.
-const TRIES: u32 = 6;
+const TRIES_PER_TIMEOUT: u32 = 6;
 
 /// A stream of which a write fails with `TimedOut` once the other side has taken nothing for `within`.
 ///
 /// Linux calls a socket writable once a third of its send buffer is free, which a side that takes some kilobytes a second does not
 /// reach in time. A waiting write therefore tries by itself now and then: it is accepted as soon as anything was taken.
 #[derive(Debug)]
-pub struct SendWithin {
+pub struct WriteTimeoutStream {
     stream: TcpStream,
-    within: Duration,
+    write_timeout: Duration,
     next_try: Pin<Box<Sleep>>,
     /// Since when a write waits.
     waits_since: Option<Instant>,
 }
 
-impl SendWithin {
-    pub fn new(stream: TcpStream, within: Duration) -> Self {
-        Self { stream, within, next_try: Box::pin(sleep(within)), waits_since: None }
+impl WriteTimeoutStream {
+    pub fn new(stream: TcpStream, write_timeout: Duration) -> Self {
+        Self { stream, write_timeout, next_try: Box::pin(sleep(write_timeout)), waits_since: None }
     }
 
     /// The same connection for the runtime that this is called in, which waits for it from now on.
-    pub fn moved_here(self) -> io::Result<Self> {
-        Ok(Self::new(TcpStream::from_std(self.stream.into_std()?)?, self.within))
+    pub fn into_current_runtime(self) -> io::Result<Self> {
+        Ok(Self::new(TcpStream::from_std(self.stream.into_std()?)?, self.write_timeout))
     }
 
     /// What a write of `bytes` comes to of which the stream's own came to `written`.
@@ -49,7 +49,7 @@ impl SendWithin {
             self.waits_since = None;
             return written;
         }
-        let between = self.within / TRIES;
+        let between = self.write_timeout / TRIES_PER_TIMEOUT;
         let since = *self.waits_since.get_or_insert_with(|| {
             self.next_try.as_mut().reset(Instant::now() + between);
             Instant::now()
@@ -57,7 +57,7 @@ impl SendWithin {
         loop {
             ready!(self.next_try.as_mut().poll(context));
             match send(&self.stream, bytes, SendFlags::empty()) {
-                Err(Errno::AGAIN | Errno::INTR) if since.elapsed() < self.within => {
+                Err(Errno::AGAIN | Errno::INTR) if since.elapsed() < self.write_timeout => {
                     self.next_try.as_mut().reset(Instant::now() + between);
                 }
                 Err(Errno::AGAIN | Errno::INTR) => return Poll::Ready(Err(ErrorKind::TimedOut.into())),
@@ -70,7 +70,7 @@ impl SendWithin {
     }
 }
 
-impl AsyncWrite for SendWithin {
+impl AsyncWrite for WriteTimeoutStream {
     fn poll_write(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -103,7 +103,7 @@ impl AsyncWrite for SendWithin {
     }
 }
 
-impl AsyncRead for SendWithin {
+impl AsyncRead for WriteTimeoutStream {
     fn poll_read(
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
@@ -131,7 +131,7 @@ mod tests {
         let reader = TcpSocket::new_v4().unwrap();
         reader.set_recv_buffer_size(16 << 10).unwrap();
         let mut reader = reader.connect(listener.local_addr().unwrap()).await.unwrap();
-        let mut writer = SendWithin::new(listener.accept().await.unwrap().0, WITHIN);
+        let mut writer = WriteTimeoutStream::new(listener.accept().await.unwrap().0, WITHIN);
         let takes = tokio::spawn(async move {
             let mut part = vec![0; bytes];
             while reader.read_exact(&mut part).await.is_ok() {
@@ -149,7 +149,7 @@ mod tests {
 
     /// A socket is writable again once some 350 KB are free, which takes the first reader 2 s.
     #[tokio::test]
-    async fn who_takes_little_is_waited_for_and_who_takes_nothing_is_not() {
+    async fn only_a_reader_that_takes_nothing_times_out() {
         let (little, nothing) = tokio::join!(lasts(8 << 10), lasts(1));
         assert!(little >= 6 * WITHIN, "{little:?}");
         assert!((WITHIN..3 * WITHIN).contains(&nothing), "{nothing:?}");

@@ -16,31 +16,31 @@ use tokio::time::timeout;
 use tokio_util::task::TaskTracker;
 
 use crate::access::{Hosts, PublicUrl, Token, random_digits};
-use crate::backend::Backend;
-use crate::connections::{self, Ending};
+use crate::anonymous::AnonymousPermits;
+use crate::backend::Services;
+use crate::connections::{self, ShutdownSignals};
 use crate::first_session::StartSession;
-use crate::in_flight::InFlight;
+use crate::in_flight::ByteBudget;
 use crate::limits::{
-    DRAIN_WITHIN, EDITS_BESIDE_A_HAND, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS,
-    MAX_UPLOADS, REQUESTS_BESIDE_A_HAND,
+    DRAIN_TIMEOUT, MAX_PROBES, MAX_RENDER_BYTES, MAX_REQUESTS, MAX_SOCKETS, MAX_STILLS, MAX_UPLOADS,
+    THROTTLED_EDIT_RATE, THROTTLED_REQUEST_RATE,
 };
 use crate::metrics::Metrics;
 use crate::pacing::RequestPacing;
-use crate::permits::Permits;
-use crate::renderer::{RenderThread, Renders};
+use crate::permits::SessionPermits;
+use crate::renderer::{RenderQueue, RenderThread};
 use crate::room::Rooms;
-use crate::scenes::Scenes;
+use crate::scenes::SceneCache;
 use crate::solver::Solver;
 use crate::state::AppState;
 use crate::storage::Storage;
-use crate::strangers::Turns;
 use crate::trace::{Trace, TraceThread};
 use crate::views::MovingPixels;
 use crate::{ServerError, data_folder, first_session, http};
 
 /// How a server is started.
 #[derive(Clone, Debug)]
-pub struct Config {
+pub struct ServerConfig {
     /// Where its data lies; made where it is missing.
     pub data: PathBuf,
     /// The session that is there in any case.
@@ -61,9 +61,9 @@ pub struct Config {
 /// A server that is ready to listen.
 pub struct Server {
     store: Store,
-    renders: Renders,
+    renders: RenderQueue,
     render_thread: RenderThread,
-    in_flight: InFlight,
+    in_flight: ByteBudget,
     metrics: Arc<Metrics>,
     trace: Trace,
     trace_thread: Option<TraceThread>,
@@ -77,13 +77,13 @@ pub struct Server {
 
 impl Server {
     /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
-    pub fn open(config: &Config) -> Result<Self, ServerError> {
+    pub fn open(config: &ServerConfig) -> Result<Self, ServerError> {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
         let trace = trace.unwrap_or_default();
-        let Data { store, token, session, lock } = Data::open(config)?;
-        let in_flight = InFlight::default();
+        let OpenedDataFolder { store, token, session, lock } = OpenedDataFolder::open(config)?;
+        let in_flight = ByteBudget::default();
         let metrics = Arc::new(Metrics::new(MemoryBudget::new(MAX_RENDER_BYTES), in_flight.clone()));
-        let (renders, render_thread) = Renders::start(Arc::clone(&metrics), config.backend)?;
+        let (renders, render_thread) = RenderQueue::start(Arc::clone(&metrics), config.backend)?;
         let (data, public_urls) = (config.data.clone(), config.public_urls.clone());
         Ok(Self {
             store,
@@ -107,8 +107,8 @@ impl Server {
     }
 
     /// Ends once every pipeline has drawn: whether they could.
-    pub fn is_warm(&self) -> impl Future<Output = bool> + Send + 'static {
-        self.renders.warmed_up()
+    pub fn wait_until_warm(&self) -> impl Future<Output = bool> + Send + 'static {
+        self.renders.wait_until_warm()
     }
 
     /// The session that the start leads to.
@@ -131,21 +131,25 @@ impl Server {
         let storage = Storage::start(&data, store, Arc::clone(&metrics));
         let cores = available_parallelism().map_or(1, NonZero::get);
         let moving_pixels = Arc::<MovingPixels>::default();
-        let ending = Ending::default();
-        let backend = Backend {
-            scenes: Arc::new(Scenes::new(storage.clone(), Arc::clone(&metrics), Arc::clone(&moving_pixels))),
+        let ending = ShutdownSignals::default();
+        let backend = Services {
+            scenes: Arc::new(SceneCache::new(
+                storage.clone(),
+                Arc::clone(&metrics),
+                Arc::clone(&moving_pixels),
+            )),
             storage,
             renders,
             moving_pixels: Arc::clone(&moving_pixels),
             probes: Arc::new(Semaphore::new(MAX_PROBES)),
             solver: Solver::new(cores, metrics.solves_under_way.clone(), Arc::clone(&moving_pixels)),
-            edit_pacing: Arc::new(RequestPacing::new(EDITS_BESIDE_A_HAND, Arc::clone(&moving_pixels))),
-            request_pacing: Arc::new(RequestPacing::new(REQUESTS_BESIDE_A_HAND, moving_pixels)),
+            edit_pacing: Arc::new(RequestPacing::new(THROTTLED_EDIT_RATE, Arc::clone(&moving_pixels))),
+            request_pacing: Arc::new(RequestPacing::new(THROTTLED_REQUEST_RATE, moving_pixels)),
             in_flight,
             metrics,
             trace,
             draining: ending.draining.clone(),
-            run: random_digits().map_err(|_| ServerError::Fault)?.into(),
+            run: random_digits().map_err(|_| ServerError::Internal)?.into(),
             started: Instant::now(),
             sockets: TaskTracker::new(),
         };
@@ -156,11 +160,11 @@ impl Server {
             socket_runtime: Handle::current(),
             hosts: Hosts::new(address, &public_urls),
             sockets: Arc::new(Semaphore::new(MAX_SOCKETS)),
-            requests: Permits::new("requests", MAX_REQUESTS),
-            stills: Permits::new("pictures", MAX_STILLS),
+            requests: SessionPermits::new("requests", MAX_REQUESTS),
+            stills: SessionPermits::new("pictures", MAX_STILLS),
             uploads: Semaphore::new(MAX_UPLOADS),
-            short_turns: Turns::default(),
-            page_turns: Turns::default(),
+            anonymous_short_permits: AnonymousPermits::default(),
+            anonymous_permits: AnonymousPermits::default(),
         });
         let router = http::router(Arc::clone(&state));
         let serving = tokio::spawn(connections::serve(listener, requests, router, ending.clone()));
@@ -174,32 +178,35 @@ impl Server {
             ending.sockets_ended.cancel();
             serving.await
         };
-        let Ok(served) = timeout(DRAIN_WITHIN, drain).await else {
-            tracing::warn!("some connections did not end within {} s and are cut", DRAIN_WITHIN.as_secs());
+        let Ok(served) = timeout(DRAIN_TIMEOUT, drain).await else {
+            tracing::warn!("some connections did not end within {} s and are cut", DRAIN_TIMEOUT.as_secs());
             return Ok(());
         };
-        served.map_err(|_| ServerError::Fault)
+        served.map_err(|_| ServerError::Internal)
     }
 }
 
 /// What lies in the data folder.
-struct Data {
+struct OpenedDataFolder {
     store: Store,
     token: Token,
     session: StartSession,
     lock: File,
 }
 
-impl Data {
+impl OpenedDataFolder {
     /// Takes the folder and makes what is missing. A start that is cut off leaves nothing half made.
-    fn open(config: &Config) -> Result<Self, ServerError> {
+    fn open(config: &ServerConfig) -> Result<Self, ServerError> {
         let folder = &config.data;
         data_folder::make(folder)?;
         let lock = data_folder::lock(folder)?;
         let mut store = Store::create(folder)?;
         store.assets.remove_leftovers()?;
         let session = first_session::ensure(&mut store, &config.session, config.scene.as_deref())?;
-        let token = config.token_file.as_ref().map_or_else(|| Token::of(folder), |file| Token::at(file))?;
+        let token = config
+            .token_file
+            .as_ref()
+            .map_or_else(|| Token::in_folder(folder), |file| Token::from_file(file))?;
         Ok(Self { store, token, session, lock })
     }
 }
@@ -218,16 +225,16 @@ mod tests {
     const CHILD: &str = "server::tests::child_that_starts";
     const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 
-    fn config(data: &Path) -> Config {
+    fn config(data: &Path) -> ServerConfig {
         let (data, session, public_urls) = (data.into(), "main".into(), Vec::new());
-        Config { data, session, scene: None, token_file: None, public_urls, trace: None, backend: None }
+        ServerConfig { data, session, scene: None, token_file: None, public_urls, trace: None, backend: None }
     }
 
     #[test]
     #[ignore = "the child of the test below, which starts it"]
     fn child_that_starts() {
         let folder = env::var(FOLDER).expect("started by a test");
-        drop(Data::open(&config(Path::new(&folder))).expect("a start"));
+        drop(OpenedDataFolder::open(&config(Path::new(&folder))).expect("a start"));
     }
 
     /// Whether a start that is killed at call `number` of `call` was over before.
@@ -242,7 +249,7 @@ mod tests {
     }
 
     fn is_whole(data: &Path) -> bool {
-        let Ok(opened) = Data::open(&config(data)) else { return false };
+        let Ok(opened) = OpenedDataFolder::open(&config(data)) else { return false };
         let row = opened.store.session("main").expect("a session");
         let document = opened.store.replay("main", None).expect("a log").document().clone();
         row.seq == 1 && !document.lights().is_empty() && opened.token.digits().len() == 32
@@ -289,8 +296,8 @@ mod tests {
             let bytes = format!(r#"{{"asset": {{"version": "2.0", "generator": "{}"}}}}"#, file.len());
             std::fs::write(&scene, &bytes).expect("a scene's file");
             let data = tempfile::tempdir().expect("a folder");
-            let config = Config { scene: Some(scene.display().to_string()), ..config(data.path()) };
-            let store = Data::open(&config).expect("a start").store;
+            let config = ServerConfig { scene: Some(scene.display().to_string()), ..config(data.path()) };
+            let store = OpenedDataFolder::open(&config).expect("a start").store;
             let asset = AssetHash::of(bytes.as_bytes());
             assert_eq!(store.assets.name_of(&asset).expect("no error").as_deref(), Some(name), "{file:?}");
         }
@@ -306,13 +313,13 @@ mod tests {
             std::fs::write(&file, text).expect("a scene's file");
         };
         let start = |scene: Option<&str>| {
-            let config = Config { scene: scene.map(str::to_owned), ..config(data.path()) };
-            Data::open(&config).expect("a start").session
+            let config = ServerConfig { scene: scene.map(str::to_owned), ..config(data.path()) };
+            OpenedDataFolder::open(&config).expect("a start").session
         };
         let scene = file.display().to_string();
         let of = |name: &str, kept: Option<&str>| StartSession {
             name: name.into(),
-            kept: kept.map(str::to_owned),
+            scene_already_there: kept.map(str::to_owned),
         };
         write(1);
         assert_eq!(start(None), of("main", None));
@@ -340,8 +347,8 @@ mod tests {
     fn a_first_session_that_was_deleted_stays_so_but_for_a_scene() {
         let data = tempfile::tempdir().expect("a folder");
         let start = |scene: Option<&str>| {
-            let config = Config { scene: scene.map(str::to_owned), ..config(data.path()) };
-            Data::open(&config).expect("a start").store
+            let config = ServerConfig { scene: scene.map(str::to_owned), ..config(data.path()) };
+            OpenedDataFolder::open(&config).expect("a start").store
         };
         let names = |store: &Store| -> Vec<String> {
             store.sessions().expect("a list").into_iter().map(|row| row.name).collect()

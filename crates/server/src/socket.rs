@@ -16,23 +16,23 @@ use tokio_tungstenite::tungstenite::{Error, Message as WireMessage};
 
 use crate::ServerError;
 use crate::access::Principal;
+use crate::charges::Payer;
 use crate::connections::Connection;
-use crate::in_flight::taken_within;
+use crate::in_flight::delivery_timeout;
 use crate::limits::{
-    CLOSE_WITHIN, FRAGMENT_BYTES, HELLO_WITHIN, MAX_LINE, MAX_MESSAGE_BYTES, MAX_SOCKETS, MAX_STRANGERS,
-    PING_EVERY, SILENT_AT_MOST,
+    CLIENT_SILENCE_TIMEOUT, CLOSE_TIMEOUT, FRAGMENT_BYTES, HELLO_TIMEOUT, MAX_ANONYMOUS_CONNECTIONS,
+    MAX_MESSAGE_BYTES, MAX_QUEUED_MESSAGES, MAX_SOCKETS, PING_EVERY,
 };
 use crate::outbox::{Backlog, Outbox, OutboxReceiver, SocketMessage, outbox};
 use crate::outboxes::ClientId;
 use crate::pacing::SocketPacing;
 use crate::request::{ClientRequest, actor, client_request};
-use crate::room::{Join, Message, RoomHandle};
-use crate::send_within::SendWithin;
+use crate::room::{JoinRequest, RoomHandle, RoomMessage};
+use crate::send_within::WriteTimeoutStream;
 use crate::state::AppState;
-use crate::turns::Payer;
 
 /// A connection that has become a WebSocket.
-pub type Socket = WebSocketStream<SendWithin>;
+pub type Socket = WebSocketStream<WriteTimeoutStream>;
 
 /// What a client is told whose connection ends because it takes too little.
 const TOO_SLOW: &str = "what was sent to this connection was not taken in time: connect again";
@@ -43,7 +43,9 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
     let (outbox, end) = outbox(state.backend.in_flight.clone());
     let backlog = end.backlog();
     let mut writing = tokio::spawn(write(sink, end));
-    if let Some((room, (client, payer), _permit)) = greet(&mut messages, outbox, &state, &connection).await {
+    if let Some((room, (client, payer), _permit)) =
+        handshake(&mut messages, outbox, &state, &connection).await
+    {
         let pacing = SocketPacing::new(payer, &state.backend.edit_pacing);
         tokio::select! {
             () = read(&mut messages, backlog, pacing, (&room, client), &state) => {}
@@ -51,18 +53,18 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
             _ = &mut writing => {}
         }
         // A session that is closed has let everybody go.
-        let _ = room.send(Message::Leave(client)).await;
+        let _ = room.send(RoomMessage::Leave(client)).await;
     }
     // What is left of the control queue is still sent.
     if !writing.is_finished() {
         let _ = writing.await;
     }
     // A connection that is dropped with something unread is reset, and the client never sees why it was closed.
-    let _ = timeout(CLOSE_WITHIN, async { while let Some(Ok(_)) = messages.next().await {} }).await;
+    let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = messages.next().await {} }).await;
 }
 
 /// Waits for `hello` and joins the session that it names; or says what is wrong with it.
-async fn greet(
+async fn handshake(
     messages: &mut SplitStream<Socket>,
     mut outbox: Outbox,
     state: &AppState,
@@ -70,17 +72,17 @@ async fn greet(
 ) -> Option<(RoomHandle, (ClientId, Payer), OwnedSemaphorePermit)> {
     let hello = tokio::select! {
         hello = hello(messages, &mut outbox) => hello?,
-        () = sleep(HELLO_WITHIN) => Err(ServerError::HelloTooLate),
-        () = connection.given_up() => {
-            Err(ServerError::TooMany { what: "connections without the token", limit: MAX_STRANGERS })
+        () = sleep(HELLO_TIMEOUT) => Err(ServerError::HelloTooLate),
+        () = connection.until_closed_by_server() => {
+            Err(ServerError::TooMany { what: "connections without the token", limit: MAX_ANONYMOUS_CONNECTIONS })
         }
     };
     match join(hello, state, connection).await {
         Ok((room, (session, permit), (principal, epoch, last_seq))) => {
             let payer = Payer::new(&session, &principal.actor.id);
             let (joined, client) = oneshot::channel();
-            let join = Join { principal, epoch, last_seq, outbox, joined };
-            room.send(Message::Join(Box::new(join))).await.ok()?;
+            let join = JoinRequest { principal, epoch, last_seq, outbox, joined };
+            room.send(RoomMessage::Join(Box::new(join))).await.ok()?;
             let client = client.await.ok()?;
             Some((room, (client, payer), permit))
         }
@@ -92,7 +94,7 @@ async fn greet(
 }
 
 /// Who comes, and the history that they know.
-type Newcomer = (Principal, Option<String>, Option<u64>);
+type HelloClaims = (Principal, Option<String>, Option<u64>);
 
 /// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
 async fn hello(
@@ -113,16 +115,16 @@ async fn join(
     hello: Result<ClientMessage, ServerError>,
     state: &AppState,
     connection: &Connection,
-) -> Result<(RoomHandle, (Arc<str>, OwnedSemaphorePermit), Newcomer), ServerError> {
+) -> Result<(RoomHandle, (Arc<str>, OwnedSemaphorePermit), HelloClaims), ServerError> {
     let (session, newcomer) = admit(hello?, state)?;
-    connection.is_known();
+    connection.mark_authenticated();
     let too_many = |_| ServerError::TooMany { what: "sockets", limit: MAX_SOCKETS };
     let permit = Arc::clone(&state.sockets).try_acquire_owned().map_err(too_many)?;
     Ok((state.rooms.find(&session).await?, (session.into(), permit), newcomer))
 }
 
 /// The session that a `hello` may join.
-fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, Newcomer), ServerError> {
+fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, HelloClaims), ServerError> {
     let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello else {
         return Err(ServerError::Hello);
     };
@@ -142,8 +144,8 @@ async fn read(
     (room, client): (&RoomHandle, ClientId),
     state: &AppState,
 ) {
-    let places = Arc::new(Semaphore::new(MAX_LINE));
-    while backlog.wait_for(Backlog::takes_more).await.is_ok()
+    let places = Arc::new(Semaphore::new(MAX_QUEUED_MESSAGES));
+    while backlog.wait_for(Backlog::is_reading).await.is_ok()
         && let Some(message) = next(messages).await
     {
         pacing.wait().await;
@@ -155,8 +157,8 @@ async fn read(
             pacing.wait_to_edit().await;
         }
         // What edits waits here for what this client sent before, so that nobody else does.
-        let place = if request.edits() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
-        if room.send(Message::Client { client, request, place }).await.is_err() {
+        let place = if request.may_edit() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
+        if room.send(RoomMessage::Client { client, request, queue_permit: place }).await.is_err() {
             return;
         }
     }
@@ -167,7 +169,7 @@ async fn next(
     messages: &mut (impl Stream<Item = Result<WireMessage, Error>> + Unpin),
 ) -> Option<Result<ClientMessage, ServerError>> {
     loop {
-        let frame = timeout(SILENT_AT_MOST, messages.next()).await.ok()??;
+        let frame = timeout(CLIENT_SILENCE_TIMEOUT, messages.next()).await.ok()??;
         match frame.inspect_err(|error| tracing::debug!("a connection broke: {error}")).ok()? {
             WireMessage::Text(text) if text.len() > MAX_MESSAGE_BYTES => {
                 let (what, limit) = ("a message", MAX_MESSAGE_BYTES);
@@ -193,20 +195,20 @@ async fn write(mut sink: SplitSink<Socket, WireMessage>, mut end: OutboxReceiver
             text = end.control.recv() => match text {
                 Some(text) => {
                     let sent = send(&mut sink, SocketMessage::Text(text.clone())).await;
-                    end.taken(&text);
+                    end.note_delivered(&text);
                     sent
                 }
                 None => break,
             },
             Some(frame) = end.frames.recv() => send_all(&mut sink, frame).await,
-            _ = pings.tick() => sink.send(WireMessage::Ping(Bytes::new())).await.map_err(Unsent::from),
+            _ = pings.tick() => sink.send(WireMessage::Ping(Bytes::new())).await.map_err(SendError::from),
         };
         match sent {
             Ok(()) => {}
-            Err(Unsent::Broken) => return,
-            Err(Unsent::TooSlow) => {
+            Err(SendError::Broken) => return,
+            Err(SendError::TooSlow) => {
                 let why = CloseFrame { code: CloseCode::Policy, reason: TOO_SLOW.into() };
-                let _ = timeout(CLOSE_WITHIN, sink.send(WireMessage::Close(Some(why)))).await;
+                let _ = timeout(CLOSE_TIMEOUT, sink.send(WireMessage::Close(Some(why)))).await;
                 return;
             }
         }
@@ -215,14 +217,14 @@ async fn write(mut sink: SplitSink<Socket, WireMessage>, mut end: OutboxReceiver
 }
 
 /// Why a message was not sent.
-enum Unsent {
+enum SendError {
     /// The connection is over.
     Broken,
     /// The client takes too little.
     TooSlow,
 }
 
-impl From<Error> for Unsent {
+impl From<Error> for SendError {
     fn from(error: Error) -> Self {
         tracing::debug!("a connection broke: {error}");
         Self::Broken
@@ -232,7 +234,7 @@ impl From<Error> for Unsent {
 async fn send_all(
     sink: &mut SplitSink<Socket, WireMessage>,
     messages: Vec<SocketMessage>,
-) -> Result<(), Unsent> {
+) -> Result<(), SendError> {
     for message in messages {
         send(sink, message).await?;
     }
@@ -241,20 +243,20 @@ async fn send_all(
 
 /// Sends a message in parts, each of which waits until the one before is taken: of a large message that many are sent the
 /// bytes are shared, and the socket copies those of one part alone.
-async fn send(sink: &mut SplitSink<Socket, WireMessage>, message: SocketMessage) -> Result<(), Unsent> {
+async fn send(sink: &mut SplitSink<Socket, WireMessage>, message: SocketMessage) -> Result<(), SendError> {
     let (kind, pieces) = match message {
         SocketMessage::Text(text) => (Data::Text, text.into_pieces()),
         SocketMessage::Binary(bytes) => (Data::Binary, vec![bytes]),
     };
     let mut left: usize = pieces.iter().map(Bytes::len).sum();
-    let deadline = Instant::now() + taken_within(left);
+    let deadline = Instant::now() + delivery_timeout(left);
     let mut opcode = OpCode::Data(kind);
     for mut piece in pieces {
         while !piece.is_empty() {
             let part = piece.split_to(piece.len().min(FRAGMENT_BYTES));
             left -= part.len();
             let frame = WireMessage::Frame(Frame::message(part, opcode, left == 0));
-            timeout_at(deadline, sink.send(frame)).await.map_err(|_| Unsent::TooSlow)??;
+            timeout_at(deadline, sink.send(frame)).await.map_err(|_| SendError::TooSlow)??;
             opcode = OpCode::Data(Data::Continue);
         }
     }

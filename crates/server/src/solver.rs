@@ -19,19 +19,19 @@ use tokio::sync::oneshot;
 use crate::ServerError;
 use crate::allowances::Allowances;
 use crate::background;
-use crate::limits::{MAX_SOLVES, SHORT_SOLVE_STEPS, SHORT_SOLVES};
-use crate::turns::{Charges, Payer};
+use crate::charges::{Charges, Payer};
+use crate::limits::{MAX_SOLVES, SHORT_SOLVE_RATE, SHORT_SOLVE_STEPS};
 use crate::views::MovingPixels;
 
 /// For so many times as long as it has worked a long solve rests while views of other clients move.
-const LONG_SOLVES_REST: u32 = 3;
+const LONG_SOLVE_REST_FACTOR: u32 = 3;
 /// Where a thread was held up meanwhile it rests no longer than that.
-const LONGEST_REST: Duration = Duration::from_millis(60);
+const MAX_REST: Duration = Duration::from_millis(60);
 
 /// Threads that solve. Clones share them.
 #[derive(Clone)]
 pub struct Solver {
-    turns: Arc<Mutex<Turns>>,
+    turns: Arc<Mutex<SolveQueue>>,
     /// Whose views move.
     moving: Arc<MovingPixels>,
     /// Solves that wait or go on.
@@ -45,63 +45,63 @@ impl fmt::Debug for Solver {
 }
 
 /// Who goes on.
-struct Turns {
+struct SolveQueue {
     charges: Charges,
     /// How long each client's solves may still go on as short ones.
     allowances: Allowances,
-    waiting: Vec<Waiting>,
+    waiting: Vec<QueuedSolve>,
     /// How many short ones go on, and how many long ones. Those may be slow to give way, since all else goes before them.
-    going_on: [usize; 2],
+    running: [usize; 2],
     /// How many of each may go on; long ones where no short one takes the place.
-    most: usize,
+    max_running: usize,
     /// Those that wait or go on.
-    all: usize,
+    total: usize,
     next_number: u64,
 }
 
 /// A solve that waits.
-struct Waiting {
+struct QueuedSolve {
     number: u64,
     payer: Payer,
     is_long: bool,
     thread: Thread,
 }
 
-impl Turns {
+impl SolveQueue {
     /// Whether there is a place for one more.
     fn has_room(&self, is_long: bool) -> bool {
-        let [short, long] = self.going_on;
-        if is_long { short + long < self.most } else { short < self.most }
+        let [short, long] = self.running;
+        if is_long { short + long < self.max_running } else { short < self.max_running }
     }
 
     /// Of the solves that wait the one that is next, by its index: a short one, of who has been charged least, the oldest.
     fn next(&self) -> Option<usize> {
         let order = |a: &usize, b: &usize| {
             let (a, b) = (&self.waiting[*a], &self.waiting[*b]);
-            self.order((a.is_long, &a.payer), (b.is_long, &b.payer)).then(a.number.cmp(&b.number))
+            self.cmp_priority((a.is_long, &a.payer), (b.is_long, &b.payer)).then(a.number.cmp(&b.number))
         };
         (0..self.waiting.len()).min_by(order)
     }
 
-    fn order(&self, a: (bool, &Payer), b: (bool, &Payer)) -> Order {
+    fn cmp_priority(&self, a: (bool, &Payer), b: (bool, &Payer)) -> Order {
         a.0.cmp(&b.0).then_with(|| self.charges.of(a.1).order(&self.charges.of(b.1)))
     }
 
     /// Lets those that wait go on, as far as there is room.
-    fn let_go_on(&mut self) {
+    fn admit_waiting(&mut self) {
         while let Some(next) = self.next()
             && self.has_room(self.waiting[next].is_long)
         {
-            let Waiting { is_long, thread, .. } = self.waiting.remove(next);
-            self.going_on[usize::from(is_long)] += 1;
+            let QueuedSolve { is_long, thread, .. } = self.waiting.remove(next);
+            self.running[usize::from(is_long)] += 1;
             thread.unpark();
         }
     }
 }
 
 /// The turn of a solve on its thread.
-pub struct Turn {
-    turns: Arc<Mutex<Turns>>,
+pub struct SolveTurn {
+    turns: Arc<Mutex<SolveQueue>>,
     moving: Arc<MovingPixels>,
     under_way: Gauge,
     payer: Payer,
@@ -109,16 +109,16 @@ pub struct Turn {
     is_long: bool,
     /// Since when it goes on and has not been charged; `None` while it waits.
     since: Option<Instant>,
-    is_given_up: Arc<AtomicBool>,
+    is_cancelled: Arc<AtomicBool>,
 }
 
 /// Whoever waits for a solve, who gives it up by being dropped.
-struct Asker {
+struct CancelOnDrop {
     is_given_up: Arc<AtomicBool>,
     thread: Thread,
 }
 
-impl Drop for Asker {
+impl Drop for CancelOnDrop {
     fn drop(&mut self) {
         self.is_given_up.store(true, Ordering::Release);
         self.thread.unpark();
@@ -126,28 +126,36 @@ impl Drop for Asker {
 }
 
 impl Solver {
-    /// None go on. `most` may at once; `under_way` counts those that wait or go on. Long ones go on a quarter of the time while views
+    /// None go on. `most` may at once; `pending` counts those that wait or go on. Long ones go on a quarter of the time while views
     /// of other clients move.
     pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
-        let allowances = Allowances::new(SHORT_SOLVES);
-        let turns = Turns { charges, allowances, waiting, going_on: [0; 2], most, all: 0, next_number: 0 };
+        let allowances = Allowances::new(SHORT_SOLVE_RATE);
+        let turns = SolveQueue {
+            charges,
+            allowances,
+            waiting,
+            running: [0; 2],
+            max_running: most,
+            total: 0,
+            next_number: 0,
+        };
         Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
     }
 
     /// Runs `solve` on a thread of its own, once it is its turn. Whoever drops the future gives it up: then
-    /// [`Turn::goes_on`] says so within some milliseconds.
+    /// [`Turn::may_continue`] says so within some milliseconds.
     pub async fn run<T: Send + 'static>(
         &self,
         payer: Payer,
-        solve: impl FnOnce(&mut Turn) -> T + Send + 'static,
+        solve: impl FnOnce(&mut SolveTurn) -> T + Send + 'static,
     ) -> Result<T, ServerError> {
         let mut turn = self.turn(payer)?;
-        let is_given_up = Arc::clone(&turn.is_given_up);
+        let is_given_up = Arc::clone(&turn.is_cancelled);
         let (done, answer) = oneshot::channel();
         let run = move || {
             if turn.is_long {
-                background::give_way_to_all();
+                background::set_idle_priority();
             }
             if turn.wait() {
                 let solved = solve(&mut turn);
@@ -158,64 +166,64 @@ impl Solver {
         };
         let thread = thread::Builder::new().name("solve".into()).spawn(run).map_err(|error| {
             tracing::error!("no thread could be started to solve a drag: {error}");
-            ServerError::Fault
+            ServerError::Internal
         })?;
-        let _asker = Asker { is_given_up, thread: thread.thread().clone() };
-        answer.await.map_err(|_| ServerError::Fault)
+        let _asker = CancelOnDrop { is_given_up, thread: thread.thread().clone() };
+        answer.await.map_err(|_| ServerError::Internal)
     }
 
     /// A solve that waits for its turn.
-    fn turn(&self, payer: Payer) -> Result<Turn, ServerError> {
+    fn turn(&self, payer: Payer) -> Result<SolveTurn, ServerError> {
         let mut turns = lock(&self.turns);
-        if turns.all >= MAX_SOLVES {
+        if turns.total >= MAX_SOLVES {
             return Err(ServerError::TooMany { what: "drags that are solved", limit: MAX_SOLVES });
         }
-        turns.all += 1;
+        turns.total += 1;
         turns.next_number += 1;
         self.under_way.inc();
-        Ok(Turn {
+        Ok(SolveTurn {
             turns: Arc::clone(&self.turns),
             moving: Arc::clone(&self.moving),
             under_way: self.under_way.clone(),
             number: turns.next_number,
-            is_long: !turns.allowances.has_some(&payer, Instant::now()),
+            is_long: !turns.allowances.has_tokens(&payer, Instant::now()),
             payer,
             since: None,
-            is_given_up: Arc::default(),
+            is_cancelled: Arc::default(),
         })
     }
 }
 
-impl Turn {
+impl SolveTurn {
     /// Whether the solve goes on that has taken so many steps: at once, or after others have gone on in its place. `false` where it
     /// was given up.
-    pub fn goes_on(&mut self, steps: u64) -> bool {
-        if self.is_given_up.load(Ordering::Acquire) {
+    pub fn may_continue(&mut self, steps: u64) -> bool {
+        if self.is_cancelled.load(Ordering::Acquire) {
             return false;
         }
         let worked = self.charge();
-        if !self.is_long && (steps >= SHORT_SOLVE_STEPS || !self.may_be_short()) {
+        if !self.is_long && (steps >= SHORT_SOLVE_STEPS || !self.has_short_allowance()) {
             self.is_long = true;
             let mut turns = lock(&self.turns);
-            let [short, long] = turns.going_on;
-            turns.going_on = [short - 1, long + 1];
-            turns.let_go_on();
+            let [short, long] = turns.running;
+            turns.running = [short - 1, long + 1];
+            turns.admit_waiting();
             drop(turns);
-            background::give_way_to_all();
+            background::set_idle_priority();
         }
-        if self.is_long && self.moving.move_for_another(self.payer.actor_id(), Instant::now()) {
+        if self.is_long && self.moving.is_another_interacting(self.payer.actor_id(), Instant::now()) {
             // Also on threads of the lowest priority it takes caches, memory and half of what a core shares with another.
-            thread::park_timeout((worked * LONG_SOLVES_REST).min(LONGEST_REST));
+            thread::park_timeout((worked * LONG_SOLVE_REST_FACTOR).min(MAX_REST));
             self.since = Some(Instant::now());
         }
         let turns = lock(&self.turns);
         let gives_way = turns.next().is_some_and(|next| {
             let next = &turns.waiting[next];
-            turns.order((next.is_long, &next.payer), (self.is_long, &self.payer)).is_lt()
+            turns.cmp_priority((next.is_long, &next.payer), (self.is_long, &self.payer)).is_lt()
         });
         drop(turns);
         !gives_way || {
-            self.stop();
+            self.release_slot();
             self.wait()
         }
     }
@@ -223,15 +231,15 @@ impl Turn {
     /// Waits until it is its turn; `false` where it was given up instead.
     fn wait(&mut self) -> bool {
         let mut turns = lock(&self.turns);
-        turns.waiting.push(Waiting {
+        turns.waiting.push(QueuedSolve {
             number: self.number,
             payer: self.payer.clone(),
             is_long: self.is_long,
             thread: thread::current(),
         });
-        turns.let_go_on();
+        turns.admit_waiting();
         while let Some(index) = turns.waiting.iter().position(|waiting| waiting.number == self.number) {
-            if self.is_given_up.load(Ordering::Acquire) {
+            if self.is_cancelled.load(Ordering::Acquire) {
                 turns.waiting.remove(index);
                 return false;
             }
@@ -244,8 +252,8 @@ impl Turn {
     }
 
     /// Whether whoever asked for it has some of the time left for which solves may go on as short ones.
-    fn may_be_short(&self) -> bool {
-        lock(&self.turns).allowances.has_some(&self.payer, Instant::now())
+    fn has_short_allowance(&self) -> bool {
+        lock(&self.turns).allowances.has_tokens(&self.payer, Instant::now())
     }
 
     /// Charges for the time since it was last charged, and says how long that was.
@@ -262,27 +270,27 @@ impl Turn {
     }
 
     /// Gives its place to another.
-    fn stop(&mut self) {
+    fn release_slot(&mut self) {
         if self.since.take().is_some() {
             let mut turns = lock(&self.turns);
-            turns.going_on[usize::from(self.is_long)] -= 1;
-            turns.let_go_on();
+            turns.running[usize::from(self.is_long)] -= 1;
+            turns.admit_waiting();
         }
     }
 }
 
-impl Drop for Turn {
+impl Drop for SolveTurn {
     fn drop(&mut self) {
         if self.since.is_some() {
             self.charge();
         }
-        self.stop();
-        lock(&self.turns).all -= 1;
+        self.release_slot();
+        lock(&self.turns).total -= 1;
         self.under_way.dec();
     }
 }
 
-fn lock(turns: &Mutex<Turns>) -> MutexGuard<'_, Turns> {
+fn lock(turns: &Mutex<SolveQueue>) -> MutexGuard<'_, SolveQueue> {
     turns.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -305,10 +313,10 @@ mod tests {
         for &(session, questions) in solves {
             let (solver, ended) = (solver.clone(), Arc::clone(&ended));
             tasks.push(tokio::spawn(async move {
-                let solve = move |turn: &mut Turn| {
+                let solve = move |turn: &mut SolveTurn| {
                     for question in 1..=questions {
                         thread::sleep(Duration::from_millis(1));
-                        assert!(!gives_way || turn.goes_on(question * SHORT_SOLVE_STEPS / 4));
+                        assert!(!gives_way || turn.may_continue(question * SHORT_SOLVE_STEPS / 4));
                     }
                     ended.lock().unwrap().push(session);
                 };
@@ -342,12 +350,12 @@ mod tests {
         let moving = Arc::<MovingPixels>::default();
         let solver = Solver::new(1, Gauge::default(), Arc::clone(&moving));
         let actor_id = of.into();
-        let solve = move |turn: &mut Turn| {
+        let solve = move |turn: &mut SolveTurn| {
             let began = Instant::now();
             for _ in 0..50 {
-                moving.note(&actor_id, (ViewSlot(1), true), [640, 360], Instant::now());
+                moving.record_picture(&actor_id, (ViewSlot(1), true), [640, 360], Instant::now());
                 thread::sleep(Duration::from_millis(2));
-                assert!(turn.goes_on(SHORT_SOLVE_STEPS));
+                assert!(turn.may_continue(SHORT_SOLVE_STEPS));
             }
             began.elapsed()
         };
@@ -368,7 +376,7 @@ mod tests {
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn what_is_given_up_ends_also_while_it_waits() {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
-        let endless = |turn: &mut Turn| while turn.goes_on(SHORT_SOLVE_STEPS) {};
+        let endless = |turn: &mut SolveTurn| while turn.may_continue(SHORT_SOLVE_STEPS) {};
         let start = || {
             let solver = solver.clone();
             tokio::spawn(async move { solver.run(payer("ada"), endless).await })
@@ -382,14 +390,14 @@ mod tests {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
         let turns = lock(&solver.turns);
-        assert_eq!((turns.all, turns.going_on, turns.waiting.len()), (0, [0, 0], 0));
+        assert_eq!((turns.total, turns.running, turns.waiting.len()), (0, [0, 0], 0));
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn a_solve_that_panics_leaves_its_place() {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let failed = solver.run(payer("ada"), |_| panic!("planted")).await;
-        assert!(matches!(failed, Err::<(), _>(ServerError::Fault)));
+        assert!(matches!(failed, Err::<(), _>(ServerError::Internal)));
         assert_eq!(solver.run(payer("ada"), |_| 7).await.expect("solved"), 7);
     }
 }

@@ -6,14 +6,14 @@ use tokio::runtime::Handle;
 use tokio::sync::Semaphore;
 
 use crate::access::{Hosts, Token};
-use crate::backend::Backend;
-use crate::permits::Permits;
+use crate::anonymous::AnonymousPermits;
+use crate::backend::Services;
+use crate::permits::SessionPermits;
 use crate::room::Rooms;
-use crate::strangers::Turns;
 
 /// One a server; requests share it.
 pub struct AppState {
-    pub backend: Backend,
+    pub backend: Services,
     pub rooms: Rooms,
     pub token: Token,
     /// Where sockets are served: they carry what hands do, and requests what programs ask, as many as they can.
@@ -23,13 +23,13 @@ pub struct AppState {
     /// A permit for each socket that has said hello.
     pub sockets: Arc<Semaphore>,
     /// A permit for each request under way.
-    pub requests: Permits,
+    pub requests: SessionPermits,
     /// A permit for each picture for HTTP under way.
-    pub stills: Permits,
+    pub stills: SessionPermits,
     /// A permit for each scene on its way here.
     pub uploads: Semaphore,
     /// Turns of strangers who look whether the server lives, or open a socket.
-    pub short_turns: Turns,
+    pub anonymous_short_permits: AnonymousPermits,
     /// Turns of strangers who ask for anything else.
-    pub page_turns: Turns,
+    pub anonymous_permits: AnonymousPermits,
 }

@@ -7,7 +7,7 @@ use std::thread;
 use document::{AssetHash, DocumentHash};
 use edit::Record;
 use protocol::SessionCheckpoint;
-use store::{Batch, Rejection, SessionChange, SessionSummary, Store, StoreError, Tail};
+use store::{CommitBatch, RecordTail, Rejection, SessionChange, SessionSummary, Store, StoreError};
 use tokio::sync::{mpsc, oneshot};
 use tokio::task::spawn_blocking;
 
@@ -18,17 +18,17 @@ use crate::{ServerError, metrics::Metrics};
 #[derive(Clone, Debug)]
 pub struct Storage {
     folder: Arc<Path>,
-    writes: mpsc::Sender<Write>,
+    writes: mpsc::Sender<WriteJob>,
     /// Connections that nobody uses.
     readers: Arc<Mutex<Vec<Store>>>,
 }
 
 /// What changes the database.
-enum Write {
+enum WriteJob {
     /// Records and rejections of a session; answered with what its log has grown by.
-    Commit(Commit, oneshot::Sender<Result<Tail, StoreError>>),
+    Commit(Commit, oneshot::Sender<Result<RecordTail, StoreError>>),
     /// What is a transaction of its own, and answers by itself.
-    Alone(Box<dyn FnOnce(&mut Store) + Send>),
+    Exclusive(Box<dyn FnOnce(&mut Store) + Send>),
 }
 
 /// What happened in one session, in order.
@@ -55,10 +55,10 @@ impl Storage {
         records: Vec<Record>,
         rejections: Vec<Rejection>,
         hash: DocumentHash,
-    ) -> Result<Tail, ServerError> {
+    ) -> Result<RecordTail, ServerError> {
         let (done, answer) = oneshot::channel();
-        self.write(Write::Commit(Commit { session, records, rejections, hash }, done)).await?;
-        written(answer).await
+        self.write(WriteJob::Commit(Commit { session, records, rejections, hash }, done)).await?;
+        receive_result(answer).await
     }
 
     /// Makes a session, by people `title`, that begins with `records`, all of it or nothing, and gives its epoch.
@@ -70,7 +70,7 @@ impl Storage {
         hash: DocumentHash,
     ) -> Result<String, ServerError> {
         let first = Commit { session: session.into(), records, rejections: Vec::new(), hash };
-        self.alone(move |store| store.begin_session(&first.batch(), title.as_deref())).await
+        self.run_exclusive(move |store| store.begin_session(&first.batch(), title.as_deref())).await
     }
 
     /// Changes what the list says of a session.
@@ -79,7 +79,7 @@ impl Storage {
         name: String,
         change: SessionChange,
     ) -> Result<SessionSummary, ServerError> {
-        self.alone(move |store| store.change_session(&name, &change)).await
+        self.run_exclusive(move |store| store.change_session(&name, &change)).await
     }
 
     /// Makes session `copy` of `name`, all of it or nothing.
@@ -89,12 +89,12 @@ impl Storage {
         copy: String,
         title: Option<String>,
     ) -> Result<SessionSummary, ServerError> {
-        self.alone(move |store| store.duplicate_session(&name, &copy, title.as_deref())).await
+        self.run_exclusive(move |store| store.duplicate_session(&name, &copy, title.as_deref())).await
     }
 
     /// Takes an archived session away. It must not be open.
     pub async fn delete_session(&self, name: Arc<str>) -> Result<(), ServerError> {
-        self.alone(move |store| store.delete_session(&name)).await
+        self.run_exclusive(move |store| store.delete_session(&name)).await
     }
 
     /// Keeps a session's checkpoint, in place of an earlier one; gives its bytes.
@@ -104,22 +104,22 @@ impl Storage {
         checkpoint: SessionCheckpoint,
     ) -> Result<u64, ServerError> {
         let session = Arc::clone(session);
-        self.alone(move |store| store.keep_checkpoint(&session, &checkpoint)).await
+        self.run_exclusive(move |store| store.keep_checkpoint(&session, &checkpoint)).await
     }
 
     /// Does `work` in the store's turn; it is on disk when this returns.
-    async fn alone<T: Send + 'static>(
+    async fn run_exclusive<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
         let (done, answer) = oneshot::channel();
         // Nobody may be waiting any more; it is done all the same.
-        self.write(Write::Alone(Box::new(move |store| drop(done.send(work(store)))))).await?;
-        written(answer).await
+        self.write(WriteJob::Exclusive(Box::new(move |store| drop(done.send(work(store)))))).await?;
+        receive_result(answer).await
     }
 
-    async fn write(&self, write: Write) -> Result<(), ServerError> {
-        self.writes.send(write).await.map_err(|_| ServerError::Fault)
+    async fn write(&self, write: WriteJob) -> Result<(), ServerError> {
+        self.writes.send(write).await.map_err(|_| ServerError::Internal)
     }
 
     /// Keeps an asset's bytes; they are on disk when it returns.
@@ -132,7 +132,7 @@ impl Storage {
 
     /// Keeps what people call an asset; it is on disk when it returns.
     pub async fn name_asset(&self, asset: AssetHash, name: String) -> Result<(), ServerError> {
-        self.with_reader(move |store| store.assets.name(&asset, &name).map_err(ServerError::Store)).await
+        self.with_reader(move |store| store.assets.set_name(&asset, &name).map_err(ServerError::Store)).await
     }
 
     /// Asks the store on the blocking pool.
@@ -140,7 +140,7 @@ impl Storage {
         &self,
         question: impl FnOnce(&Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
-        self.with_reader(move |store| question(store).map_err(ServerError::Unread)).await
+        self.with_reader(move |store| question(store).map_err(ServerError::StoreRead)).await
     }
 
     async fn with_reader<T: Send + 'static>(
@@ -150,7 +150,7 @@ impl Storage {
         let storage = self.clone();
         let answer = spawn_blocking(move || {
             let known = storage.readers().pop();
-            let reader = known.map_or_else(|| storage.open(), Ok).map_err(ServerError::Unread)?;
+            let reader = known.map_or_else(|| storage.open(), Ok).map_err(ServerError::StoreRead)?;
             let answer = question(&reader);
             let mut readers = storage.readers();
             // After an error another connection may do better.
@@ -159,7 +159,7 @@ impl Storage {
             }
             answer
         });
-        answer.await.map_err(|_| ServerError::Fault)?
+        answer.await.map_err(|_| ServerError::Internal)?
     }
 
     fn readers(&self) -> std::sync::MutexGuard<'_, Vec<Store>> {
@@ -177,19 +177,19 @@ impl Storage {
     }
 }
 
-async fn written<T>(answer: oneshot::Receiver<Result<T, StoreError>>) -> Result<T, ServerError> {
-    answer.await.map_err(|_| ServerError::Fault)?.map_err(ServerError::Store)
+async fn receive_result<T>(answer: oneshot::Receiver<Result<T, StoreError>>) -> Result<T, ServerError> {
+    answer.await.map_err(|_| ServerError::Internal)?.map_err(ServerError::Store)
 }
 
 /// Carries out writes. Commits that wait together become one transaction: the disk is waited for once.
-fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metrics: &Metrics) {
+fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, metrics: &Metrics) {
     let mut waiting = Vec::with_capacity(COMMIT_QUEUE);
     while inbox.blocking_recv_many(&mut waiting, COMMIT_QUEUE) > 0 {
         let mut commits = Vec::new();
         for write in waiting.drain(..) {
             match write {
-                Write::Commit(commit, done) => commits.push((commit, done)),
-                Write::Alone(work) => work(&mut store),
+                WriteJob::Commit(commit, done) => commits.push((commit, done)),
+                WriteJob::Exclusive(work) => work(&mut store),
             }
         }
         if !commits.is_empty() {
@@ -205,8 +205,8 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<Write>, metric
 }
 
 /// Commits all together, or where that fails each for itself, so that no session fails for another's sake.
-fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<Tail, StoreError>> {
-    let batches: Vec<Batch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
+fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<RecordTail, StoreError>> {
+    let batches: Vec<CommitBatch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
     let together = if batches.len() > 1 { store.append(&batches).ok() } else { None };
     match together {
         Some(tails) => tails.into_iter().map(Ok).collect(),
@@ -215,8 +215,8 @@ fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<Tail,
 }
 
 impl Commit {
-    fn batch(&self) -> Batch<'_> {
+    fn batch(&self) -> CommitBatch<'_> {
         let Self { session, records, rejections, hash } = self;
-        Batch { session, records, rejections, hash: *hash }
+        CommitBatch { session, records, rejections, hash: *hash }
     }
 }

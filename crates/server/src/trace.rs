@@ -16,7 +16,7 @@ use std::time::Duration;
 use protocol::TraceLine;
 
 use crate::ServerError;
-use crate::limits::{TRACE_ENDS_WITHIN, TRACE_QUEUE};
+use crate::limits::{TRACE_FLUSH_TIMEOUT, TRACE_QUEUE};
 use crate::picture_stats::micros;
 
 /// Takes lines of pictures; clones share the file. By default there is none, and they go nowhere.
@@ -48,7 +48,7 @@ impl Drop for TraceThread {
     fn drop(&mut self) {
         if self.queue.try_send(Entry::End).is_ok() {
             // That nothing comes but the end is what is waited for.
-            let _ = self.ended.recv_timeout(TRACE_ENDS_WITHIN);
+            let _ = self.ended.recv_timeout(TRACE_FLUSH_TIMEOUT);
         }
     }
 }

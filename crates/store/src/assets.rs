@@ -13,11 +13,11 @@ use crate::disk::sync_folder;
 use crate::limits::MAX_ASSET_BYTES;
 
 /// The folder of assets in the data folder.
-pub(crate) const ASSETS: &str = "assets";
+pub(crate) const ASSETS_FOLDER: &str = "assets";
 /// How the name of the file ends that holds what people call an asset.
-const NAME: &str = ".name";
+const NAME_SUFFIX: &str = ".name";
 /// How the name of a file begins that is not whole yet.
-const LEFTOVER: &str = ".incoming-";
+const PARTIAL_PREFIX: &str = ".incoming-";
 
 /// The assets of a data folder.
 #[derive(Clone, Debug)]
@@ -27,14 +27,14 @@ pub struct Assets {
 
 impl Assets {
     /// Those in the data folder `data`, which may hold nothing else, or not be there.
-    pub fn of(data: &Path) -> Self {
-        Self { folder: data.join(ASSETS) }
+    pub fn in_folder(data: &Path) -> Self {
+        Self { folder: data.join(ASSETS_FOLDER) }
     }
 
     /// Those in the data folder `data`, which must have some place for them.
     pub fn open(data: &Path) -> Result<Self, StoreError> {
         check_folder(data)?;
-        let assets = Self::of(data);
+        let assets = Self::in_folder(data);
         if assets.folder.is_dir() { Ok(assets) } else { Err(StoreError::NoAssets(data.into())) }
     }
 
@@ -59,7 +59,7 @@ impl Assets {
     }
 
     /// Keeps what people call an asset, in place of an earlier name. It is on the disk when this returns.
-    pub fn name(&self, asset: &AssetHash, name: &str) -> Result<(), StoreError> {
+    pub fn set_name(&self, asset: &AssetHash, name: &str) -> Result<(), StoreError> {
         check_scene_name(name)?;
         if self.name_of(asset)?.is_some_and(|known| known == name) {
             return Ok(());
@@ -101,7 +101,7 @@ impl Assets {
     /// First beside its place, so that a file of that name is always whole.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()> {
         fs::create_dir_all(&self.folder)?;
-        let mut file = tempfile::Builder::new().prefix(LEFTOVER).tempfile_in(&self.folder)?;
+        let mut file = tempfile::Builder::new().prefix(PARTIAL_PREFIX).tempfile_in(&self.folder)?;
         file.write_all(bytes)?;
         file.as_file().sync_all()?;
         file.persist(path)?;
@@ -113,7 +113,7 @@ impl Assets {
         let removed = fs::read_dir(&self.folder).and_then(|files| {
             for file in files {
                 let file = file?;
-                if file.file_name().to_string_lossy().starts_with(LEFTOVER) {
+                if file.file_name().to_string_lossy().starts_with(PARTIAL_PREFIX) {
                     fs::remove_file(file.path())?;
                 }
             }
@@ -133,14 +133,15 @@ impl Assets {
             Err(reason) if reason.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
             Err(reason) => return Err(StoreError::Io { path: self.folder.clone(), reason }),
         };
-        let is_leftover =
-            |path: &Path| path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(LEFTOVER));
+        let is_leftover = |path: &Path| {
+            path.file_name().is_none_or(|name| name.to_string_lossy().starts_with(PARTIAL_PREFIX))
+        };
         let whole = files.into_iter().filter(|(path, metadata)| metadata.is_file() && !is_leftover(path));
         Ok(whole.map(|(path, metadata)| (path, metadata.len())).collect())
     }
 
     /// Copies a file of other assets, which has its name from what it holds. It is not on the disk before [`Assets::sync`].
-    pub(crate) fn take_copy(&self, file: &Path) -> Result<(), StoreError> {
+    pub(crate) fn copy_in(&self, file: &Path) -> Result<(), StoreError> {
         let path = file.file_name().map_or_else(|| self.folder.clone(), |name| self.folder.join(name));
         let copied = fs::copy(file, &path).and_then(|_| File::open(&path)?.sync_all());
         copied.map_err(|reason| StoreError::Io { path, reason })
@@ -156,7 +157,7 @@ impl Assets {
     }
 
     fn name_path(&self, asset: &AssetHash) -> PathBuf {
-        self.folder.join(asset.hex() + NAME)
+        self.folder.join(asset.hex() + NAME_SUFFIX)
     }
 }
 

@@ -8,10 +8,10 @@ use std::path::Path;
 use crate::StoreError;
 use crate::assets::{Assets, check_folder};
 use crate::disk::sync_folder;
-use crate::sqlite::Snapshot;
+use crate::sqlite::DatabaseSnapshot;
 
 /// How the name of a folder begins whose backup is not whole yet.
-const LEFTOVER: &str = ".bendylights-backup-";
+const PARTIAL_PREFIX: &str = ".bendylights-backup-";
 
 /// What a backup holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,23 +34,23 @@ pub struct Backup {
 /// the bytes of each step and of all.
 pub fn back_up(data: &Path, to: &Path, mut copied: impl FnMut(u64, u64)) -> Result<Backup, StoreError> {
     check_folder(data)?;
-    let snapshot = Snapshot::take(data)?;
+    let snapshot = DatabaseSnapshot::take(data)?;
     if to.is_file() || fs::read_dir(to).is_ok_and(|mut files| files.next().is_some()) {
-        return Err(StoreError::BackupIsThere(to.into()));
+        return Err(StoreError::BackupExists(to.into()));
     }
     let unusable = |reason| StoreError::Io { path: to.into(), reason };
     let parent = to.parent().filter(|parent| *parent != "").unwrap_or(Path::new("."));
     fs::create_dir_all(parent).map_err(unusable)?;
     let (folder, _lock) = make_folder(parent).map_err(unusable)?;
 
-    let files = Assets::of(data).files()?;
+    let files = Assets::in_folder(data).files()?;
     let [sessions, records] = snapshot.counts;
     let bytes = snapshot.bytes + files.iter().map(|(_, bytes)| bytes).sum::<u64>();
     snapshot.copy_to(folder.path(), &mut |step| copied(step, bytes))?;
-    let assets = Assets::of(folder.path());
+    let assets = Assets::in_folder(folder.path());
     assets.make_folder()?;
     for (file, size) in &files {
-        assets.take_copy(file)?;
+        assets.copy_in(file)?;
         copied(*size, bytes);
     }
     assets.sync()?;
@@ -70,7 +70,7 @@ fn make_folder(parent: &Path) -> io::Result<(tempfile::TempDir, File)> {
     for file in fs::read_dir(parent)? {
         let file = file?;
         // One that is whole by now has its own name.
-        if file.file_name().to_string_lossy().starts_with(LEFTOVER)
+        if file.file_name().to_string_lossy().starts_with(PARTIAL_PREFIX)
             && let Ok(leftover) = File::open(file.path())
             && leftover.try_lock().is_ok()
         {
@@ -78,7 +78,7 @@ fn make_folder(parent: &Path) -> io::Result<(tempfile::TempDir, File)> {
         }
     }
     let folder = tempfile::Builder::new()
-        .prefix(LEFTOVER)
+        .prefix(PARTIAL_PREFIX)
         .permissions(Permissions::from_mode(0o700))
         .tempdir_in(parent)?;
     let lock = File::open(folder.path())?;

@@ -6,16 +6,16 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// What is another.
-    pub of: Differing,
+    pub part: DifferingPart,
     /// The last record up to which all was right.
-    pub right_up_to: u64,
+    pub last_matching_seq: u64,
     /// The record whose checkpoint says otherwise.
     pub seq: u64,
 }
 
 /// What of a log file can be another than was logged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Differing {
+pub enum DifferingPart {
     /// What its records come to.
     Document,
     /// Its lines, in what does not show in the document: who did something and when, or the session's name.
@@ -26,21 +26,21 @@ pub enum Differing {
 
 impl fmt::Display for Difference {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { of, right_up_to, seq } = self;
+        let Self { part: of, last_matching_seq: right_up_to, seq } = self;
         let header = if *right_up_to == 0 { "the header or " } else { "" };
         let first = right_up_to + 1;
         match of {
-            Differing::Document => write!(
+            DifferingPart::Document => write!(
                 f,
                 "the document after record {seq} is not the one that was logged: a value in records {first} to {seq} was \
                  changed, or the program that applies them; export the log again"
             ),
-            Differing::Lines => write!(
+            DifferingPart::Lines => write!(
                 f,
                 "{header}a line of records {first} to {seq} is not what was logged, though they come to the same document: \
                  who did something, when, or a name was changed; export the log again"
             ),
-            Differing::LineEnds => write!(
+            DifferingPart::LineEnds => write!(
                 f,
                 "its lines end in CR LF and are not what was logged: it was copied as text for Windows; copy it as it \
                  is, or export the log again"

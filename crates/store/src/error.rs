@@ -28,7 +28,7 @@ pub enum StoreError {
     NotAFolder(PathBuf),
     /// Something is where a backup should go.
     #[error("{}: is there already, and a backup is never written over: name another folder", .0.display())]
-    BackupIsThere(PathBuf),
+    BackupExists(PathBuf),
     /// A file or folder that the system would not read or write.
     #[error("{}: cannot be used ({reason}); check that you may write there and that the disk is not full", path.display())]
     Io { path: PathBuf, reason: io::Error },
@@ -47,10 +47,10 @@ pub enum StoreError {
     #[error(
         "the disk failed ({0}), and whether this is in the log cannot be told: check the disk, then send it again under the same name"
     )]
-    Unknown(String),
+    UnknownOutcome(String),
     /// The database is of a later version.
     #[error("{}: was written by a newer version of this program (schema {found}); use that one", path.display())]
-    Newer {
+    NewerDatabase {
         /// The database.
         path: PathBuf,
         /// Its version.
@@ -100,7 +100,7 @@ pub enum StoreError {
     #[error(
         "record {0} does not follow the stored log: another program has written to it; open the session again"
     )]
-    OutOfStep(u64),
+    ConcurrentWrite(u64),
     /// A record over the limit.
     #[error("a record has more than {MAX_RECORD_BYTES} bytes: divide the edit into smaller ones")]
     RecordTooLarge,
@@ -124,7 +124,7 @@ pub enum StoreError {
     Unwritable(io::Error),
     /// A line of a log file that is not UTF-8. Lines count from 1.
     #[error("line {line}: is not UTF-8 text; give a file that `bendylights export` wrote")]
-    NotText { line: u64 },
+    NotUtf8 { line: u64 },
     /// A line of a log file that does not have the right shape. Lines count from 1.
     #[error("line {line}: {reason}")]
     Line { line: u64, reason: FileError },
@@ -133,15 +133,15 @@ pub enum StoreError {
     DamagedRecord { seq: u64, reason: FileError },
     /// A record without a meaning.
     #[error("record {seq}: {reason}")]
-    Meaningless { seq: u64, reason: Refused },
+    InvalidRecord { seq: u64, reason: Refused },
     /// A log file without its end.
     #[error("the log ends without a checkpoint: it was cut short; export it again")]
-    Cut,
+    Truncated,
     /// A checkpoint in the wrong place.
     #[error(
         "line {line}: a checkpoint of record {found} does not stand directly after that record: the log was changed by hand; export it again"
     )]
-    Misplaced {
+    MisplacedCheckpoint {
         /// The line.
         line: u64,
         /// What it says.
@@ -152,7 +152,7 @@ pub enum StoreError {
     Replay(#[from] ReplayError),
     /// One operation of an actor twice.
     #[error("record {seq} repeats operation {op_id} of the same actor: the log was changed by hand")]
-    Repeated {
+    RepeatedOperation {
         /// The second record.
         seq: u64,
         /// The operation.
@@ -163,7 +163,7 @@ pub enum StoreError {
         "what the log says of record {seq} or one before it is not what was logged: the database was changed; take the \
          folder's backup"
     )]
-    Unproven {
+    ProofMismatch {
         /// The first record whose checkpoint differs.
         seq: u64,
     },
@@ -172,13 +172,13 @@ pub enum StoreError {
         "the document after record {seq} is not the one that was logged: the database or the program was changed; take \
          the folder's backup"
     )]
-    Altered {
+    HashMismatch {
         /// The first record whose hash differs.
         seq: u64,
     },
     /// A log file is not what was logged.
     #[error("{0}")]
-    Differs(Difference),
+    CheckpointMismatch(Difference),
 }
 
 impl StoreError {
@@ -195,27 +195,27 @@ impl StoreError {
                 ErrorCode::UnknownAsset
             }
             Self::Line { .. }
-            | Self::NotText { .. }
-            | Self::Meaningless { .. }
-            | Self::Cut
-            | Self::Misplaced { .. }
+            | Self::NotUtf8 { .. }
+            | Self::InvalidRecord { .. }
+            | Self::Truncated
+            | Self::MisplacedCheckpoint { .. }
             | Self::Replay(_)
-            | Self::Repeated { .. }
-            | Self::Unproven { .. }
-            | Self::Altered { .. }
-            | Self::Differs(_) => ErrorCode::BadLog,
-            Self::Unknown(_) => ErrorCode::UnknownOutcome,
+            | Self::RepeatedOperation { .. }
+            | Self::ProofMismatch { .. }
+            | Self::HashMismatch { .. }
+            | Self::CheckpointMismatch(_) => ErrorCode::BadLog,
+            Self::UnknownOutcome(_) => ErrorCode::UnknownOutcome,
             Self::DamagedAsset(_) => ErrorCode::DamagedAsset,
             Self::NoData(_)
             | Self::NoAssets(_)
             | Self::NotAFolder(_)
-            | Self::BackupIsThere(_)
+            | Self::BackupExists(_)
             | Self::Io { .. }
             | Self::Database(_)
             | Self::UnknownCode(_)
-            | Self::Newer { .. }
+            | Self::NewerDatabase { .. }
             | Self::NoWriteAheadLog(_)
-            | Self::OutOfStep(_)
+            | Self::ConcurrentWrite(_)
             | Self::DamagedRecord { .. }
             | Self::Unreadable(_)
             | Self::Unwritable(_) => ErrorCode::Storage,

@@ -24,14 +24,14 @@ mod stored;
 
 pub use assets::{Assets, check_folder, check_scene_name};
 pub use backup::{Backup, back_up};
-pub use checkpoints::Opened;
-pub use difference::{Difference, Differing};
+pub use checkpoints::OpenedSession;
+pub use difference::{Difference, DifferingPart};
 pub use error::StoreError;
 pub use limits::{MAX_ASSET_BYTES, MAX_NAME_CHARS, MAX_PAGE_BYTES, MAX_REJECTIONS, MAX_SESSIONS};
 pub use log_file::{ReplayedLog, check_log, replay_log, visit_log};
 pub use protocol::MAX_RECORD_BYTES;
-pub use records::{Batch, Tail};
+pub use records::{CommitBatch, RecordTail};
 pub use session_list::SessionChange;
-pub use sqlite::DATABASE;
+pub use sqlite::DATABASE_FILE;
 pub use store::{FILES, Store};
 pub use stored::{LastChange, Rejection, SessionRow, SessionSummary};

@@ -8,10 +8,10 @@ use document::{AssetHash, EditError};
 use edit::{ReplayError, Session};
 use protocol::{Checkpoint, FORMAT, FileError, LogHeader, LogLine, LogReader, Record};
 
-use crate::difference::{Difference, Differing};
-use crate::records::{insert_record, take_in};
+use crate::difference::{Difference, DifferingPart};
+use crate::records::{apply_record, insert_record};
 use crate::sessions::{check_name, insert_session};
-use crate::stored::{Found, SessionRow, StoredRecord};
+use crate::stored::{FoundSession, SessionRow, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
 /// Records between two checkpoints of an exported log.
@@ -23,7 +23,7 @@ pub struct ReplayedLog {
     /// The session after the last record that was asked for.
     pub session: Session,
     /// What the first checkpoint says that does not hold.
-    pub differs: Option<Difference>,
+    pub first_difference: Option<Difference>,
 }
 
 /// Replays a log file up to record `to`, or to its end.
@@ -39,23 +39,23 @@ pub fn visit_log(
 ) -> Result<ReplayedLog, StoreError> {
     let (header, lines) = open(log)?;
     let mut differs = None;
-    let session = walk(&header, lines, to, |passed| {
+    let session = replay_lines(&header, lines, to, |passed| {
         match passed {
-            Passed::Record(record, session) => visit(&record, session),
-            Passed::Checkpoint { difference, .. } => differs = differs.or(difference),
+            ReplayedLine::Record(record, session) => visit(&record, session),
+            ReplayedLine::Checkpoint { difference, .. } => differs = differs.or(difference),
         }
         Ok(())
     })?;
     match (to, session.seq()) {
         (Some(asked), last) if asked > last => Err(StoreError::NoRecord { asked, last }),
-        _ => Ok(ReplayedLog { session, differs }),
+        _ => Ok(ReplayedLog { session, first_difference: differs }),
     }
 }
 
 impl Store {
     /// Writes the log of `session` as a log file.
     pub fn export(&self, session: &str, out: &mut impl Write) -> Result<(), StoreError> {
-        let Found { key, row } = self.database.find(session)?;
+        let FoundSession { key, row } = self.database.find(session)?;
         let mut put = |line: String| writeln!(out, "{line}").map_err(StoreError::Unwritable);
         put(row.header().to_json())?;
         let checkpoint =
@@ -92,16 +92,16 @@ impl Store {
             let (key, _) = insert_session(writer, name, None, FORMAT)?;
             // Of the lines as they are stored, in this version's format, whatever the file's was.
             let mut proof = writer.find(name)?.row.proof;
-            walk(&header, lines, None, |passed| match passed {
-                Passed::Record(record, session) => {
+            replay_lines(&header, lines, None, |passed| match passed {
+                ReplayedLine::Record(record, session) => {
                     check_scene(record.seq, session, is_here)?;
                     insert_record(writer, key, *record, &mut proof).map(drop)
                 }
-                Passed::Checkpoint { difference: Some(difference), .. } => {
-                    Err(StoreError::Differs(difference))
+                ReplayedLine::Checkpoint { difference: Some(difference), .. } => {
+                    Err(StoreError::CheckpointMismatch(difference))
                 }
-                Passed::Checkpoint { seq: 0, .. } => Ok(()),
-                Passed::Checkpoint { seq, hash, .. } => writer.note_hash(key, seq, &hash, &proof),
+                ReplayedLine::Checkpoint { seq: 0, .. } => Ok(()),
+                ReplayedLine::Checkpoint { seq, hash, .. } => writer.note_hash(key, seq, &hash, &proof),
             })?;
             Ok(writer.find(name)?.row)
         })
@@ -116,10 +116,12 @@ pub fn check_log(
 ) -> Result<(), StoreError> {
     let (header, lines) = open(log)?;
     check_name(name.unwrap_or(&header.session))?;
-    walk(&header, lines, None, |passed| match passed {
-        Passed::Record(record, session) => check_scene(record.seq, session, is_here),
-        Passed::Checkpoint { difference: Some(difference), .. } => Err(StoreError::Differs(difference)),
-        Passed::Checkpoint { .. } => Ok(()),
+    replay_lines(&header, lines, None, |passed| match passed {
+        ReplayedLine::Record(record, session) => check_scene(record.seq, session, is_here),
+        ReplayedLine::Checkpoint { difference: Some(difference), .. } => {
+            Err(StoreError::CheckpointMismatch(difference))
+        }
+        ReplayedLine::Checkpoint { .. } => Ok(()),
     })?;
     Ok(())
 }
@@ -135,7 +137,7 @@ fn check_scene(seq: u64, session: &Session, is_here: &dyn Fn(&AssetHash) -> bool
 }
 
 /// A line of a log file that the replay has passed.
-enum Passed<'a> {
+enum ReplayedLine<'a> {
     /// The session is the one after it.
     Record(Box<Record>, &'a Session),
     /// `hash` is the document's in this version's format.
@@ -143,11 +145,11 @@ enum Passed<'a> {
 }
 
 /// Replays the lines after the first up to record `to` and what is said of it, or to the end. `visit` is told each.
-fn walk(
+fn replay_lines(
     header: &LogHeader,
     mut lines: Lines<impl BufRead>,
     to: Option<u64>,
-    mut visit: impl FnMut(Passed<'_>) -> Result<(), StoreError>,
+    mut visit: impl FnMut(ReplayedLine<'_>) -> Result<(), StoreError>,
 ) -> Result<Session, StoreError> {
     let mut session = Session::default();
     let mut reader = LogReader::going_on_from(&header.first_proof(lines.line()?));
@@ -164,39 +166,39 @@ fn walk(
             LogLine::Record(record) => {
                 let (seq, op_id) = (record.seq, record.op_id.clone());
                 format = record.format;
-                take_in(&mut session, Record::clone(&record))?;
+                apply_record(&mut session, Record::clone(&record))?;
                 if !operations.insert((record.actor.id.clone(), op_id.clone())) {
-                    return Err(StoreError::Repeated { seq, op_id });
+                    return Err(StoreError::RepeatedOperation { seq, op_id });
                 }
-                visit(Passed::Record(record, &session))?;
+                visit(ReplayedLine::Record(record, &session))?;
             }
             LogLine::Checkpoint(Checkpoint { seq: found, .. })
                 if follows_checkpoint || found != session.seq() =>
             {
-                return Err(StoreError::Misplaced { line: lines.number, found });
+                return Err(StoreError::MisplacedCheckpoint { line: lines.number, found });
             }
             LogLine::Checkpoint(Checkpoint { seq, hash, proof }) => {
                 let is_proven = proof.map_or(header.format == 1, |proof| proof == reader.proof());
                 let document = session.document();
                 let of = match (hash == document.hash_of_format(format).to_string(), is_proven) {
                     (true, true) => None,
-                    (true, false) if lines.end_in_cr_lf => Some(Differing::LineEnds),
-                    (true, false) => Some(Differing::Lines),
-                    (false, _) => Some(Differing::Document),
+                    (true, false) if lines.end_in_cr_lf => Some(DifferingPart::LineEnds),
+                    (true, false) => Some(DifferingPart::Lines),
+                    (false, _) => Some(DifferingPart::Document),
                 };
-                let difference = of.map(|of| Difference { of, right_up_to, seq });
+                let difference = of.map(|of| Difference { part: of, last_matching_seq: right_up_to, seq });
                 right_up_to = seq;
-                visit(Passed::Checkpoint { seq, hash: document.hash().to_string(), difference })?;
+                visit(ReplayedLine::Checkpoint { seq, hash: document.hash().to_string(), difference })?;
             }
         }
     }
-    if is_whole { Ok(session) } else { Err(StoreError::Cut) }
+    if is_whole { Ok(session) } else { Err(StoreError::Truncated) }
 }
 
 /// The first line of a log file, and those after it.
 fn open<R: BufRead>(log: R) -> Result<(LogHeader, Lines<R>), StoreError> {
     let mut lines = Lines { log, number: 0, text: Vec::new(), end_in_cr_lf: false };
-    let header = lines.next(LogHeader::parse)?.ok_or(StoreError::Cut)?;
+    let header = lines.next(LogHeader::parse)?.ok_or(StoreError::Truncated)?;
     Ok((header, lines))
 }
 
@@ -230,7 +232,7 @@ impl<R: BufRead> Lines<R> {
 
     /// The line last read, without its end.
     fn line(&self) -> Result<&str, StoreError> {
-        let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotText { line: self.number })?;
+        let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotUtf8 { line: self.number })?;
         Ok(text.strip_suffix('\n').unwrap_or(text))
     }
 }

@@ -11,19 +11,19 @@ impl Store {
         let Some(seq) = self.database.record_of(key, actor_id, op_id)? else {
             return Ok(self.database.rejection_of(key, actor_id, op_id)?.map(Outcome::Rejected));
         };
-        let line = self.database.line(key, seq)?.ok_or(StoreError::OutOfStep(seq))?;
+        let line = self.database.line(key, seq)?.ok_or(StoreError::ConcurrentWrite(seq))?;
         let committed = match Committed::in_line(&line) {
             Some(committed) => committed,
-            None => self.committed_in_full(session, seq)?,
+            None => self.committed_outcome(session, seq)?,
         };
         Ok(Some(Outcome::Committed(committed)))
     }
 
     /// What its sender was told of record `seq`.
-    fn committed_in_full(&self, session: &str, seq: u64) -> Result<Committed, StoreError> {
-        let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::OutOfStep(seq))?;
+    fn committed_outcome(&self, session: &str, seq: u64) -> Result<Committed, StoreError> {
+        let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::ConcurrentWrite(seq))?;
         let record =
-            edit::Record::try_from(record).map_err(|reason| StoreError::Meaningless { seq, reason })?;
+            edit::Record::try_from(record).map_err(|reason| StoreError::InvalidRecord { seq, reason })?;
         Ok(Committed::from(&record))
     }
 }

@@ -9,20 +9,20 @@ use protocol::{FORMAT, LogReader, ReadError, Record, compact, next_proof};
 use crate::limits::{MAX_HELD_BYTES, MAX_PAGE_BYTES};
 use crate::sessions::insert_session;
 use crate::sqlite::Writer;
-use crate::stored::{Found, NewRecord, Rejection, SessionKey, StoredRecord};
+use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
 /// Records that follow a checkpoint, or that a log has grown by, and the bytes of their JSON in full: what replaying them
 /// costs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Tail {
+pub struct RecordTail {
     /// How many.
     pub records: u64,
     /// Of JSON.
     pub bytes: u64,
 }
 
-impl std::ops::AddAssign for Tail {
+impl std::ops::AddAssign for RecordTail {
     fn add_assign(&mut self, more: Self) {
         self.records += more.records;
         self.bytes += more.bytes;
@@ -31,7 +31,7 @@ impl std::ops::AddAssign for Tail {
 
 /// What happened in one session and is committed together.
 #[derive(Clone, Copy, Debug)]
-pub struct Batch<'a> {
+pub struct CommitBatch<'a> {
     /// The session's name.
     pub session: &'a str,
     /// The records, the next of its log in order. None is no error.
@@ -44,17 +44,21 @@ pub struct Batch<'a> {
 
 impl Store {
     /// Writes all batches down in one transaction: they are on the disk when this returns. On an error none is, but for
-    /// [`StoreError::Unknown`]. Gives what each log has grown by.
-    pub fn append(&mut self, batches: &[Batch<'_>]) -> Result<Vec<Tail>, StoreError> {
+    /// [`StoreError::UnknownOutcome`]. Gives what each log has grown by.
+    pub fn append(&mut self, batches: &[CommitBatch<'_>]) -> Result<Vec<RecordTail>, StoreError> {
         self.database.write(|writer| {
-            let insert = |batch: &Batch| insert_batch(writer, &writer.find(batch.session)?, batch);
+            let insert = |batch: &CommitBatch| insert_batch(writer, &writer.find(batch.session)?, batch);
             batches.iter().map(insert).collect()
         })
     }
 
     /// Makes a session called `first.session`, by people `title`, that begins with `first`, all of it or, on an error,
     /// nothing. Gives its epoch.
-    pub fn begin_session(&mut self, first: &Batch<'_>, title: Option<&str>) -> Result<String, StoreError> {
+    pub fn begin_session(
+        &mut self,
+        first: &CommitBatch<'_>,
+        title: Option<&str>,
+    ) -> Result<String, StoreError> {
         self.database.write(|writer| {
             let (_, epoch) = insert_session(writer, first.session, title, FORMAT)?;
             insert_batch(writer, &writer.find(first.session)?, first)?;
@@ -62,12 +66,12 @@ impl Store {
         })
     }
 
-    /// The records from `from` on, in full, at most `limit` and [`MAX_PAGE_BYTES`]; none past the end.
+    /// The records from `from` on, in full, at most `most` and [`MAX_PAGE_BYTES`]; none past the end.
     pub fn records(&self, session: &str, from: u64, limit: usize) -> Result<Vec<Record>, StoreError> {
         self.page(session, from, limit, MAX_PAGE_BYTES)
     }
 
-    /// The records from `from` on, in full, at most `limit`, and at most `max_bytes` of JSON but for a single record that has
+    /// The records from `from` on, in full, at most `most`, and at most `most_bytes` of JSON but for a single record that has
     /// more; none past the end.
     pub fn page(
         &self,
@@ -76,7 +80,7 @@ impl Store {
         limit: usize,
         max_bytes: usize,
     ) -> Result<Vec<Record>, StoreError> {
-        let Found { key, row } = self.database.find(session)?;
+        let FoundSession { key, row } = self.database.find(session)?;
         let (mut reader, mut bytes, mut page) = (row.reader(), 0, Vec::new());
         if limit == 0 {
             return Ok(page);
@@ -96,36 +100,36 @@ impl Store {
     /// The session as it is after record `to`, or after its last, from its log alone. The hash and the proof of each
     /// batch are checked on the way.
     pub fn replay(&self, session: &str, to: Option<u64>) -> Result<Session, StoreError> {
-        let Found { key, row } = self.database.find(session)?;
+        let FoundSession { key, row } = self.database.find(session)?;
         let to = to.unwrap_or(row.seq);
         if to > row.seq {
             return Err(StoreError::NoRecord { asked: to, last: row.seq });
         }
         let mut session = Session::default();
-        self.go_on(key, &mut session, &mut row.reader(), to)?;
+        self.replay_following(key, &mut session, &mut row.reader(), to)?;
         Ok(session)
     }
 
     /// Replays the records that follow, up to `to`.
-    pub(crate) fn go_on(
+    pub(crate) fn replay_following(
         &self,
         key: SessionKey,
         session: &mut Session,
         reader: &mut LogReader,
         to: u64,
-    ) -> Result<Tail, StoreError> {
-        let mut tail = Tail::default();
+    ) -> Result<RecordTail, StoreError> {
+        let mut tail = RecordTail::default();
         self.database.visit_records(key, session.seq() + 1..=to, |stored| {
             let (record, bytes) = self.read_record(reader, key, &stored)?;
             let format = record.format;
-            take_in(session, record)?;
+            apply_record(session, record)?;
             let StoredRecord { seq, hash, proof, .. } = stored;
             let now = || session.document().hash_of_format(format).to_string();
             if hash.is_some_and(|hash| hash != now()) {
-                return Err(StoreError::Altered { seq });
+                return Err(StoreError::HashMismatch { seq });
             }
             if proof.is_some_and(|proof| proof != reader.proof()) {
-                return Err(StoreError::Unproven { seq });
+                return Err(StoreError::ProofMismatch { seq });
             }
             tail.records += 1;
             tail.bytes += bytes as u64;
@@ -152,21 +156,21 @@ impl Store {
 }
 
 /// Makes the session go on by a record from outside.
-pub(crate) fn take_in(session: &mut Session, record: Record) -> Result<(), StoreError> {
+pub(crate) fn apply_record(session: &mut Session, record: Record) -> Result<(), StoreError> {
     if session.seq() as usize >= edit::MAX_RECORDS {
         return Err(StoreError::TooManyRecords);
     }
     let seq = record.seq;
-    let record = record.try_into().map_err(|reason| StoreError::Meaningless { seq, reason })?;
+    let record = record.try_into().map_err(|reason| StoreError::InvalidRecord { seq, reason })?;
     Ok(session.replay(&record)?)
 }
 
 /// Writes a batch down; gives what its log has grown by.
 pub(crate) fn insert_batch(
     writer: &Writer,
-    Found { key, row }: &Found,
-    batch: &Batch<'_>,
-) -> Result<Tail, StoreError> {
+    FoundSession { key, row }: &FoundSession,
+    batch: &CommitBatch<'_>,
+) -> Result<RecordTail, StoreError> {
     let (mut proof, mut bytes) = (row.proof.clone(), 0);
     for record in batch.records {
         bytes += insert_record(writer, *key, record.into(), &mut proof)? as u64;
@@ -177,7 +181,7 @@ pub(crate) fn insert_batch(
     for rejection in batch.rejections {
         writer.insert_rejection(*key, rejection)?;
     }
-    Ok(Tail { records: batch.records.len() as u64, bytes })
+    Ok(RecordTail { records: batch.records.len() as u64, bytes })
 }
 
 /// Writes a record of session `key` down, what the log holds already referred to; gives the bytes of its JSON in full.
@@ -194,7 +198,7 @@ pub(crate) fn insert_record(
     if json.len() > MAX_RECORD_BYTES {
         return Err(StoreError::RecordTooLarge);
     }
-    let line = compact(&json, record.seq, |hash| writer.place_of(key, hash))?;
+    let line = compact(&json, record.seq, |hash| writer.position_of_value(key, hash))?;
     let new = NewRecord {
         seq: record.seq,
         time_ms: record.time_ms,
@@ -202,7 +206,7 @@ pub(crate) fn insert_record(
         actor_name: &record.actor.name,
         op_id: &record.op_id,
         line: &line.text,
-        first_holds: &line.first_holds,
+        new_values: &line.new_values,
     };
     writer.insert_record(key, &new)?;
     *proof = next_proof(proof, &line.text);

@@ -3,7 +3,7 @@
 use protocol::next_proof;
 
 use crate::sessions::{check_title, insert_session};
-use crate::stored::{Found, SessionSummary, StoredRecord};
+use crate::stored::{FoundSession, SessionSummary, StoredRecord};
 use crate::{Store, StoreError};
 
 /// What is to be another about a session; what is `None` stays.
@@ -55,14 +55,14 @@ impl Store {
         title: Option<&str>,
     ) -> Result<SessionSummary, StoreError> {
         self.database.write(|writer| {
-            let Found { key: original, row } = writer.find(name)?;
+            let FoundSession { key: original, row } = writer.find(name)?;
             let (key, _) = insert_session(writer, copy, title, row.format)?;
             let (mut of_original, mut of_copy) = (row.first_proof(), writer.find(copy)?.row.proof);
             writer.copy_log(original, key)?;
             writer.visit_all_records(original, |StoredRecord { seq, line, hash, proof }| {
                 (of_original, of_copy) = (next_proof(&of_original, &line), next_proof(&of_copy, &line));
                 if proof.is_some_and(|noted| noted != of_original) {
-                    return Err(StoreError::Unproven { seq });
+                    return Err(StoreError::ProofMismatch { seq });
                 }
                 hash.map_or(Ok(()), |hash| writer.note_hash(key, seq, &hash, &of_copy))
             })?;
@@ -79,6 +79,6 @@ impl Store {
             }
             writer.delete_session(writer.find(name)?.key)
         })?;
-        self.database.forget()
+        self.database.purge_deleted()
     }
 }

@@ -3,11 +3,12 @@
 use std::path::Path;
 
 use crate::StoreError;
-use crate::assets::{ASSETS, Assets, check_folder};
-use crate::sqlite::{DATABASE, Database};
+use crate::assets::{ASSETS_FOLDER, Assets, check_folder};
+use crate::sqlite::{DATABASE_FILE, Database};
 
 /// All that the store keeps in the data folder, and for nobody but its owner.
-pub const FILES: &[&str] = &[DATABASE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS];
+pub const FILES: &[&str] =
+    &[DATABASE_FILE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS_FOLDER];
 
 /// One connection to a data folder. Several may be open at a time, in this program and others: one writes, the others
 /// wait their turn; reading waits for nobody.
@@ -22,7 +23,7 @@ impl Store {
     /// Opens the data in `folder`, and makes what is missing.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
         check_folder(folder)?;
-        let assets = Assets::of(folder);
+        let assets = Assets::in_folder(folder);
         assets.make_folder()?;
         Ok(Self { database: Database::create(folder)?, assets })
     }
@@ -30,6 +31,6 @@ impl Store {
     /// Opens the data in `folder`, which must be there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
         check_folder(folder)?;
-        Ok(Self { database: Database::open(folder)?, assets: Assets::of(folder) })
+        Ok(Self { database: Database::open(folder)?, assets: Assets::in_folder(folder) })
     }
 }

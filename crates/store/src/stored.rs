@@ -70,7 +70,7 @@ pub struct LastChange {
 pub struct SessionKey(pub i64);
 
 /// A session with its key.
-pub struct Found {
+pub struct FoundSession {
     pub key: SessionKey,
     pub row: SessionRow,
 }
@@ -96,7 +96,7 @@ pub struct NewRecord<'a> {
     /// Its line in a log file.
     pub line: &'a str,
     /// The long values that it is the first to hold: the hash of each, and the byte of the line where it begins.
-    pub first_holds: &'a [(String, usize)],
+    pub new_values: &'a [(String, usize)],
 }
 
 /// A checkpoint as it is kept, with what the log says of its record.

@@ -19,18 +19,18 @@ pub enum Codec {
 
 /// What is special about a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Flags {
+pub struct FrameFlags {
     /// Needs no earlier frame, and replaces all of them.
-    pub key: bool,
+    pub is_key: bool,
     /// The lossless picture of a still view.
-    pub settle: bool,
+    pub is_settled: bool,
     /// The picture is complete with this tile.
-    pub last_tile: bool,
+    pub is_last_tile: bool,
 }
 
 /// The part of the picture that a frame holds, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Tile {
+pub struct FrameTile {
     /// Left edge.
     pub x: u16,
     /// Upper edge.
@@ -47,7 +47,7 @@ pub struct FrameHeader {
     /// Of the payload.
     pub codec: Codec,
     /// What is special about it.
-    pub flags: Flags,
+    pub flags: FrameFlags,
     /// Which view of the connection.
     pub view: u32,
     /// Counts from 1 for each connection.
@@ -63,7 +63,7 @@ pub struct FrameHeader {
     /// By how much the texels a side of shadow maps are divided: 1 where they are full.
     pub shadow_map_divisor: u16,
     /// Where the payload goes.
-    pub tile: Tile,
+    pub tile: FrameTile,
     /// Width of the whole picture in pixels.
     pub width: u16,
     /// Height of the whole picture in pixels.
@@ -99,7 +99,7 @@ impl FrameHeader {
         put(28, &self.live_revision.to_le_bytes());
         put(32, &self.samples.to_le_bytes());
         put(34, &self.shadow_map_divisor.to_le_bytes());
-        let Tile { x, y, width, height } = self.tile;
+        let FrameTile { x, y, width, height } = self.tile;
         for (index, side) in [x, y, width, height, self.width, self.height].into_iter().enumerate() {
             put(36 + 2 * index, &side.to_le_bytes());
         }
@@ -127,7 +127,7 @@ impl FrameHeader {
         };
         Ok(Self {
             codec,
-            flags: Flags::from_bits(u16_at(2))?,
+            flags: FrameFlags::from_bits(u16_at(2))?,
             view: u32_at(4),
             frame: u64_at(8),
             log_seq: u64_at(16),
@@ -135,7 +135,7 @@ impl FrameHeader {
             live_revision: u32_at(28),
             samples: u16_at(32),
             shadow_map_divisor: u16_at(34),
-            tile: Tile { x: u16_at(36), y: u16_at(38), width: u16_at(40), height: u16_at(42) },
+            tile: FrameTile { x: u16_at(36), y: u16_at(38), width: u16_at(40), height: u16_at(42) },
             width: u16_at(44),
             height: u16_at(46),
             wait_us: u32_at(48),
@@ -151,14 +151,16 @@ fn array_at<const N: usize>(header: &[u8; HEADER_BYTES], offset: usize) -> [u8; 
     std::array::from_fn(|k| header[offset + k])
 }
 
-impl Flags {
+impl FrameFlags {
     const KEY: u16 = 1;
     const SETTLE: u16 = 2;
     const LAST_TILE: u16 = 4;
 
     fn to_bits(self) -> u16 {
         let bit = |set: bool, bit: u16| if set { bit } else { 0 };
-        bit(self.key, Self::KEY) | bit(self.settle, Self::SETTLE) | bit(self.last_tile, Self::LAST_TILE)
+        bit(self.is_key, Self::KEY)
+            | bit(self.is_settled, Self::SETTLE)
+            | bit(self.is_last_tile, Self::LAST_TILE)
     }
 
     fn from_bits(bits: u16) -> Result<Self, StreamError> {
@@ -166,6 +168,6 @@ impl Flags {
             return Err(StreamError::Unknown { field: "flags", value: bits.into() });
         }
         let has = |bit: u16| bits & bit != 0;
-        Ok(Self { key: has(Self::KEY), settle: has(Self::SETTLE), last_tile: has(Self::LAST_TILE) })
+        Ok(Self { is_key: has(Self::KEY), is_settled: has(Self::SETTLE), is_last_tile: has(Self::LAST_TILE) })
     }
 }

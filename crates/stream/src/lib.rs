@@ -1,6 +1,6 @@
 //! Pixels to frames, and when a client gets its next one.
 //!
-//! [`jpeg()`] and [`png()`] encode, [`changed()`] and [`png_bands()`] say in which parts, [`FrameHeader`] is what stands before the payload on the wire, [`Pace`]
+//! [`jpeg()`] and [`png()`] encode, [`changed_tiles()`] and [`png_bands()`] say in which parts, [`FrameHeader`] is what stands before the payload on the wire, [`FramePacer`]
 //! decides for one client what it needs next. No sockets, no scene and no clock: times are passed in.
 
 mod encode;
@@ -12,7 +12,7 @@ mod window;
 
 pub use encode::{MOVING_QUALITY, jpeg, png};
 pub use error::StreamError;
-pub use frame::{Codec, Flags, FrameHeader, HEADER_BYTES, Tile};
-pub use pace::{Content, Next, Pace, Quality, SETTLE_AFTER};
-pub use tiles::{changed, cut, png_bands, whole};
-pub use window::{AckWindow, WINDOW};
+pub use frame::{Codec, FrameFlags, FrameHeader, FrameTile, HEADER_BYTES};
+pub use pace::{FramePacer, FrameQuality, NextFrame, SETTLE_AFTER, ViewContent};
+pub use tiles::{changed_tiles, crop, png_bands, whole_tile};
+pub use window::{AckWindow, MAX_FRAMES_IN_FLIGHT};

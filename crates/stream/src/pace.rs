@@ -9,7 +9,7 @@ pub const SETTLE_AFTER: Duration = Duration::from_millis(250);
 
 /// What a view shows at the moment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Content {
+pub struct ViewContent {
     /// Another one for all that can change the picture: the document, a gesture, the camera, the size.
     pub revision: u64,
     /// When it last did.
@@ -18,7 +18,7 @@ pub struct Content {
 
 /// How good a frame is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quality {
+pub enum FrameQuality {
     /// Quick, with loss: things move.
     Moving,
     /// Lossless: things are still.
@@ -27,14 +27,14 @@ pub enum Quality {
 
 /// What a client needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum NextFrame {
     /// Nothing, until the content changes or the client acknowledges a frame.
     Nothing,
     /// Nothing before this time either; ask again then.
     WaitUntil(Instant),
-    /// A frame of [`Quality::Moving`], now.
+    /// A frame of [`FrameQuality::Moving`], now.
     Moving,
-    /// A frame of [`Quality::Settled`], now. Give it up when the content changes meanwhile.
+    /// A frame of [`FrameQuality::Settled`], now. Give it up when the content changes meanwhile.
     Settle,
 }
 
@@ -42,34 +42,34 @@ pub enum Next {
 ///
 /// A new content is sent at once as a moving frame, if the window has room; what lies between two such
 /// moments is never sent. Once the content is still, one settled frame of it follows. Whoever uses it asks
-/// for [`Pace::next`] when the content has changed, a frame was acknowledged, or the time it named has come.
+/// for [`FramePacer::next`] when the content has changed, a frame was acknowledged, or the time it named has come.
 #[derive(Clone, Debug, Default)]
-pub struct Pace {
+pub struct FramePacer {
     window: AckWindow,
     /// The revision and quality of the latest frame; `None` where the client has to start anew.
-    latest: Option<(u64, Quality)>,
+    latest: Option<(u64, FrameQuality)>,
 }
 
-impl Pace {
+impl FramePacer {
     /// For a client that has seen nothing of this view.
     pub fn new() -> Self {
         Self::default()
     }
 
     /// What the client needs: nothing while it acknowledges nothing of what is on its way.
-    pub fn next(&self, content: Content, now: Instant) -> Next {
+    pub fn next(&self, content: ViewContent, now: Instant) -> NextFrame {
         let still_at = content.changed_at + SETTLE_AFTER;
         match self.latest {
-            _ if !self.window.is_open() => Next::Nothing,
-            Some((revision, Quality::Settled)) if revision == content.revision => Next::Nothing,
-            Some((revision, Quality::Moving)) if revision == content.revision => {
+            _ if !self.window.is_open() => NextFrame::Nothing,
+            Some((revision, FrameQuality::Settled)) if revision == content.revision => NextFrame::Nothing,
+            Some((revision, FrameQuality::Moving)) if revision == content.revision => {
                 if still_at <= now {
-                    Next::Settle
+                    NextFrame::Settle
                 } else {
-                    Next::WaitUntil(still_at)
+                    NextFrame::WaitUntil(still_at)
                 }
             }
-            _ => Next::Moving,
+            _ => NextFrame::Moving,
         }
     }
 
@@ -81,17 +81,17 @@ impl Pace {
     }
 
     /// Whether the client's next frame is a key frame: its first, and that of [`Self::start_anew`].
-    pub fn owes_key(&self) -> bool {
+    pub fn needs_key_frame(&self) -> bool {
         self.latest.is_none()
     }
 
     /// How many more frames may be on their way.
-    pub fn room(&self) -> usize {
-        self.window.room()
+    pub fn free_slots(&self) -> usize {
+        self.window.free_slots()
     }
 
-    /// A frame of that revision was sent, as [`Pace::next`] asked for.
-    pub fn sent(&mut self, frame: u64, revision: u64, quality: Quality, now: Instant) {
+    /// A frame of that revision was sent, as [`FramePacer::next`] asked for.
+    pub fn sent(&mut self, frame: u64, revision: u64, quality: FrameQuality, now: Instant) {
         self.window.sent(frame, now);
         self.latest = Some((revision, quality));
     }

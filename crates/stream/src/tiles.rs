@@ -1,28 +1,33 @@
 //! Pictures in parts: what of one differs from another, and bands of about as many bytes each.
 
-use crate::{StreamError, Tile, png};
+use crate::{FrameTile, StreamError, png};
 
 /// Sides of the blocks that pictures are compared by, in pixels: a multiple of what JPEG works on.
 const BLOCK: usize = 64;
 
 /// Where so much of a picture differs all of it is as good.
-const MOST: f64 = 0.6;
+const WHOLE_PICTURE_SHARE: f64 = 0.6;
 
 /// Bytes that a band is meant to have, and what is thought of the first one's pixels.
 const BAND_BYTES: f64 = 30_000.0;
-const FIRST_BYTES_A_PIXEL: f64 = 0.8;
+const FIRST_BYTES_PER_PIXEL: f64 = 0.8;
 
 /// Rows of the lowest band.
-const LEAST_ROWS: usize = 16;
+const MIN_BAND_ROWS: usize = 16;
 
 /// All of a picture.
-pub fn whole(width: u16, height: u16) -> Tile {
-    Tile { x: 0, y: 0, width, height }
+pub fn whole_tile(width: u16, height: u16) -> FrameTile {
+    FrameTile { x: 0, y: 0, width, height }
 }
 
-/// Where `after` differs from `before`, two pictures of RGBA pixels of that size: few rectangles that hold every pixel that
+/// Where `to` differs from `from`, two pictures of RGBA pixels of that size: few rectangles that hold every pixel that
 /// does and share none. Where most differs it is one, the whole picture; where nothing does there is none.
-pub fn changed(before: &[u8], after: &[u8], width: u16, height: u16) -> Result<Vec<Tile>, StreamError> {
+pub fn changed_tiles(
+    before: &[u8],
+    after: &[u8],
+    width: u16,
+    height: u16,
+) -> Result<Vec<FrameTile>, StreamError> {
     crate::encode::check_size(before, width, height)?;
     crate::encode::check_size(after, width, height)?;
     let (columns, rows) = (usize::from(width).div_ceil(BLOCK), usize::from(height).div_ceil(BLOCK));
@@ -58,16 +63,16 @@ pub fn changed(before: &[u8], after: &[u8], width: u16, height: u16) -> Result<V
     let tile = |[x, y, w, h]: [usize; 4]| {
         let (x, y) = (x * BLOCK, y * BLOCK);
         let (right, bottom) = ((x + w * BLOCK).min(width.into()), (y + h * BLOCK).min(height.into()));
-        Tile { x: x as u16, y: y as u16, width: (right - x) as u16, height: (bottom - y) as u16 }
+        FrameTile { x: x as u16, y: y as u16, width: (right - x) as u16, height: (bottom - y) as u16 }
     };
-    let tiles: Vec<Tile> = rectangles.into_iter().map(tile).collect();
+    let tiles: Vec<FrameTile> = rectangles.into_iter().map(tile).collect();
     let pixels: f64 = tiles.iter().map(|tile| f64::from(tile.width) * f64::from(tile.height)).sum();
-    let is_most = pixels > MOST * f64::from(width) * f64::from(height);
-    Ok(if is_most { vec![whole(width, height)] } else { tiles })
+    let is_most = pixels > WHOLE_PICTURE_SHARE * f64::from(width) * f64::from(height);
+    Ok(if is_most { vec![whole_tile(width, height)] } else { tiles })
 }
 
 /// The pixels of a tile of a picture that is `width` pixels wide, rows from the top.
-pub fn cut(rgba: &[u8], width: u16, tile: Tile) -> Vec<u8> {
+pub fn crop(rgba: &[u8], width: u16, tile: FrameTile) -> Vec<u8> {
     let (x, y, columns) = (usize::from(tile.x), usize::from(tile.y), usize::from(tile.width));
     let line = |row: usize| {
         let from = 4 * ((y + row) * usize::from(width) + x);
@@ -78,14 +83,14 @@ pub fn cut(rgba: &[u8], width: u16, tile: Tile) -> Vec<u8> {
 
 /// A picture as PNGs that go one below the other, from the top, each of 20 to 40 KB as a rule: a client shows what has come of
 /// it, and what has not been sent can be left out.
-pub fn png_bands(rgba: &[u8], width: u16, height: u16) -> Result<Vec<(Tile, Vec<u8>)>, StreamError> {
+pub fn png_bands(rgba: &[u8], width: u16, height: u16) -> Result<Vec<(FrameTile, Vec<u8>)>, StreamError> {
     crate::encode::check_size(rgba, width, height)?;
-    let (mut bands, mut y, mut bytes_a_pixel) = (Vec::new(), 0, FIRST_BYTES_A_PIXEL);
+    let (mut bands, mut y, mut bytes_a_pixel) = (Vec::new(), 0, FIRST_BYTES_PER_PIXEL);
     while y < height {
         let rows = (BAND_BYTES / (bytes_a_pixel * f64::from(width))) as usize;
-        let rows = rows.max(LEAST_ROWS).min(usize::from(height - y)) as u16;
-        let tile = Tile { x: 0, y, width, height: rows };
-        let bytes = png(&cut(rgba, width, tile), width, rows)?;
+        let rows = rows.max(MIN_BAND_ROWS).min(usize::from(height - y)) as u16;
+        let tile = FrameTile { x: 0, y, width, height: rows };
+        let bytes = png(&crop(rgba, width, tile), width, rows)?;
         bytes_a_pixel = bytes.len() as f64 / (f64::from(width) * f64::from(rows));
         bands.push((tile, bytes));
         y += rows;

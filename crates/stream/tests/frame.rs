@@ -1,13 +1,13 @@
 //! The header on the wire, byte by byte.
 
 use proptest::prelude::*;
-use stream::{Codec, Flags, FrameHeader, HEADER_BYTES, StreamError, Tile};
+use stream::{Codec, FrameFlags, FrameHeader, FrameTile, HEADER_BYTES, StreamError};
 
 /// Each field has bytes of its own, so that a field in the wrong place shows.
 fn header() -> FrameHeader {
     FrameHeader {
         codec: Codec::Png,
-        flags: Flags { key: true, settle: false, last_tile: true },
+        flags: FrameFlags { is_key: true, is_settled: false, is_last_tile: true },
         view: 0x0403_0201,
         frame: 0x1817_1615_1413_1211,
         log_seq: 0x2827_2625_2423_2221,
@@ -15,7 +15,7 @@ fn header() -> FrameHeader {
         live_revision: 0x3837_3635,
         samples: 0x4241,
         shadow_map_divisor: 0x4443,
-        tile: Tile { x: 0x5251, y: 0x5453, width: 0x5655, height: 0x5857 },
+        tile: FrameTile { x: 0x5251, y: 0x5453, width: 0x5655, height: 0x5857 },
         width: 0x6261,
         height: 0x6463,
         wait_us: 0x7473_7271,
@@ -41,9 +41,9 @@ fn fields_stand_where_the_protocol_says() {
         0x81, 0x82, 0x83, 0x84, 0x85, 0x86, 0x87, 0x88,
     ];
     assert_eq!(header().to_bytes(), expected);
-    let jpeg = FrameHeader { codec: Codec::Jpeg, flags: Flags::default(), ..header() };
+    let jpeg = FrameHeader { codec: Codec::Jpeg, flags: FrameFlags::default(), ..header() };
     assert_eq!(jpeg.to_bytes()[..4], [1, 1, 0, 0]);
-    let settle = FrameHeader { flags: Flags { settle: true, ..Flags::default() }, ..header() };
+    let settle = FrameHeader { flags: FrameFlags { is_settled: true, ..FrameFlags::default() }, ..header() };
     assert_eq!(settle.to_bytes()[2..4], [2, 0]);
 }
 

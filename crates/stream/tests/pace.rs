@@ -5,14 +5,14 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use proptest::prelude::*;
-use stream::{Content, Next, Pace, Quality, SETTLE_AFTER, WINDOW};
+use stream::{FramePacer, FrameQuality, MAX_FRAMES_IN_FLIGHT, NextFrame, SETTLE_AFTER, ViewContent};
 
 /// A frame that was sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sent {
     at_ms: u64,
     revision: u64,
-    quality: Quality,
+    quality: FrameQuality,
     key: bool,
     /// When its acknowledgement comes.
     acked_at_ms: Option<u64>,
@@ -22,7 +22,7 @@ struct Sent {
 /// `None` never.
 struct Client {
     delays_ms: Vec<Option<u64>>,
-    pace: Pace,
+    pace: FramePacer,
     wake: Option<Instant>,
     acks: VecDeque<(u64, u64)>,
     sent: Vec<Sent>,
@@ -31,7 +31,7 @@ struct Client {
 impl Client {
     fn new(delays_ms: &[Option<u64>]) -> Self {
         let delays_ms = delays_ms.to_vec();
-        Self { delays_ms, pace: Pace::new(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
+        Self { delays_ms, pace: FramePacer::new(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
     }
 
     /// Delivers what arrives now. Returns whether anything did.
@@ -46,20 +46,20 @@ impl Client {
     }
 
     /// Sends what the pace asks for.
-    fn send(&mut self, content: Content, now_ms: u64, now: Instant) {
+    fn send(&mut self, content: ViewContent, now_ms: u64, now: Instant) {
         self.wake = None;
         loop {
             let quality = match self.pace.next(content, now) {
-                Next::Nothing => return,
-                Next::WaitUntil(time) => {
+                NextFrame::Nothing => return,
+                NextFrame::WaitUntil(time) => {
                     assert!(time > now, "a time that has come already would be asked for again and again");
                     self.wake = Some(time);
                     return;
                 }
-                Next::Moving => Quality::Moving,
-                Next::Settle => Quality::Settled,
+                NextFrame::Moving => FrameQuality::Moving,
+                NextFrame::Settle => FrameQuality::Settled,
             };
-            let key = self.pace.owes_key();
+            let key = self.pace.needs_key_frame();
             self.pace.sent(self.sent.len() as u64, content.revision, quality, now);
             let delay_ms = self.delays_ms[self.sent.len() % self.delays_ms.len()];
             let before_ms = self.acks.back().map_or(0, |(at_ms, _)| *at_ms);
@@ -74,13 +74,13 @@ impl Client {
 fn play(changes_ms: &[u64], links: &[&[Option<u64>]]) -> Vec<Vec<Sent>> {
     let start = Instant::now();
     let mut clients: Vec<_> = links.iter().map(|delays_ms| Client::new(delays_ms)).collect();
-    let mut content = Content { revision: 0, changed_at: start };
+    let mut content = ViewContent { revision: 0, changed_at: start };
     let end_ms = changes_ms.last().unwrap_or(&0) + 20_000;
     for now_ms in 0..end_ms {
         let now = start + Duration::from_millis(now_ms);
         let changed = now_ms == 0 || changes_ms.contains(&now_ms);
         if changed {
-            content = Content { revision: content.revision + 1, changed_at: now };
+            content = ViewContent { revision: content.revision + 1, changed_at: now };
         }
         for client in &mut clients {
             let received = client.receive(now_ms, now);
@@ -102,9 +102,9 @@ fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
     for (index, frame) in sent.iter().enumerate() {
         let under_way =
             sent[..=index].iter().filter(|f| f.acked_at_ms.is_none_or(|at| at > frame.at_ms)).count();
-        fault(under_way > WINDOW, "more frames under way than the window holds");
+        fault(under_way > MAX_FRAMES_IN_FLIGHT, "more frames under way than the window holds");
         let last_change_ms = changes_ms.iter().rfind(|at| **at <= frame.at_ms).expect("0 is one");
-        let is_settled = frame.quality == Quality::Settled;
+        let is_settled = frame.quality == FrameQuality::Settled;
         fault(is_settled && frame.at_ms < last_change_ms + settle_ms, "settled while things moved");
         let revision = changes_ms.iter().filter(|at| **at <= frame.at_ms).count() as u64;
         fault(frame.revision != revision, "not the latest state");
@@ -113,7 +113,10 @@ fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
         fault(again, "the same frame twice");
     }
     let last = sent.last().map(|frame| (frame.revision, frame.quality));
-    fault(last != Some((changes_ms.len() as u64, Quality::Settled)), "the last state did not arrive settled");
+    fault(
+        last != Some((changes_ms.len() as u64, FrameQuality::Settled)),
+        "the last state did not arrive settled",
+    );
     faults
 }
 
@@ -162,7 +165,7 @@ proptest! {
         prop_assert!(!faults(&early, &changes_ms).is_empty());
         prop_assert!(!damaged(|sent| sent.push(sent[sent.len() - 1])).is_empty());
         let unacknowledged = damaged(|sent| sent.iter_mut().for_each(|frame| frame.acked_at_ms = None));
-        prop_assert_eq!(unacknowledged.is_empty(), sent.len() <= WINDOW);
+        prop_assert_eq!(unacknowledged.is_empty(), sent.len() <= MAX_FRAMES_IN_FLIGHT);
         let before_the_first_ack = sent.iter().filter(|frame| Some(frame.at_ms) < sent[0].acked_at_ms);
         prop_assert!(before_the_first_ack.count() <= 1);
     }
@@ -184,12 +187,12 @@ fn a_silent_client_gets_one_frame() {
     for changes_ms in [&[][..], &changes_ms] {
         let sent = &play(changes_ms, &[&[None]])[0];
         assert_eq!(sent.len(), 1, "{sent:?}");
-        assert!(sent[0].key && sent[0].quality == Quality::Moving);
+        assert!(sent[0].key && sent[0].quality == FrameQuality::Moving);
     }
     // One that falls silent gets a window full.
     let sent = &play(&changes_ms, &[&[Some(5), None, None, None, None]])[0];
     let acked = sent.iter().take_while(|frame| frame.acked_at_ms.is_some()).count();
-    assert_eq!(sent.len(), acked + WINDOW, "{sent:?}");
+    assert_eq!(sent.len(), acked + MAX_FRAMES_IN_FLIGHT, "{sent:?}");
 }
 
 /// A client that was silent and speaks again is served as any other, and one that shows nothing gets a key frame.
@@ -197,23 +200,23 @@ fn a_silent_client_gets_one_frame() {
 fn a_client_that_wakes_up_goes_on() {
     let start = Instant::now();
     let at = |ms| start + Duration::from_millis(ms);
-    let mut pace = Pace::new();
-    let content = |revision, ms| Content { revision, changed_at: at(ms) };
-    assert_eq!(pace.next(content(1, 1), at(1)), Next::Moving);
-    pace.sent(1, 1, Quality::Moving, at(1));
-    assert_eq!(pace.next(content(2, 2), at(2)), Next::Nothing, "its first is not shown yet");
+    let mut pace = FramePacer::new();
+    let content = |revision, ms| ViewContent { revision, changed_at: at(ms) };
+    assert_eq!(pace.next(content(1, 1), at(1)), NextFrame::Moving);
+    pace.sent(1, 1, FrameQuality::Moving, at(1));
+    assert_eq!(pace.next(content(2, 2), at(2)), NextFrame::Nothing, "its first is not shown yet");
     assert_eq!(pace.acked(1, at(3)), Some(Duration::from_millis(2)));
     for frame in 2..=4 {
-        assert_eq!(pace.next(content(frame, frame), at(frame)), Next::Moving);
-        pace.sent(frame, frame, Quality::Moving, at(frame));
+        assert_eq!(pace.next(content(frame, frame), at(frame)), NextFrame::Moving);
+        pace.sent(frame, frame, FrameQuality::Moving, at(frame));
     }
-    assert_eq!(pace.next(content(5, 5), at(60_000)), Next::Nothing);
+    assert_eq!(pace.next(content(5, 5), at(60_000)), NextFrame::Nothing);
     assert_eq!(pace.acked(9, at(60_000)), None, "never sent");
     assert_eq!(pace.acked(3, at(60_001)), Some(Duration::from_millis(59_998)));
-    assert_eq!((pace.room(), pace.owes_key()), (2, false));
-    assert_eq!(pace.next(content(5, 5), at(60_001)), Next::Moving);
+    assert_eq!((pace.free_slots(), pace.needs_key_frame()), (2, false));
+    assert_eq!(pace.next(content(5, 5), at(60_001)), NextFrame::Moving);
     pace.start_anew();
-    assert_eq!((pace.room(), pace.owes_key()), (WINDOW, true));
+    assert_eq!((pace.free_slots(), pace.needs_key_frame()), (MAX_FRAMES_IN_FLIGHT, true));
     assert_eq!(pace.acked(4, at(60_002)), None, "given up");
 }
 
@@ -221,12 +224,12 @@ fn a_client_that_wakes_up_goes_on() {
 #[test]
 fn a_client_may_pass_frames_over() {
     let now = Instant::now();
-    let mut pace = Pace::new();
-    pace.sent(0, 0, Quality::Moving, now);
+    let mut pace = FramePacer::new();
+    pace.sent(0, 0, FrameQuality::Moving, now);
     assert_eq!(pace.acked(0, now), Some(Duration::ZERO));
     for frame in 1..=3 {
-        pace.sent(frame, frame, Quality::Moving, now);
+        pace.sent(frame, frame, FrameQuality::Moving, now);
     }
     assert_eq!(pace.acked(2, now), Some(Duration::ZERO));
-    assert_eq!((pace.room(), pace.acked(1, now)), (WINDOW - 1, None));
+    assert_eq!((pace.free_slots(), pace.acked(1, now)), (MAX_FRAMES_IN_FLIGHT - 1, None));
 }

@@ -1,7 +1,7 @@
 //! Parts of pictures, put together again.
 
 use proptest::prelude::*;
-use stream::{Tile, changed, cut, png_bands, whole};
+use stream::{FrameTile, changed_tiles, crop, png_bands, whole_tile};
 
 /// A picture and another that differs from it in some rectangles.
 fn pictures() -> impl Strategy<Value = (u16, u16, Vec<u8>, Vec<u8>)> {
@@ -23,10 +23,10 @@ fn pictures() -> impl Strategy<Value = (u16, u16, Vec<u8>, Vec<u8>)> {
 }
 
 /// `onto` with those parts of `picture`; how often each pixel was covered.
-fn composed(onto: &[u8], picture: &[u8], width: u16, tiles: &[Tile]) -> (Vec<u8>, Vec<u8>) {
+fn composed(onto: &[u8], picture: &[u8], width: u16, tiles: &[FrameTile]) -> (Vec<u8>, Vec<u8>) {
     let (mut canvas, mut covered) = (onto.to_vec(), vec![0; onto.len() / 4]);
     for tile in tiles {
-        let part = cut(picture, width, *tile);
+        let part = crop(picture, width, *tile);
         for (row, line) in part.chunks_exact(4 * usize::from(tile.width)).enumerate() {
             let at = (usize::from(tile.y) + row) * usize::from(width) + usize::from(tile.x);
             canvas[4 * at..4 * at + line.len()].copy_from_slice(line);
@@ -40,7 +40,7 @@ proptest! {
     /// What differs, put onto the picture before, is the picture after; no pixel is sent twice, and tiles lie where JPEG's blocks do.
     #[test]
     fn what_differs_makes_the_picture((width, height, before, after) in pictures()) {
-        let tiles = changed(&before, &after, width, height).expect("sound");
+        let tiles = changed_tiles(&before, &after, width, height).expect("sound");
         let (canvas, covered) = composed(&before, &after, width, &tiles);
         prop_assert!(canvas == after);
         prop_assert!(covered.iter().all(|count| *count <= 1));
@@ -62,14 +62,14 @@ fn little_that_changes_is_little_to_send_and_most_is_all() {
         for (x, y) in changes {
             after[4 * (y * 640 + x)] = 0;
         }
-        changed(&before, &after, width, height).expect("sound")
+        changed_tiles(&before, &after, width, height).expect("sound")
     };
-    assert_eq!(with(&[(100, 70)]), [Tile { x: 64, y: 64, width: 64, height: 64 }]);
+    assert_eq!(with(&[(100, 70)]), [FrameTile { x: 64, y: 64, width: 64, height: 64 }]);
     // Blocks beside and below each other are one.
     let square = [(100, 70), (130, 70), (100, 130), (130, 130)];
-    assert_eq!(with(&square), [Tile { x: 64, y: 64, width: 128, height: 128 }]);
+    assert_eq!(with(&square), [FrameTile { x: 64, y: 64, width: 128, height: 128 }]);
     let everywhere: Vec<(usize, usize)> = (0..60).map(|k| (64 * (k % 10), 64 * (k / 10))).collect();
-    assert_eq!(with(&everywhere), [whole(width, height)]);
+    assert_eq!(with(&everywhere), [whole_tile(width, height)]);
 }
 
 #[test]
@@ -87,7 +87,7 @@ fn bands_are_the_picture_in_pieces_of_tens_of_kilobytes() {
     for (tile, bytes) in &bands {
         assert_eq!((tile.x, tile.y, tile.width), (0, y, width), "one below the other");
         let decoded = image::load_from_memory(bytes).expect("a PNG").to_rgb8().into_raw();
-        let part = cut(&rgba, width, *tile);
+        let part = crop(&rgba, width, *tile);
         let wanted: Vec<u8> = part.chunks_exact(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
         assert!(decoded == wanted, "lossless");
         y += tile.height;

@@ -42,7 +42,7 @@ fn main() -> ExitCode {
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            cli::say(&format!("error: {error}"));
+            cli::print_note(&format!("error: {error}"));
             ExitCode::from(error.exit_code())
         }
     }

@@ -10,7 +10,7 @@ use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Sampler, 
 use super::cutouts::{lattice, leaf, pierced};
 use super::lathe::lathe;
 use super::stage::{Cyclorama, contents, look_at};
-use crate::Loaded;
+use crate::LoadedScene;
 
 /// Raised whenever the scene changes: sessions that have it refer to it by this.
 pub const VERSION: u32 = 1;
@@ -19,24 +19,30 @@ pub const VERSION: u32 = 1;
 const LEAVES: u32 = 76;
 
 /// The scene `arbor`.
-pub fn arbor() -> Loaded {
+pub fn arbor() -> LoadedScene {
     let mut scene = Scene { fill: fill(), ..Scene::default() };
     scene.images = vec![leaf(128), lattice(64), pierced(64)];
     let [leaf, lattice, pierced] = [0, 1, 2];
 
     let terrace =
         Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -2.2, bend_radius: 1.6, height: 5.0, strips: 20 };
-    stand(&mut scene, "terrace", matte([0.60, 0.56, 0.50]), terrace.surface(), DAffine3::IDENTITY);
+    add_node(&mut scene, "terrace", matte([0.60, 0.56, 0.50]), terrace.surface(), DAffine3::IDENTITY);
     let clay = matte([0.55, 0.22, 0.11]);
-    stand(&mut scene, "pot", clay, lathe(&pot()), DAffine3::from_translation(DVec3::new(-1.05, 0.0, -0.10)));
+    add_node(
+        &mut scene,
+        "pot",
+        clay,
+        lathe(&pot()),
+        DAffine3::from_translation(DVec3::new(-1.05, 0.0, -0.10)),
+    );
 
     let slats = cut_out([0.50, 0.42, 0.31, 1.0], 0.5, lattice, [Wrap::Repeat; 2]);
-    stand(&mut scene, "lattice", slats, panel(), arbor_from_local());
+    add_node(&mut scene, "lattice", slats, panel(), arbor_from_local());
     let clamped = [Wrap::ClampToEdge; 2];
     let vine = cut_out([1.0, 1.0, 0.9, 1.0], 0.5, leaf, clamped);
-    stand(&mut scene, "vine", vine, leaves(|k| k % 4 != 3), arbor_from_local());
+    add_node(&mut scene, "vine", vine, leaves(|k| k % 4 != 3), arbor_from_local());
     let autumn = cut_out([1.0, 0.40, 0.22, 0.8], 0.3, leaf, clamped);
-    stand(&mut scene, "autumn leaves", autumn, leaves(|k| k % 4 == 3), arbor_from_local());
+    add_node(&mut scene, "autumn leaves", autumn, leaves(|k| k % 4 == 3), arbor_from_local());
 
     let brass = Material {
         metallic: 1.0,
@@ -44,8 +50,8 @@ pub fn arbor() -> Loaded {
         ..cut_out([0.80, 0.60, 0.30, 1.0], 0.4, pierced, [Wrap::MirroredRepeat; 2])
     };
     let at = DAffine3::from_translation(DVec3::new(0.85, 0.0, -0.35));
-    stand(&mut scene, "lantern", brass, lantern(), at);
-    Loaded { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
+    add_node(&mut scene, "lantern", brass, lantern(), at);
+    LoadedScene { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
 /// The key light: from the upper left front through the lattice, then down onto the terrace and towards the camera.
@@ -69,7 +75,7 @@ fn key() -> Light {
         .with(NAME, "key".into())
         .with(TRANSLATION, source)
         .with(CONE_SOFTNESS, 0.3)
-        .with_points(|index, point| (point.color, point.intensity) = (color, rows[index].2))
+        .map_points(|index, point| (point.color, point.intensity) = (color, rows[index].2))
 }
 
 /// A cool sky over a warm terrace, weak enough that shadows stay dark.
@@ -198,7 +204,7 @@ fn cut_out(base_color: [f32; 4], alpha_cutoff: f32, image: usize, [wrap_u, wrap_
 }
 
 /// Adds a node called `name`, with `surface` as its only primitive.
-fn stand(scene: &mut Scene, name: &str, mut material: Material, surface: Primitive, at: DAffine3) {
+fn add_node(scene: &mut Scene, name: &str, mut material: Material, surface: Primitive, at: DAffine3) {
     let primitive = Primitive { material: scene.materials.len(), ..surface };
     material.name = name.into();
     scene.materials.push(material);
@@ -218,7 +224,7 @@ mod tests {
     fn key_light_does_not_fold() {
         let light = key();
         assert!(Tube::new(&light).is_ok());
-        let light = light.with_points(|_, point| point.radius *= 2.0);
+        let light = light.map_points(|_, point| point.radius *= 2.0);
         assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
     }
 

@@ -6,8 +6,8 @@ mod lathe;
 mod stage;
 mod vases;
 
-use crate::Fault;
-use crate::Loaded;
+use crate::AssetFault;
+use crate::LoadedScene;
 use crate::fault::excerpt;
 use crate::limits::MAX_MESSAGE_CHARS;
 
@@ -20,8 +20,8 @@ pub const DEMO_NAMES: &[(&str, &str)] = &[
 /// The demo scene called `name`, or `None` where [`DEMO_NAMES`] has no such name.
 ///
 /// Metres, +Y up, the table at y = 0. It has a camera called `camera` and a BendyLight called `key`.
-pub fn demo(name: &str) -> Option<Loaded> {
-    versioned(name).map(|(_, make)| Loaded { name: Some(format!("demo:{name}")), ..make() })
+pub fn demo(name: &str) -> Option<LoadedScene> {
+    versioned(name).map(|(_, make)| LoadedScene { name: Some(format!("demo:{name}")), ..make() })
 }
 
 /// The bytes that stand for the demo scene called `name`: a line with its name and version, which
@@ -31,11 +31,11 @@ pub fn demo_bytes(name: &str) -> Option<Vec<u8>> {
 }
 
 /// The demo scene that `bytes` stand for, or `None` where they are another kind of file.
-pub fn named_by(bytes: &[u8]) -> Option<Result<Loaded, Fault>> {
+pub fn demo_from_bytes(bytes: &[u8]) -> Option<Result<LoadedScene, AssetFault>> {
     let named = bytes.strip_prefix(LINE_START.as_bytes())?;
     let found = DEMO_NAMES.iter().find(|(name, _)| demo_bytes(name).as_deref() == Some(bytes));
     let unknown =
-        || Fault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
+        || AssetFault::UnknownDemo(excerpt(String::from_utf8_lossy(named).trim_end(), MAX_MESSAGE_CHARS));
     Some(found.and_then(|(name, _)| demo(name)).ok_or_else(unknown))
 }
 
@@ -43,7 +43,7 @@ pub fn named_by(bytes: &[u8]) -> Option<Result<Loaded, Fault>> {
 const LINE_START: &str = "bendylights demo ";
 
 /// The version of the demo scene called `name`, and what makes it.
-fn versioned(name: &str) -> Option<(u32, fn() -> Loaded)> {
+fn versioned(name: &str) -> Option<(u32, fn() -> LoadedScene)> {
     match name {
         "vases" => Some((vases::VERSION, vases::vases)),
         "arbor" => Some((arbor::VERSION, arbor::arbor)),
@@ -69,7 +69,7 @@ mod tests {
 
     /// SHA-256 over all that a demo scene is made of, as text: shortest decimals name a float to its last
     /// bit.
-    fn digest(demo: &Loaded) -> String {
+    fn digest(demo: &LoadedScene) -> String {
         let Scene { nodes, meshes, materials, images, fill } = &demo.scene;
         let SceneContents { lights, cameras } = &demo.contents;
         let lights: Vec<_> = lights.iter().map(|light| light.digest()).collect();

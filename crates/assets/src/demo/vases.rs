@@ -7,30 +7,30 @@ use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene};
 
 use super::lathe::lathe;
 use super::stage::{Cyclorama, contents, look_at};
-use crate::Loaded;
+use crate::LoadedScene;
 
 /// Raised whenever the scene changes: sessions that have it refer to it by this.
 pub const VERSION: u32 = 1;
 
 /// The scene `vases`.
-pub fn vases() -> Loaded {
+pub fn vases() -> LoadedScene {
     let mut scene = Scene { fill: fill(), ..Scene::default() };
     let table =
         Cyclorama { half_width: 7.0, front_z: 6.0, bend_z: -1.7, bend_radius: 1.6, height: 5.0, strips: 20 };
-    stand(&mut scene, matte("table", [0.58, 0.55, 0.51]), table.surface(), DVec3::ZERO);
-    stand(
+    add_node(&mut scene, matte("table", [0.58, 0.55, 0.51]), table.surface(), DVec3::ZERO);
+    add_node(
         &mut scene,
         glaze("blue vase", [0.035, 0.13, 0.46], 0.28),
         lathe(&bottle()),
         DVec3::new(-0.62, 0.0, 0.25),
     );
-    stand(
+    add_node(
         &mut scene,
         glaze("orange vase", [0.80, 0.24, 0.035], 0.34),
         lathe(&jar()),
         DVec3::new(0.62, 0.0, -0.50),
     );
-    Loaded { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
+    LoadedScene { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
 /// The key light: from the upper left front, down over the vases, bending towards the camera as it goes,
@@ -57,7 +57,7 @@ fn key() -> Light {
         .with(NAME, "key".into())
         .with(TRANSLATION, source)
         .with(CONE_SOFTNESS, 0.3)
-        .with_points(|_, point| (point.color, point.intensity) = (color, intensity))
+        .map_points(|_, point| (point.color, point.intensity) = (color, intensity))
 }
 
 /// A cool sky over a warm table, weak enough that the shadow stays dark.
@@ -153,7 +153,7 @@ fn matte(name: &str, rgb: [f32; 3]) -> Material {
 }
 
 /// Adds a node called as its material, with `surface` as its only primitive.
-fn stand(scene: &mut Scene, material: Material, surface: Primitive, at: DVec3) {
+fn add_node(scene: &mut Scene, material: Material, surface: Primitive, at: DVec3) {
     let (name, primitive) = (material.name.clone(), Primitive { material: scene.materials.len(), ..surface });
     scene.materials.push(material);
     scene.nodes.push(Node {
@@ -189,7 +189,7 @@ mod tests {
         let most = |tube: &Tube<f64>| tube.r_kappa_max().into_iter().fold(0.0, f64::max);
         assert_eq!(light.points().len(), 5, "three segments");
         assert!(most(&Tube::new(&light).unwrap()) < 0.9);
-        let light = light.with_points(|_, point| point.radius *= 2.0);
+        let light = light.map_points(|_, point| point.radius *= 2.0);
         assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
     }
 }

@@ -9,9 +9,9 @@ use gltf::json::accessor::{Accessor, ComponentType, Type};
 use gltf::json::validation::{Checked, USize64};
 use gltf::json::{Index, Root, buffer};
 
-use super::Source;
-use crate::fault::broken;
-use crate::{Fault, Limit};
+use super::ImportSource;
+use crate::fault::invalid_gltf;
+use crate::{AssetFault, ImportLimit};
 
 /// Elements in a buffer.
 struct Span {
@@ -22,16 +22,16 @@ struct Span {
 }
 
 /// Every view lies in its buffer, and every accessor in its view.
-pub fn check(root: &Root) -> Result<(), Fault> {
+pub fn check(root: &Root) -> Result<(), AssetFault> {
     for (index, view) in root.buffer_views.iter().enumerate() {
         let end = view.byte_offset.unwrap_or_default().0.checked_add(view.byte_length.0);
         let length = root.get(view.buffer).map_or(0, |b| b.byte_length.0);
         if end.is_none_or(|end| end > length) {
-            return Err(broken(format!("buffer view {index} reaches past the end of its buffer")));
+            return Err(invalid_gltf(format!("buffer view {index} reaches past the end of its buffer")));
         }
     }
     for (index, accessor) in root.accessors.iter().enumerate() {
-        layout(root, accessor).map_err(|why| broken(format!("accessor {index} {why}")))?;
+        layout(root, accessor).map_err(|why| invalid_gltf(format!("accessor {index} {why}")))?;
     }
     Ok(())
 }
@@ -102,43 +102,43 @@ pub fn components(accessor: &Accessor) -> usize {
 
 /// How integers become floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Integers {
+pub enum IntegerConversion {
     /// As the accessor says: normalised or as they are.
     AsDeclared,
     /// Always to 0..1 or -1..1, as colours are.
     Normalized,
 }
 
-impl Source<'_> {
+impl ImportSource<'_> {
     /// An accessor of `N` components as finite floats.
     pub fn floats<const N: usize>(
         &self,
         accessor: &Accessor,
-        integers: Integers,
-    ) -> Result<Vec<[f32; N]>, Fault> {
+        integers: IntegerConversion,
+    ) -> Result<Vec<[f32; N]>, AssetFault> {
         if components(accessor) != N {
-            return Err(broken(format!(
+            return Err(invalid_gltf(format!(
                 "an attribute has {} components instead of {N}",
                 components(accessor)
             )));
         }
         let kind = component_type(accessor);
-        let normalized = accessor.normalized || integers == Integers::Normalized;
+        let normalized = accessor.normalized || integers == IntegerConversion::Normalized;
         let size = kind.size();
         let decode = |bytes: &[u8]| std::array::from_fn(|i| float(&bytes[i * size..], kind, normalized));
         let values: Vec<[f32; N]> = self.elements(accessor, [0.0; N], decode)?;
         if values.as_flattened().iter().all(|x| x.is_finite()) {
             return Ok(values);
         }
-        Err(broken("an attribute has values that are not finite numbers"))
+        Err(invalid_gltf("an attribute has values that are not finite numbers"))
     }
 
     /// An accessor of unsigned integers.
-    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, Fault> {
+    pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, AssetFault> {
         let kind = component_type(accessor);
         let unsigned = matches!(kind, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
         if !unsigned || components(accessor) != 1 {
-            return Err(broken("indices are not unsigned integers"));
+            return Err(invalid_gltf("indices are not unsigned integers"));
         }
         self.elements(accessor, 0, |bytes| unsigned_at(bytes, kind))
     }
@@ -148,10 +148,10 @@ impl Source<'_> {
         accessor: &Accessor,
         zero: T,
         decode: impl Fn(&[u8]) -> T,
-    ) -> Result<Vec<T>, Fault> {
-        let layout = layout(self.root, accessor).map_err(broken)?;
+    ) -> Result<Vec<T>, AssetFault> {
+        let layout = layout(self.root, accessor).map_err(invalid_gltf)?;
         // Callers check their own, smaller limits; an index list may be as long as this.
-        Limit::Triangles.check(accessor.count.0 / 3)?;
+        ImportLimit::Triangles.check(accessor.count.0 / 3)?;
         let mut values = match &layout.dense {
             Some(span) => self.slices(span).map(&decode).collect(),
             None => vec![zero; accessor.count.0 as usize],
@@ -161,12 +161,13 @@ impl Source<'_> {
         {
             let places = self.slices(indices).map(|bytes| unsigned_at(bytes, kind.0) as usize);
             if !places.clone().is_sorted_by(|a, b| a < b) {
-                return Err(broken("the indices of a sparse accessor do not strictly increase"));
+                return Err(invalid_gltf("the indices of a sparse accessor do not strictly increase"));
             }
             for (place, bytes) in places.zip(self.slices(replacements)) {
                 let value = values.get_mut(place);
-                *value.ok_or_else(|| broken("a sparse accessor replaces an element it does not have"))? =
-                    decode(bytes);
+                *value.ok_or_else(|| {
+                    invalid_gltf("a sparse accessor replaces an element it does not have")
+                })? = decode(bytes);
             }
         }
         Ok(values)

@@ -8,19 +8,19 @@ use std::path::Path;
 use data_url::DataUrl;
 use gltf::json::Root;
 
-use crate::fault::{broken, excerpt};
+use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::{Budget, MAX_MESSAGE_CHARS};
-use crate::{Fault, Limit};
+use crate::{AssetFault, ImportLimit};
 
 /// Reads a regular file whole, once its size is known to fit the budget.
-pub fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
+pub fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, AssetFault> {
     // Asked before opening: opening a pipe would wait for its writer.
     let found = std::fs::metadata(path)?;
     if !found.is_file() {
-        return Err(Fault::NotAFile);
+        return Err(AssetFault::NotAFile);
     }
     let size = found.len();
-    budget.spend(Limit::BytesRead, size)?;
+    budget.spend(ImportLimit::BytesRead, size)?;
     let mut bytes = Vec::new();
     File::open(path)?.take(size).read_to_end(&mut bytes)?;
     Ok(bytes)
@@ -33,8 +33,8 @@ pub fn is_data(uri: &str) -> bool {
 
 /// The bytes that `uri` names, seen from the scene file at `scene_file`; without one there are no other
 /// files.
-pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result<Vec<u8>, Fault> {
-    let refuse = |why: String| Fault::Address { uri: excerpt(uri, MAX_MESSAGE_CHARS), why };
+pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result<Vec<u8>, AssetFault> {
+    let refuse = |why: String| AssetFault::Address { uri: excerpt(uri, MAX_MESSAGE_CHARS), why };
     if is_data(uri) {
         let decoded = DataUrl::process(uri).ok().and_then(|url| url.decode_to_vec().ok());
         return decoded.map(|(bytes, _)| bytes).ok_or_else(|| refuse("cannot be decoded".into()));
@@ -53,8 +53,8 @@ pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result
         return Err(refuse("leads out of the scene's folder".into()));
     }
     read_file(&path, budget).map_err(|fault| match fault {
-        Fault::NotAFile => refuse("is not a regular file".into()),
-        Fault::Unreadable(error) => unreadable(error),
+        AssetFault::NotAFile => refuse("is not a regular file".into()),
+        AssetFault::Unreadable(error) => unreadable(error),
         other => other,
     })
 }
@@ -86,17 +86,17 @@ pub fn buffers<'a>(
     bin: Option<&'a [u8]>,
     scene_file: Option<&Path>,
     budget: &mut Budget,
-) -> Result<Vec<Cow<'a, [u8]>>, Fault> {
+) -> Result<Vec<Cow<'a, [u8]>>, AssetFault> {
     let mut buffers = Vec::new();
     for (index, buffer) in root.buffers.iter().enumerate() {
         let bytes = match (&buffer.uri, bin) {
             (Some(uri), _) => Cow::Owned(read(uri, scene_file, budget)?),
             (None, Some(bin)) if index == 0 => Cow::Borrowed(bin),
-            (None, _) => return Err(broken(format!("buffer {index} has no data"))),
+            (None, _) => return Err(invalid_gltf(format!("buffer {index} has no data"))),
         };
         let (found, declared) = (bytes.len() as u64, buffer.byte_length.0);
         if found < declared {
-            return Err(broken(format!("buffer {index} holds {found} bytes but declares {declared}")));
+            return Err(invalid_gltf(format!("buffer {index} holds {found} bytes but declares {declared}")));
         }
         buffers.push(bytes);
     }

@@ -7,8 +7,8 @@ use gltf::json::validation::{Error, Validate};
 use gltf::json::{Path, Root};
 
 use super::accessors;
-use crate::Fault;
-use crate::fault::{broken, excerpt};
+use crate::AssetFault;
+use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::MAX_MESSAGE_CHARS;
 use crate::notes::Notes;
 
@@ -44,7 +44,7 @@ const IGNORABLE: [&str; 16] = [
 ];
 
 /// Checks the whole document, used parts or not.
-pub fn document(mut root: Root, notes: &mut Notes) -> Result<Root, Fault> {
+pub fn check_document(mut root: Root, notes: &mut Notes) -> Result<Root, AssetFault> {
     version(&root)?;
     extensions(&root, notes)?;
     // Never needed, and the validation below copies them for every primitive that shares the accessor.
@@ -54,26 +54,26 @@ pub fn document(mut root: Root, notes: &mut Notes) -> Result<Root, Fault> {
     indices(&root)?;
     node_tree(&root)?;
     accessors::check(&root)?;
-    left_at_rest(&root, notes);
+    note_rest_pose(&root, notes);
     Ok(root)
 }
 
-fn version(root: &Root) -> Result<(), Fault> {
+fn version(root: &Root) -> Result<(), AssetFault> {
     let is_2 = |version: &str| version.split('.').next() == Some("2");
     let minimum = root.asset.min_version.as_deref().unwrap_or("2.0");
     if is_2(&root.asset.version) && minimum == "2.0" {
         return Ok(());
     }
     let needed = if is_2(&root.asset.version) { minimum } else { &root.asset.version };
-    Err(broken(format!("it is for glTF {}", excerpt(needed, MAX_MESSAGE_CHARS))))
+    Err(invalid_gltf(format!("it is for glTF {}", excerpt(needed, MAX_MESSAGE_CHARS))))
 }
 
-fn extensions(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
+fn extensions(root: &Root, notes: &mut Notes) -> Result<(), AssetFault> {
     let supported = |name: &&String| SUPPORTED.contains(&name.as_str());
     let ignorable = |name: &String| IGNORABLE.contains(&name.as_str());
     let mut needed = root.extensions_required.iter().filter(|name| !supported(name));
     if let Some(name) = needed.find(|name| !ignorable(name)) {
-        return Err(Fault::RequiredExtension(excerpt(name, MAX_MESSAGE_CHARS)));
+        return Err(AssetFault::RequiredExtension(excerpt(name, MAX_MESSAGE_CHARS)));
     }
     // What is required is to be listed as used too, but not every file does.
     let named: BTreeSet<_> = root.extensions_used.iter().chain(&root.extensions_required).collect();
@@ -85,11 +85,11 @@ fn extensions(root: &Root, notes: &mut Notes) -> Result<(), Fault> {
 
 /// Every index exists and every enumeration is known, by the `gltf` crate's validation and what it leaves
 /// out.
-fn indices(root: &Root) -> Result<(), Fault> {
+fn indices(root: &Root) -> Result<(), AssetFault> {
     // Its check of a primitive takes this index on trust, and panics.
     let mut attributes = root.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(index) = attributes.find(|a| a.value() >= root.accessors.len()) {
-        return Err(broken(format!("a mesh uses accessor {}, which does not exist", index.value())));
+        return Err(invalid_gltf(format!("a mesh uses accessor {}, which does not exist", index.value())));
     }
     let mut first = None;
     root.validate(root, Path::new, &mut |path, error| {
@@ -97,7 +97,7 @@ fn indices(root: &Root) -> Result<(), Fault> {
             && error != Error::Unsupported
             && !(error == Error::Missing && is_optional(&path()))
         {
-            first = Some(broken(format!(
+            first = Some(invalid_gltf(format!(
                 "{} at {}",
                 describe(error),
                 excerpt(path().as_str(), MAX_MESSAGE_CHARS)
@@ -109,10 +109,10 @@ fn indices(root: &Root) -> Result<(), Fault> {
     }
     let mut targets = root.animations.iter().flat_map(|a| &a.channels).map(|c| c.target.node.value());
     if let Some(node) = targets.find(|&node| node >= root.nodes.len()) {
-        return Err(broken(format!("an animation moves node {node}, which does not exist")));
+        return Err(invalid_gltf(format!("an animation moves node {node}, which does not exist")));
     }
     match root.skins.iter().position(|skin| skin.joints.is_empty()) {
-        Some(skin) => Err(broken(format!("skin {skin} has no joints"))),
+        Some(skin) => Err(invalid_gltf(format!("skin {skin} has no joints"))),
         None => Ok(()),
     }
 }
@@ -132,25 +132,25 @@ fn describe(error: Error) -> &'static str {
 }
 
 /// Every node has at most one parent and a scene's roots have none, so every scene is a forest.
-fn node_tree(root: &Root) -> Result<(), Fault> {
+fn node_tree(root: &Root) -> Result<(), AssetFault> {
     let mut has_parent = vec![false; root.nodes.len()];
     for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
         if std::mem::replace(&mut has_parent[child.value()], true) {
-            return Err(broken(format!("node {} has two parents", child.value())));
+            return Err(invalid_gltf(format!("node {} has two parents", child.value())));
         }
     }
     let mut listed_in = vec![None; root.nodes.len()];
     for (index, scene) in root.scenes.iter().enumerate() {
         for node in scene.nodes.iter().map(gltf::json::Index::value) {
             if has_parent[node] || listed_in[node].replace(index) == Some(index) {
-                return Err(broken(format!("node {node} is not a root, or is listed twice")));
+                return Err(invalid_gltf(format!("node {node} is not a root, or is listed twice")));
             }
         }
     }
     Ok(())
 }
 
-fn left_at_rest(root: &Root, notes: &mut Notes) {
+fn note_rest_pose(root: &Root, notes: &mut Notes) {
     if !root.animations.is_empty() {
         notes.add(
             "animations are not played, everything is at rest",
@@ -159,10 +159,13 @@ fn left_at_rest(root: &Root, notes: &mut Notes) {
     }
     for (index, mesh) in root.meshes.iter().enumerate() {
         if mesh.primitives.iter().any(|p| p.targets.as_ref().is_some_and(|t| !t.is_empty())) {
-            notes.add("morph targets are not applied", super::name_or(mesh.name.as_deref(), "mesh", index));
+            notes.add(
+                "morph targets are not applied",
+                super::display_name(mesh.name.as_deref(), "mesh", index),
+            );
         }
     }
     for (index, skin) in root.skins.iter().enumerate() {
-        notes.add("skins are not posed", super::name_or(skin.name.as_deref(), "skin", index));
+        notes.add("skins are not posed", super::display_name(skin.name.as_deref(), "skin", index));
     }
 }

@@ -7,9 +7,9 @@ use gltf::json::Root;
 use serde_json::Value;
 use serde_json::value::{RawValue, to_raw_value};
 
-use crate::fault::{broken, excerpt};
+use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::MAX_MESSAGE_CHARS;
-use crate::{Fault, Limit};
+use crate::{AssetFault, ImportLimit};
 
 /// A JSON object whose members are left as they were written, in the order of their names.
 pub type Members = BTreeMap<String, Box<RawValue>>;
@@ -27,26 +27,26 @@ const GLB_HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
 /// Splits a GLB (glTF 2.0, section 4.4) into its chunks; anything else is taken for JSON.
-pub fn split(bytes: &[u8]) -> Result<Container<'_>, Fault> {
+pub fn split(bytes: &[u8]) -> Result<Container<'_>, AssetFault> {
     if bytes.is_empty() {
-        return Err(broken("it is empty"));
+        return Err(invalid_gltf("it is empty"));
     }
     if !bytes.starts_with(b"glTF") {
         return Ok(Container { json: bytes, bin: None });
     }
     let (Some(version), Some(length)) = (u32_at(bytes, 4), u32_at(bytes, 8)) else {
-        return Err(broken("it ends inside its header"));
+        return Err(invalid_gltf("it ends inside its header"));
     };
     if version != 2 {
-        return Err(broken(format!("its GLB container has version {version} instead of 2")));
+        return Err(invalid_gltf(format!("its GLB container has version {version} instead of 2")));
     }
     if length > bytes.len() {
-        return Err(broken(format!("it is cut off after {} of {length} bytes", bytes.len())));
+        return Err(invalid_gltf(format!("it is cut off after {} of {length} bytes", bytes.len())));
     }
     let chunks = bytes.get(GLB_HEADER_BYTES..length).unwrap_or_default();
     let (json, rest) = chunk(chunks)?;
     if json.kind != b"JSON" {
-        return Err(broken("its first chunk is not JSON"));
+        return Err(invalid_gltf("its first chunk is not JSON"));
     }
     let second = if rest.is_empty() { None } else { Some(chunk(rest)?.0) };
     let bin = second.filter(|chunk| chunk.kind == b"BIN\0").map(|chunk| chunk.data);
@@ -60,8 +60,8 @@ struct Chunk<'a> {
 }
 
 /// The first chunk, and what follows it.
-fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), Fault> {
-    let cut = || broken("one of its chunks is longer than the file");
+fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), AssetFault> {
+    let cut = || invalid_gltf("one of its chunks is longer than the file");
     let length = u32_at(bytes, 0).ok_or_else(cut)?;
     let kind = bytes.get(4..CHUNK_HEADER_BYTES).ok_or_else(cut)?;
     let (data, rest) = bytes[CHUNK_HEADER_BYTES..].split_at_checked(length).ok_or_else(cut)?;
@@ -74,10 +74,10 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
 }
 
 /// Parses the JSON, once its depth and number of values are known to be small.
-pub fn parse(json: &[u8]) -> Result<Root, Fault> {
-    bound(json)?;
+pub fn parse(json: &[u8]) -> Result<Root, AssetFault> {
+    check_json_bounds(json)?;
     let parsed = without_idle_channels(json).and_then(|json| Root::from_slice(&json));
-    parsed.map_err(|error| broken(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
+    parsed.map_err(|error| invalid_gltf(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
 }
 
 /// The JSON without the animation channels that target no node, which the `gltf` crate does not parse: glTF 2.0 says
@@ -103,7 +103,7 @@ fn without_idle_channels(json: &[u8]) -> serde_json::Result<Cow<'_, [u8]>> {
 }
 
 /// Counts brackets and commas outside strings: at most one value follows each.
-fn bound(json: &[u8]) -> Result<(), Fault> {
+fn check_json_bounds(json: &[u8]) -> Result<(), AssetFault> {
     let (mut depth, mut values) = (0_u64, 0_u64);
     let (mut in_string, mut escaped) = (false, false);
     for &byte in json {
@@ -115,14 +115,14 @@ fn bound(json: &[u8]) -> Result<(), Fault> {
             b'{' | b'[' => {
                 depth += 1;
                 values += 1;
-                Limit::JsonDepth.check(depth)?;
+                ImportLimit::JsonDepth.check(depth)?;
             }
             b'}' | b']' => depth = depth.saturating_sub(1),
             b',' => values += 1,
             _ => {}
         }
     }
-    Limit::JsonValues.check(values)
+    ImportLimit::JsonValues.check(values)
 }
 
 #[cfg(test)]
@@ -132,8 +132,11 @@ mod tests {
     #[test]
     fn brackets_and_commas_in_strings_do_not_count() {
         let text = format!(r#"{{"a\"":"{}"}}"#, "[,".repeat(2 << 20));
-        assert!(bound(text.as_bytes()).is_ok());
-        assert!(bound(text.replace('"', " ").as_bytes()).is_err(), "the same outside strings is refused");
+        assert!(check_json_bounds(text.as_bytes()).is_ok());
+        assert!(
+            check_json_bounds(text.replace('"', " ").as_bytes()).is_err(),
+            "the same outside strings is refused"
+        );
     }
 
     #[test]

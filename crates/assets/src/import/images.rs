@@ -6,15 +6,20 @@ use std::io::Cursor;
 use gltf::json;
 use image::{ImageFormat, ImageReader, Limits};
 
-use super::{Report, Source, addresses};
-use crate::fault::{broken, excerpt};
+use super::{ImportReport, ImportSource, addresses};
+use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::{MAX_IMAGE_SIDE, MAX_MESSAGE_CHARS, MAX_TEXTURE_BYTES};
-use crate::{Fault, Limit};
+use crate::{AssetFault, ImportLimit};
 
 /// Decodes the picture at `index` in the file. Its own first bytes decide the format, not its declared type.
-pub fn read(source: &Source, index: usize, report: &mut Report) -> Result<scene::Image, Fault> {
+pub fn read(
+    source: &ImportSource,
+    index: usize,
+    report: &mut ImportReport,
+) -> Result<scene::Image, AssetFault> {
     let bytes = bytes(source, &source.root.images[index], report)?;
-    let refuse = |why: String| Fault::Picture { image: index, why: excerpt(&why, 2 * MAX_MESSAGE_CHARS) };
+    let refuse =
+        |why: String| AssetFault::Picture { image: index, why: excerpt(&why, 2 * MAX_MESSAGE_CHARS) };
     let format = image::guess_format(&bytes).map_err(|error| refuse(error.to_string()))?;
     if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::WebP) {
         return Err(refuse(format!("{} is not a format of glTF", format.to_mime_type())));
@@ -25,9 +30,9 @@ pub fn read(source: &Source, index: usize, report: &mut Report) -> Result<scene:
         return Err(refuse("it has no pixels".into()));
     }
     let pixels = u64::from(width) * u64::from(height);
-    Limit::ImageSide.check(u64::from(width.max(height)))?;
-    Limit::ImagePixels.check(pixels)?;
-    report.budget.spend(Limit::TextureBytes, 4 * pixels)?;
+    ImportLimit::ImageSide.check(u64::from(width.max(height)))?;
+    ImportLimit::ImagePixels.check(pixels)?;
+    report.budget.spend(ImportLimit::TextureBytes, 4 * pixels)?;
 
     let mut reader = ImageReader::with_format(Cursor::new(&*bytes), format);
     let mut limits = Limits::default();
@@ -39,7 +44,11 @@ pub fn read(source: &Source, index: usize, report: &mut Report) -> Result<scene:
     Ok(scene::Image { width, height, rgba8 })
 }
 
-fn bytes<'s>(source: &'s Source, image: &json::Image, report: &mut Report) -> Result<Cow<'s, [u8]>, Fault> {
+fn bytes<'s>(
+    source: &'s ImportSource,
+    image: &json::Image,
+    report: &mut ImportReport,
+) -> Result<Cow<'s, [u8]>, AssetFault> {
     match (&image.uri, image.buffer_view.and_then(|view| source.root.get(view))) {
         (Some(uri), _) => Ok(Cow::Owned(addresses::read(uri, source.file, &mut report.budget)?)),
         (None, Some(view)) => {
@@ -48,6 +57,6 @@ fn bytes<'s>(source: &'s Source, image: &json::Image, report: &mut Report) -> Re
             let bytes = bytes.and_then(|b| b.get(start..start + view.byte_length.0 as usize));
             Ok(Cow::Borrowed(bytes.unwrap_or_default()))
         }
-        (None, None) => Err(broken("a picture has no data")),
+        (None, None) => Err(invalid_gltf("a picture has no data")),
     }
 }

@@ -8,25 +8,25 @@ use gltf::json::validation::Checked;
 use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, INTENSITY, NAME, PROFILE, PROFILE_POWER, RANGE};
 use light::{CheckedLight, Light, ProfileCurve, Transform};
 
-use super::nodes::Place;
+use super::nodes::PlacedNode;
 use super::placement::rigid;
-use super::{Source, name_or};
+use super::{ImportSource, display_name};
 use crate::notes::Notes;
 
 /// The widest half angle drawn, degrees: at 90 a cone is a plane.
-const WIDEST_CONE_ANGLE: f64 = 89.9;
+const MAX_CONE_ANGLE_DEGREES: f64 = 89.9;
 /// glTF's default, degrees.
-const DEFAULT_CONE_ANGLE: f64 = 45.0;
+const DEFAULT_CONE_ANGLE_DEGREES: f64 = 45.0;
 
 /// Every light of the drawn scene, in node order. Numbers that make no light are repaired, with a note.
-pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
+pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
     let mut lights = Vec::new();
     for place in places {
         let Some(node) = place.node.map(|index| &source.root.nodes[index]) else { continue };
         let extension = node.extensions.as_ref().and_then(|e| e.khr_lights_punctual.as_ref());
         let Some(light) = extension.and_then(|e| source.root.get(e.light)) else { continue };
-        let name = name_or(node.name.as_deref().or(light.name.as_deref()), "light", lights.len());
-        match CheckedLight::new(placed(light, place, &name, notes)) {
+        let name = display_name(node.name.as_deref().or(light.name.as_deref()), "light", lights.len());
+        match CheckedLight::new(light_from_gltf(light, place, &name, notes)) {
             Ok(light) => lights.push(Arc::new(light)),
             // Nothing else is wrong with it by now.
             Err(_) => notes.add("lights that stand infinitely far away are left out", name),
@@ -36,7 +36,7 @@ pub fn read(source: &Source, places: &[Place], notes: &mut Notes) -> Vec<Arc<Che
 }
 
 /// The light in degrees, and in candela or lux.
-fn placed(light: &GltfLight, place: &Place, name: &str, notes: &mut Notes) -> Light {
+fn light_from_gltf(light: &GltfLight, place: &PlacedNode, name: &str, notes: &mut Notes) -> Light {
     let world_from_light = rigid(&place.world_from_local);
     let transform = Transform {
         translation: world_from_light.translation,
@@ -57,7 +57,7 @@ fn placed(light: &GltfLight, place: &Place, name: &str, notes: &mut Notes) -> Li
     if range.is_none() && light.range.is_some() && read.value(&RANGE).is_some() {
         notes.add("ranges that are not more than 0 are ignored", name);
     }
-    read.placed(transform)
+    read.with_transform(transform)
         .with(NAME, name.into())
         .with(COLOR, DVec3::new(red, green, blue))
         .with(INTENSITY, intensity)
@@ -71,10 +71,10 @@ fn with_cone(light: &GltfLight, name: &str, notes: &mut Notes) -> Light {
     let [inner, outer] = cone.unwrap_or_default();
     let angle = outer.to_degrees();
     let (cone_angle, softness) = if angle > 0.0 && angle.is_finite() {
-        (angle.min(WIDEST_CONE_ANGLE), 1.0 - (inner / outer).clamp(0.0, 1.0))
+        (angle.min(MAX_CONE_ANGLE_DEGREES), 1.0 - (inner / outer).clamp(0.0, 1.0))
     } else {
         notes.add("cone angles that are not more than 0 are taken as 45 degrees", name);
-        (DEFAULT_CONE_ANGLE, 1.0)
+        (DEFAULT_CONE_ANGLE_DEGREES, 1.0)
     };
     if cone_angle < angle {
         notes.add("cone angles of 90 degrees and more are narrowed", name);

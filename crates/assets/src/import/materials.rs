@@ -9,13 +9,13 @@ use gltf::json::texture::{Info, MagFilter, WrappingMode};
 use gltf::json::validation::Checked;
 use scene::{Image, Sampler, TextureRef, Wrap};
 
-use super::{Report, Source, images, name_or};
-use crate::Fault;
-use crate::fault::broken;
+use super::{ImportReport, ImportSource, display_name, images};
+use crate::AssetFault;
+use crate::fault::invalid_gltf;
 
 /// A material and what its primitives must know to make their one set of texture coordinates.
 #[derive(Debug)]
-pub struct Material {
+pub struct ImportedMaterial {
     /// As the scene has it.
     pub material: scene::Material,
     /// Which coordinates its pictures are read with.
@@ -32,13 +32,16 @@ pub struct Coordinates {
 }
 
 /// All materials in file order, and glTF's default one after them; and the pictures they refer to.
-pub fn read(source: &Source, report: &mut Report) -> Result<(Vec<Image>, Vec<Material>), Fault> {
-    let mut pictures = Pictures::default();
+pub fn read(
+    source: &ImportSource,
+    report: &mut ImportReport,
+) -> Result<(Vec<Image>, Vec<ImportedMaterial>), AssetFault> {
+    let mut pictures = ImageCache::default();
     let mut materials = Vec::new();
     for (index, material) in source.root.materials.iter().enumerate() {
         materials.push(pictures.material(source, index, material, report)?);
     }
-    materials.push(Material {
+    materials.push(ImportedMaterial {
         material: scene::Material { name: "default".into(), metallic: 1.0, ..Default::default() },
         coordinates: coordinates(None),
     });
@@ -46,23 +49,23 @@ pub fn read(source: &Source, report: &mut Report) -> Result<(Vec<Image>, Vec<Mat
 }
 
 #[derive(Default)]
-struct Pictures {
+struct ImageCache {
     images: Vec<Image>,
     /// Index in `images` by index in the file, so that each is decoded once.
     decoded: BTreeMap<usize, usize>,
 }
 
-impl Pictures {
+impl ImageCache {
     fn material(
         &mut self,
-        source: &Source,
+        source: &ImportSource,
         index: usize,
         material: &json::Material,
-        report: &mut Report,
-    ) -> Result<Material, Fault> {
+        report: &mut ImportReport,
+    ) -> Result<ImportedMaterial, AssetFault> {
         let pbr = &material.pbr_metallic_roughness;
-        let name = name_or(material.name.as_deref(), "material", index);
-        note_what_is_not_drawn(material, &name, report);
+        let name = display_name(material.name.as_deref(), "material", index);
+        note_unsupported_features(material, &name, report);
         let (base, rough) = (pbr.base_color_texture.as_ref(), pbr.metallic_roughness_texture.as_ref());
         if base.is_some() && rough.is_some() && coordinates(base) != coordinates(rough) {
             report.notes.add("all pictures of a material are placed as its base colour is", name.as_str());
@@ -74,7 +77,7 @@ impl Pictures {
             Checked::Valid(AlphaMode::Blend) => Some(0.5),
             Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => None,
         };
-        Ok(Material {
+        Ok(ImportedMaterial {
             material: scene::Material {
                 name,
                 base_color: Vec4::from_array(pbr.base_color_factor.0).clamp(Vec4::ZERO, Vec4::ONE),
@@ -91,8 +94,13 @@ impl Pictures {
         })
     }
 
-    fn texture(&mut self, source: &Source, info: &Info, report: &mut Report) -> Result<TextureRef, Fault> {
-        let missing = || broken("a texture names no picture that can be read");
+    fn texture(
+        &mut self,
+        source: &ImportSource,
+        info: &Info,
+        report: &mut ImportReport,
+    ) -> Result<TextureRef, AssetFault> {
+        let missing = || invalid_gltf("a texture names no picture that can be read");
         let texture = source.root.get(info.index).ok_or_else(missing)?;
         let webp = texture
             .extensions
@@ -115,7 +123,7 @@ impl Pictures {
     }
 }
 
-fn note_what_is_not_drawn(material: &json::Material, name: &str, report: &mut Report) {
+fn note_unsupported_features(material: &json::Material, name: &str, report: &mut ImportReport) {
     let emits = material.emissive_texture.is_some() || material.emissive_factor.0.iter().any(|&x| x > 0.0);
     let unlit = material.extensions.as_ref().is_some_and(|e| e.unlit.is_some());
     let blend = material.alpha_mode == Checked::Valid(AlphaMode::Blend);
@@ -146,7 +154,7 @@ fn sampler(sampler: &json::texture::Sampler) -> Sampler {
 }
 
 /// `KHR_texture_transform`: scale, then turn, then move. The turn is the one of the extension's example, that
-/// `rotation` pi/2, `scale` 1/2 and `offset` (0, 1) show the lower left quarter of the picture.
+/// `turn` pi/2, `scale` 1/2 and `offset` (0, 1) show the lower left quarter of the picture.
 fn coordinates(info: Option<&Info>) -> Coordinates {
     let transform = info.and_then(|i| i.extensions.as_ref()?.texture_transform.as_ref());
     let set = info.map_or(0, |i| i.tex_coord);

@@ -7,21 +7,21 @@ use gltf::json::mesh::{Mode, Semantic};
 use gltf::json::validation::Checked;
 use scene::Primitive;
 
-use super::accessors::{Integers, components};
-use super::materials::Material;
-use super::{Report, Source, name_or};
-use crate::fault::broken;
-use crate::{Fault, Limit};
+use super::accessors::{IntegerConversion, components};
+use super::materials::ImportedMaterial;
+use super::{ImportReport, ImportSource, display_name};
+use crate::fault::invalid_gltf;
+use crate::{AssetFault, ImportLimit};
 
 /// Reads the mesh at `index` in the file. What has no triangles is left out.
 pub fn read(
-    source: &Source,
+    source: &ImportSource,
     index: usize,
-    materials: &[Material],
-    report: &mut Report,
-) -> Result<scene::Mesh, Fault> {
+    materials: &[ImportedMaterial],
+    report: &mut ImportReport,
+) -> Result<scene::Mesh, AssetFault> {
     let mesh = &source.root.meshes[index];
-    let name = name_or(mesh.name.as_deref(), "mesh", index);
+    let name = display_name(mesh.name.as_deref(), "mesh", index);
     let mut primitives = Vec::new();
     for primitive in &mesh.primitives {
         let triangles_of: fn(&[u32]) -> Vec<u32> = match primitive.mode {
@@ -37,7 +37,7 @@ pub fn read(
             report.notes.add("meshes without positions are not drawn", name.as_str());
             continue;
         };
-        let order = order(source, primitive, positions, report)?;
+        let order = vertex_order(source, primitive, positions, report)?;
         let indices = triangles_of(&order);
         if indices.is_empty() {
             report.notes.add("meshes without a whole triangle are not drawn", name.as_str());
@@ -50,44 +50,45 @@ pub fn read(
 }
 
 /// The vertices in drawing order, each in range.
-fn order(
-    source: &Source,
+fn vertex_order(
+    source: &ImportSource,
     primitive: &json::mesh::Primitive,
     positions: &Accessor,
-    report: &mut Report,
-) -> Result<Vec<u32>, Fault> {
+    report: &mut ImportReport,
+) -> Result<Vec<u32>, AssetFault> {
     let vertices = positions.count.0;
-    report.budget.spend(Limit::Vertices, vertices)?;
+    report.budget.spend(ImportLimit::Vertices, vertices)?;
     let indices = primitive.indices.and_then(|indices| source.root.get(indices));
     // A strip or fan has one triangle an index.
     let per_triangle = if primitive.mode == Checked::Valid(Mode::Triangles) { 3 } else { 1 };
-    report.budget.spend(Limit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
+    report.budget.spend(ImportLimit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
     let Some(indices) = indices else { return Ok((0..vertices as u32).collect()) };
     let order = source.indices(indices)?;
     match order.iter().find(|&&i| u64::from(i) >= vertices) {
-        Some(index) => Err(broken(format!("an index is {index}, but there are {vertices} vertices"))),
+        Some(index) => Err(invalid_gltf(format!("an index is {index}, but there are {vertices} vertices"))),
         None => Ok(order),
     }
 }
 
 fn assemble(
-    source: &Source,
+    source: &ImportSource,
     primitive: &json::mesh::Primitive,
     indices: Vec<u32>,
     material: usize,
-    look: &Material,
-    report: &mut Report,
-) -> Result<Primitive, Fault> {
+    look: &ImportedMaterial,
+    report: &mut ImportReport,
+) -> Result<Primitive, AssetFault> {
     let positions = attribute(source, primitive, Semantic::Positions)?;
-    let positions = positions.map_or(Ok(Vec::new()), |a| source.floats::<3>(a, Integers::AsDeclared))?;
+    let positions =
+        positions.map_or(Ok(Vec::new()), |a| source.floats::<3>(a, IntegerConversion::AsDeclared))?;
     let normals = attribute(source, primitive, Semantic::Normals)?;
-    let normals = normals.map(|a| source.floats::<3>(a, Integers::AsDeclared)).transpose()?;
+    let normals = normals.map(|a| source.floats::<3>(a, IntegerConversion::AsDeclared)).transpose()?;
     let uvs = attribute(source, primitive, Semantic::TexCoords(look.coordinates.set))?;
-    let uvs = uvs.map_or(Ok(Vec::new()), |a| source.floats::<2>(a, Integers::AsDeclared))?;
+    let uvs = uvs.map_or(Ok(Vec::new()), |a| source.floats::<2>(a, IntegerConversion::AsDeclared))?;
     let place = |uv| look.coordinates.picture_from_stored.transform_point2(Vec2::from_array(uv));
     let uvs: Vec<Vec2> = uvs.into_iter().map(place).collect();
     if !uvs.iter().all(|uv| uv.is_finite()) {
-        return Err(broken("texture coordinates are not finite"));
+        return Err(invalid_gltf("texture coordinates are not finite"));
     }
     let smooth = normals.as_ref().map_or(0, Vec::len) > 0;
     let made = Primitive {
@@ -101,35 +102,39 @@ fn assemble(
     if smooth {
         return Ok(made);
     }
-    report.budget.spend(Limit::Vertices, made.indices.len() as u64)?;
+    report.budget.spend(ImportLimit::Vertices, made.indices.len() as u64)?;
     Ok(faceted(&made))
 }
 
 /// `COLOR_0` as RGBA, or nothing.
-fn colors(source: &Source, primitive: &json::mesh::Primitive) -> Result<Vec<Vec4>, Fault> {
+fn colors(source: &ImportSource, primitive: &json::mesh::Primitive) -> Result<Vec<Vec4>, AssetFault> {
     let Some(accessor) = attribute(source, primitive, Semantic::Colors(0))? else { return Ok(Vec::new()) };
     let colors: Vec<Vec4> = if components(accessor) == 3 {
-        let rgb = source.floats::<3>(accessor, Integers::Normalized)?;
+        let rgb = source.floats::<3>(accessor, IntegerConversion::Normalized)?;
         rgb.into_iter().map(|c| Vec3::from_array(c).extend(1.0)).collect()
     } else {
-        source.floats::<4>(accessor, Integers::Normalized)?.into_iter().map(Vec4::from_array).collect()
+        source
+            .floats::<4>(accessor, IntegerConversion::Normalized)?
+            .into_iter()
+            .map(Vec4::from_array)
+            .collect()
     };
     Ok(colors.into_iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect())
 }
 
 /// The accessor of an attribute, which has one element a vertex.
 fn attribute<'a>(
-    source: &Source<'a>,
+    source: &ImportSource<'a>,
     primitive: &json::mesh::Primitive,
     semantic: Semantic,
-) -> Result<Option<&'a Accessor>, Fault> {
+) -> Result<Option<&'a Accessor>, AssetFault> {
     let find =
         |semantic| primitive.attributes.get(&Checked::Valid(semantic)).and_then(|&a| source.root.get(a));
     let accessor = find(semantic);
     let vertices = find(Semantic::Positions).map(|a| a.count);
     match accessor {
         Some(accessor) if Some(accessor.count) != vertices => {
-            Err(broken("a mesh's attributes differ in length"))
+            Err(invalid_gltf("a mesh's attributes differ in length"))
         }
         found => Ok(found),
     }

@@ -29,11 +29,11 @@ use scene::Scene;
 
 use crate::limits::{Budget, MAX_COORDINATE, MAX_NAME_CHARS};
 use crate::notes::Notes;
-use crate::{Fault, Limit, Loaded};
+use crate::{AssetFault, ImportLimit, LoadedScene};
 
 /// What every reader needs: the checked document and the bytes behind it.
-struct Source<'a> {
-    /// Checked by [`check::document`].
+struct ImportSource<'a> {
+    /// Checked by [`check::check_document`].
     root: &'a Root,
     /// The scene file, beside which the others lie; `None` where there are no others.
     file: Option<&'a Path>,
@@ -43,32 +43,32 @@ struct Source<'a> {
 
 /// What one load has used and has to say.
 #[derive(Default)]
-struct Report {
+struct ImportReport {
     budget: Budget,
     notes: Notes,
 }
 
 /// Reads the scene file at `path` and the files that it refers to.
-pub fn file(path: &Path) -> Result<Loaded, Fault> {
-    let mut report = Report::default();
+pub fn import_file(path: &Path) -> Result<LoadedScene, AssetFault> {
+    let mut report = ImportReport::default();
     let bytes = addresses::read_file(path, &mut report.budget)?;
     import(&bytes, Some(path), report)
 }
 
 /// Reads a scene file that refers to no others.
-pub fn bytes(bytes: &[u8]) -> Result<Loaded, Fault> {
-    let mut report = Report::default();
-    report.budget.spend(Limit::BytesRead, bytes.len() as u64)?;
+pub fn import_bytes(bytes: &[u8]) -> Result<LoadedScene, AssetFault> {
+    let mut report = ImportReport::default();
+    report.budget.spend(ImportLimit::BytesRead, bytes.len() as u64)?;
     import(bytes, None, report)
 }
 
-fn import(bytes: &[u8], file: Option<&Path>, mut report: Report) -> Result<Loaded, Fault> {
+fn import(bytes: &[u8], file: Option<&Path>, mut report: ImportReport) -> Result<LoadedScene, AssetFault> {
     let container = container::split(bytes)?;
-    let root = check::document(container::parse(container.json)?, &mut report.notes)?;
+    let root = check::check_document(container::parse(container.json)?, &mut report.notes)?;
     let buffers = addresses::buffers(&root, container.bin, file, &mut report.budget)?;
-    let (scene, contents) = build(&Source { root: &root, file, buffers }, &mut report)?;
+    let (scene, contents) = build(&ImportSource { root: &root, file, buffers }, &mut report)?;
     scene.check()?;
-    Ok(Loaded { scene, contents, name: name(&root), notes: report.notes.into_sentences() })
+    Ok(LoadedScene { scene, contents, name: name(&root), notes: report.notes.into_sentences() })
 }
 
 /// What the file calls the scene that is drawn; nothing where that is not fit to be a name, or is what exporters call every
@@ -81,9 +81,9 @@ fn name(root: &Root) -> Option<String> {
     (fits && says_something).then(|| name.to_owned())
 }
 
-fn build(source: &Source, report: &mut Report) -> Result<(Scene, SceneContents), Fault> {
+fn build(source: &ImportSource, report: &mut ImportReport) -> Result<(Scene, SceneContents), AssetFault> {
     let mut scene = Scene::default();
-    let placed = nodes::place(source, report)?;
+    let placed = nodes::place_nodes(source, report)?;
     let (images, materials) = materials::read(source, report)?;
     let cameras = cameras::read(source, &placed, &mut report.notes);
     let lights = lights::read(source, &placed, &mut report.notes);
@@ -110,7 +110,7 @@ fn build(source: &Source, report: &mut Report) -> Result<(Scene, SceneContents),
 }
 
 /// Bounds the posed triangles and every world coordinate, by each mesh's largest one.
-fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) -> Result<(), Fault> {
+fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) -> Result<(), AssetFault> {
     let extents: Vec<f64> = scene.meshes.iter().map(largest_coordinate).collect();
     let triangles =
         |mesh: usize| scene.meshes[mesh].primitives.iter().map(|p| p.indices.len() as u64 / 3).sum();
@@ -124,9 +124,9 @@ fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) 
         let inside = reach.max_element() <= MAX_COORDINATE as f64 && world_from_local.is_finite();
         if !inside {
             let found = (reach.max_element() as u64).max(MAX_COORDINATE + 1);
-            return Err(Fault::Limit { limit: Limit::Coordinate, found });
+            return Err(AssetFault::Limit { limit: ImportLimit::Coordinate, found });
         }
-        budget.spend(Limit::Triangles, node.mesh.map_or(0, triangles))?;
+        budget.spend(ImportLimit::Triangles, node.mesh.map_or(0, triangles))?;
     }
     Ok(())
 }
@@ -137,7 +137,7 @@ fn largest_coordinate(mesh: &scene::Mesh) -> f64 {
 }
 
 /// The name to show for a thing: its own, shortened, or its kind and index.
-fn name_or(name: Option<&str>, kind: &str, index: usize) -> String {
+fn display_name(name: Option<&str>, kind: &str, index: usize) -> String {
     match name {
         Some(name) if !name.is_empty() => {
             let mut name = crate::fault::excerpt(name, MAX_NAME_CHARS);

@@ -4,13 +4,13 @@ use glam::{DAffine3, DMat3, DVec3};
 use gltf::json::{Node, Root};
 
 use super::placement::compose;
-use super::{Report, Source, instances, name_or};
-use crate::fault::broken;
-use crate::{Fault, Limit};
+use super::{ImportReport, ImportSource, display_name, instances};
+use crate::fault::invalid_gltf;
+use crate::{AssetFault, ImportLimit};
 
 /// A node at its place in the world.
 #[derive(Debug)]
-pub struct Place {
+pub struct PlacedNode {
     /// Index of the glTF node; `None` for an instance that a node's extension added.
     pub node: Option<usize>,
     /// Name for people.
@@ -26,28 +26,28 @@ pub struct Place {
 }
 
 /// Every node of the default scene, else of the first, else of the whole file.
-pub fn place(source: &Source, report: &mut Report) -> Result<Vec<Place>, Fault> {
+pub fn place_nodes(source: &ImportSource, report: &mut ImportReport) -> Result<Vec<PlacedNode>, AssetFault> {
     let roots = roots(source.root, report);
-    let mut places: Vec<Place> = Vec::new();
+    let mut places: Vec<PlacedNode> = Vec::new();
     // The check of the document has shown a forest, so each node is visited once.
     let mut waiting: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
     while let Some((index, parent)) = waiting.pop() {
-        report.budget.spend(Limit::Nodes, 1)?;
+        report.budget.spend(ImportLimit::Nodes, 1)?;
         let node = &source.root.nodes[index];
         let parent_from_local =
-            transform(node).ok_or_else(|| broken(format!("node {index} has no finite place")))?;
+            transform(node).ok_or_else(|| invalid_gltf(format!("node {index} has no finite place")))?;
         let world_from_parent = parent.map_or(DAffine3::IDENTITY, |p| places[p].world_from_local);
         let (place, instances) = (places.len(), instances::read(source, node, report)?);
-        places.push(Place {
+        places.push(PlacedNode {
             node: Some(index),
-            name: name_or(node.name.as_deref(), "node", index),
+            name: display_name(node.name.as_deref(), "node", index),
             parent,
             parent_from_local,
             world_from_local: world_from_parent * parent_from_local,
             mesh: node.mesh.filter(|_| instances.is_none()).map(|m| m.value()),
         });
         for node_from_instance in instances.into_iter().flatten() {
-            places.push(Place {
+            places.push(PlacedNode {
                 node: None,
                 name: places[place].name.clone(),
                 parent: Some(place),
@@ -61,12 +61,12 @@ pub fn place(source: &Source, report: &mut Report) -> Result<Vec<Place>, Fault> 
     Ok(places)
 }
 
-fn roots(root: &Root, report: &mut Report) -> Vec<usize> {
+fn roots(root: &Root, report: &mut ImportReport) -> Vec<usize> {
     let drawn = root.scene.map_or(0, |scene| scene.value());
     if let Some(scene) = root.scenes.get(drawn) {
         if root.scenes.len() > 1 {
             let which =
-                format!("{} of {}", name_or(scene.name.as_deref(), "scene", drawn), root.scenes.len());
+                format!("{} of {}", display_name(scene.name.as_deref(), "scene", drawn), root.scenes.len());
             report.notes.add("only one scene is drawn", which);
         }
         return scene.nodes.iter().map(gltf::json::Index::value).collect();

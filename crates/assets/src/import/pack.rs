@@ -8,19 +8,19 @@ use gltf::json::Root;
 use serde_json::value::to_raw_value;
 
 use super::container::{self, Members};
-use super::{Report, addresses, check};
-use crate::fault::broken;
-use crate::{Fault, Limit};
+use super::{ImportReport, addresses, check};
+use crate::fault::invalid_gltf;
+use crate::{AssetFault, ImportLimit};
 
 /// The type of bytes about which no more is known.
 const ANY_BYTES: &str = "application/octet-stream";
 
 /// The bytes of one file that holds all of the scene at `path`.
-pub fn pack(path: &Path) -> Result<Vec<u8>, Fault> {
-    let mut report = Report::default();
+pub fn pack(path: &Path) -> Result<Vec<u8>, AssetFault> {
+    let mut report = ImportReport::default();
     let bytes = addresses::read_file(path, &mut report.budget)?;
     let container = container::split(&bytes)?;
-    let root = check::document(container::parse(container.json)?, &mut report.notes)?;
+    let root = check::check_document(container::parse(container.json)?, &mut report.notes)?;
     if is_self_contained(&root) {
         return Ok(bytes);
     }
@@ -32,9 +32,9 @@ pub fn pack(path: &Path) -> Result<Vec<u8>, Fault> {
         images.push(bytes.transpose()?.map(|bytes| data_address(picture_type(&bytes), &bytes)));
     }
     let packed = with_addresses(container.json, [("buffers", buffers.collect()), ("images", images)]);
-    let packed = packed.map_err(|error| broken(error.to_string()))?;
+    let packed = packed.map_err(|error| invalid_gltf(error.to_string()))?;
     // What is packed can be loaded: it is a third longer than what was read.
-    Limit::BytesRead.check(packed.len() as u64)?;
+    ImportLimit::BytesRead.check(packed.len() as u64)?;
     Ok(packed)
 }
 

@@ -2,9 +2,9 @@
 
 use std::path::PathBuf;
 
-use assets::Loaded;
+use assets::LoadedScene;
 use glam::DVec3;
-use light::Shape;
+use light::LightShape;
 use light::parameters::{COLOR, INTENSITY};
 use scene::Projection;
 
@@ -16,8 +16,8 @@ pub fn assets_folder() -> PathBuf {
 }
 
 /// Every promise of the scene document, and every number finite and in its documented domain.
-pub fn assert_sound(loaded: &Loaded, what: &str) {
-    let Loaded { scene, contents, .. } = loaded;
+pub fn assert_sound(loaded: &LoadedScene, what: &str) {
+    let LoadedScene { scene, contents, .. } = loaded;
     scene.check().unwrap_or_else(|error| panic!("{what}: {error}"));
     for primitive in scene.meshes.iter().flat_map(|m| &m.primitives) {
         assert!(
@@ -49,7 +49,7 @@ pub fn assert_sound(loaded: &Loaded, what: &str) {
         assert!(sound, "{what}: {camera:?}");
     }
     for light in contents.lights.iter().map(|light| light.light()) {
-        assert!(!matches!(light.shape(), Shape::Bendy(_)), "{what}: glTF has no {light:?}");
+        assert!(!matches!(light.shape(), LightShape::Bendy(_)), "{what}: glTF has no {light:?}");
         assert!(
             light.get(COLOR).cmpge(DVec3::ZERO).all() && light.get(INTENSITY) >= 0.0,
             "{what}: {light:?}"

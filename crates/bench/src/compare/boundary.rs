@@ -5,11 +5,11 @@
 //! the map moved lies beside it, on the plane alone. So both are asked, what the camera sees there and the plane.
 
 use glam::{DVec2, DVec3};
-use reference::Surface;
+use reference::ShadedPoint;
 use scene::View;
 
-use super::expected::Seen;
-use super::{Drawn, Expected};
+use super::expected::ExpectedPixel;
+use super::{ExpectedPicture, RenderedSubject};
 
 /// Texels from the pixel at which the edge is looked for; past the last it is endlessly far.
 const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0];
@@ -25,28 +25,28 @@ struct Texel {
     w: DVec3,
 }
 
-impl Expected<'_> {
+impl ExpectedPicture<'_> {
     /// The first ring on which the reference's visibility is not that of the pixel; infinity where it is the same on
     /// all.
-    pub(super) fn texels_to_edge(&self, drawn: &Drawn, pixel: usize, seen: &Seen) -> f64 {
+    pub(super) fn texels_to_edge(&self, drawn: &RenderedSubject, pixel: usize, seen: &ExpectedPixel) -> f64 {
         let Some(texel) = self.texel(&seen.surface, drawn.shadows.resolution) else { return f64::INFINITY };
         // Rings are slow where a picture is wrong all over, and would find nothing there.
-        if self.amid_wrong(drawn, pixel, seen) && !self.edge_around(seen, &texel) {
+        if self.is_surrounded_by_wrong(drawn, pixel, seen) && !self.has_edge_around(seen, &texel) {
             return f64::INFINITY;
         }
-        RINGS.into_iter().find(|&radius| self.edge_on_ring(seen, &texel, radius)).unwrap_or(f64::INFINITY)
+        RINGS.into_iter().find(|&radius| self.has_edge_on_ring(seen, &texel, radius)).unwrap_or(f64::INFINITY)
     }
 
     /// Whether there is an edge within so many texels of a pixel.
-    pub(super) fn edge_within(&self, seen: &Seen, resolution: u32, texels: f64) -> bool {
+    pub(super) fn has_edge_within(&self, seen: &ExpectedPixel, resolution: u32, texels: f64) -> bool {
         self.texel(&seen.surface, resolution).is_some_and(|texel| {
             let mut rings = RINGS.into_iter().take_while(|radius| *radius <= texels);
-            rings.any(|radius| self.edge_on_ring(seen, &texel, radius))
+            rings.any(|radius| self.has_edge_on_ring(seen, &texel, radius))
         })
     }
 
-    fn edge_on_ring(&self, seen: &Seen, texel: &Texel, radius: f64) -> bool {
-        let visible = seen.light.map(|light| light.sample.visible);
+    fn has_edge_on_ring(&self, seen: &ExpectedPixel, texel: &Texel, radius: f64) -> bool {
+        let visible = seen.light.map(|light| light.sample.is_visible);
         (0..DIRECTIONS).any(|k| {
             let direction = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
             let step = (texel.v * direction.x + texel.w * direction.y) * radius;
@@ -56,13 +56,13 @@ impl Expected<'_> {
     }
 
     /// Whether all eight pixels around have the visibility of `seen` in the reference and the other one in the picture.
-    fn amid_wrong(&self, drawn: &Drawn, pixel: usize, seen: &Seen) -> bool {
+    fn is_surrounded_by_wrong(&self, drawn: &RenderedSubject, pixel: usize, seen: &ExpectedPixel) -> bool {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);
-        let visible = seen.light.map(|light| light.sample.visible);
+        let visible = seen.light.map(|light| light.sample.is_visible);
         let wrong = |other: usize| {
             let expected =
-                self.pixels[other].as_ref().and_then(|seen| seen.light).map(|light| light.sample.visible);
+                self.pixels[other].as_ref().and_then(|seen| seen.light).map(|light| light.sample.is_visible);
             expected == visible && expected != Some(drawn.visibility.pixels[other][0] >= 0.5)
         };
         let inside = x > 0 && y > 0 && x + 1 < width && y + 1 < height;
@@ -70,7 +70,7 @@ impl Expected<'_> {
     }
 
     /// Whether any pixel as near as the last ring differs from `seen` in visibility.
-    fn edge_around(&self, seen: &Seen, texel: &Texel) -> bool {
+    fn has_edge_around(&self, seen: &ExpectedPixel, texel: &Texel) -> bool {
         let position = self.in_world(seen.surface.position);
         let Some(centre) = self.pixel_of(position) else { return true };
         let reach = [texel.v, texel.w, -texel.v, -texel.w].into_iter().map(|step| {
@@ -86,7 +86,8 @@ impl Expected<'_> {
         span(centre.y, height).any(|y| {
             let row = &self.pixels[y * width..][span(centre.x, width)];
             row.iter().flatten().any(|other| {
-                other.light.map(|light| light.sample.visible) != seen.light.map(|light| light.sample.visible)
+                other.light.map(|light| light.sample.is_visible)
+                    != seen.light.map(|light| light.sample.is_visible)
             })
         })
     }
@@ -95,7 +96,7 @@ impl Expected<'_> {
     ///
     /// On the map a step is `(dv, dw)`, 2 / resolution for a texel; on the plane it is `R (dv v_hat + dw w_hat) + T
     /// ds` with T along the path and `n . e = 0`.
-    fn texel(&self, surface: &Surface, resolution: u32) -> Option<Texel> {
+    fn texel(&self, surface: &ShadedPoint, resolution: u32) -> Option<Texel> {
         let placement = &self.tube.placement;
         let root = self.tube.nearest_root(placement.tube_from_world(self.in_world(surface.position)))?;
         let normal = placement.rotation.transpose() * surface.geometric_normal;
@@ -113,12 +114,12 @@ impl Expected<'_> {
 
     /// Whether the light reaches the point a step beside `surface` on its plane, and what the camera sees there if that
     /// is about as far away. `None` outside the light.
-    fn visible_beside(&self, surface: &Surface, step: DVec3) -> [Option<bool>; 2] {
+    fn visible_beside(&self, surface: &ShadedPoint, step: DVec3) -> [Option<bool>; 2] {
         let position = surface.position + step;
         let pixel = self.pixel_of(self.in_world(position));
         let seen = pixel.and_then(|pixel| self.reference.surface(&self.subject.view, pixel));
         let seen = seen.filter(|seen| seen.position.distance(position) <= 0.25 * step.length());
-        let visible = |surface: &Surface| Some(self.reference.sample(&self.source, surface)?.visible);
+        let visible = |surface: &ShadedPoint| Some(self.reference.sample(&self.source, surface)?.is_visible);
         let mut beside = *surface;
         beside.seen.position = position;
         [visible(&beside), seen.as_ref().and_then(visible)]

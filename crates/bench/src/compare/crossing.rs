@@ -4,7 +4,7 @@ use glam::DVec2;
 
 /// A line of pixels' centres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
+pub(super) enum ScanAxis {
     Row,
     Column,
 }
@@ -12,7 +12,7 @@ pub(super) enum Axis {
 /// Where a scan line crosses a shadow's edge by the reference.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
-    pub axis: Axis,
+    pub axis: ScanAxis,
     /// Which row or column.
     pub line: usize,
     /// Pixels along it.
@@ -20,10 +20,10 @@ pub(super) struct Crossing {
     /// Sine of the angle between the line and the edge.
     pub squareness: f64,
     /// Whether the light ends there rather than begins.
-    pub falls: bool,
+    pub light_ends: bool,
 }
 
-impl Axis {
+impl ScanAxis {
     /// The point of the picture that is `along` a line, in pixels.
     pub fn point(self, line: f64, along: f64) -> DVec2 {
         let across = line + 0.5;

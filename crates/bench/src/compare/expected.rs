@@ -5,15 +5,15 @@ use std::sync::Arc;
 use glam::{DVec2, DVec3};
 use light::{Light, LightError, Tube};
 use rayon::prelude::*;
-use reference::{LightSample, Reference, Source, Surface, reflected};
+use reference::{LightSample, Reference, ReferenceLight, ShadedPoint, evaluate_brdf};
 use scene::{Fill, PosedScene, Scene, View};
 
 use super::crossing::Crossing;
-use super::{Drawn, Verdict, rgb};
+use super::{PixelVerdict, RenderedSubject, rgb};
 
 /// A scene under one light and nothing else, seen by a camera.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct ComparisonSubject {
     /// Names it in reports and files.
     pub name: String,
     /// Its fill is not used.
@@ -24,7 +24,7 @@ pub struct Subject {
     pub view: View,
 }
 
-impl Subject {
+impl ComparisonSubject {
     /// Takes the fill out of `scene`: it would make differences in the light's share look smaller.
     pub fn new(name: &str, scene: Scene, light: Light, view: View) -> Self {
         let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
@@ -33,31 +33,31 @@ impl Subject {
     }
 }
 
-/// The reference's picture of a [`Subject`], with all that a comparison asks of it.
+/// The reference's picture of a [`ComparisonSubject`], with all that a comparison asks of it.
 #[derive(Debug)]
-pub struct Expected<'a> {
-    pub(super) subject: &'a Subject,
+pub struct ExpectedPicture<'a> {
+    pub(super) subject: &'a ComparisonSubject,
     pub(super) reference: Reference,
-    pub(super) source: Source,
+    pub(super) source: ReferenceLight,
     pub(super) tube: Tube<f64>,
     /// Half the diagonal of the scene's bounds.
-    reach: f64,
+    scene_radius: f64,
     /// Rows from the top; `None` in the background.
-    pub(super) pixels: Vec<Option<Seen>>,
+    pub(super) pixels: Vec<Option<ExpectedPixel>>,
     /// Where scan lines cross shadows' edges.
     pub(super) crossings: Vec<Crossing>,
 }
 
 /// What the centre of a pixel sees.
 #[derive(Clone, Debug)]
-pub(super) struct Seen {
-    pub surface: Surface,
+pub(super) struct ExpectedPixel {
+    pub surface: ShadedPoint,
     /// `None` outside the light.
-    pub light: Option<SeenLight>,
+    pub light: Option<ExpectedLight>,
 }
 
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SeenLight {
+pub(super) struct ExpectedLight {
     pub sample: LightSample,
     /// Radiance if nothing were in the way.
     pub unshadowed: DVec3,
@@ -65,22 +65,22 @@ pub(super) struct SeenLight {
     pub radiance: DVec3,
 }
 
-impl Seen {
+impl ExpectedPixel {
     pub fn radiance(&self) -> DVec3 {
         self.light.map_or(DVec3::ZERO, |light| light.radiance)
     }
 
     /// Where it is lit, whether it can be seen to be; `None` where it cannot.
     pub fn lit(&self) -> Option<bool> {
-        self.light.filter(|light| light.unshadowed != DVec3::ZERO).map(|light| light.sample.visible)
+        self.light.filter(|light| light.unshadowed != DVec3::ZERO).map(|light| light.sample.is_visible)
     }
 }
 
-impl<'a> Expected<'a> {
+impl<'a> ExpectedPicture<'a> {
     /// Renders `subject` on all cores. `row_done` is called for each row, from any thread.
-    pub fn new(subject: &'a Subject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
+    pub fn new(subject: &'a ComparisonSubject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
         let tube = Tube::new(&subject.light)?;
-        let source = Source::Bendy(tube.clone());
+        let source = ReferenceLight::Bendy(tube.clone());
         let posed = scene::pose(subject.scene.clone());
         let reach = posed.half_extent.length();
         let mut expected = Self {
@@ -88,7 +88,7 @@ impl<'a> Expected<'a> {
             reference: Reference::new(posed),
             source,
             tube,
-            reach,
+            scene_radius: reach,
             pixels: Vec::new(),
             crossings: Vec::new(),
         };
@@ -115,16 +115,16 @@ impl<'a> Expected<'a> {
     }
 
     /// What is seen through a point of the picture, in pixels from its top left.
-    pub(super) fn seen(&self, pixel: DVec2) -> Option<Seen> {
+    pub(super) fn seen(&self, pixel: DVec2) -> Option<ExpectedPixel> {
         let surface = self.reference.surface(&self.subject.view, pixel)?;
-        let filter = self.source.light_filter();
+        let filter = self.source.light_profile();
         let light = self.reference.sample(&self.source, &surface).map(|sample| {
             let lobes = [filter.diffuse, filter.specular];
-            let unshadowed = reflected(&surface, sample.place.direction, lobes) * sample.irradiance;
-            let visibility = if sample.visible { 1.0 } else { 0.0 };
-            SeenLight { sample, unshadowed, radiance: unshadowed * filter.arriving(visibility) }
+            let unshadowed = evaluate_brdf(&surface, sample.coords.direction, lobes) * sample.irradiance;
+            let visibility = if sample.is_visible { 1.0 } else { 0.0 };
+            ExpectedLight { sample, unshadowed, radiance: unshadowed * filter.arriving(visibility) }
         });
-        Some(Seen { surface, light })
+        Some(ExpectedPixel { surface, light })
     }
 
     /// Why the GPU does not see the same surface, or `None` where it does.
@@ -133,20 +133,25 @@ impl<'a> Expected<'a> {
     /// way to its neighbours, over both axes. Besides that, f32 rounds positions of the scene's size and rays of
     /// the depth's length, a few ulps together, over the cosine between ray and surface; and normals are packed to 2
     /// x 16 bits, 2^-15 along each axis.
-    pub(super) fn other_surface(&self, drawn: &Drawn, pixel: usize, surface: &Surface) -> Option<Verdict> {
+    pub(super) fn surface_mismatch(
+        &self,
+        drawn: &RenderedSubject,
+        pixel: usize,
+        surface: &ShadedPoint,
+    ) -> Option<PixelVerdict> {
         let (mut depth_step, mut normal_step) = (0.0_f64, 0.0_f64);
         for beside in self.neighbours(pixel) {
             depth_step = depth_step.max((beside.depth - surface.depth).abs());
             normal_step = normal_step.max(beside.normal.distance(surface.normal));
         }
         let cosine = surface.geometric_normal.dot(surface.to_eye).abs().max(1e-3);
-        let rounding = 2_f64.powi(-20) * (self.reach + surface.depth) / cosine;
+        let rounding = 2_f64.powi(-20) * (self.scene_radius + surface.depth) / cosine;
         let snapped = 2_f64.powi(-7);
         let depth_error = (rgb(&drawn.depth, pixel).x - surface.depth).abs();
         let normal_error = rgb(&drawn.normal, pixel).distance(surface.normal);
         let nothing = drawn.depth.pixels[pixel][3] == 0.0;
         if nothing || depth_error > rounding + snapped * depth_step {
-            return Some(Verdict::Silhouette);
+            return Some(PixelVerdict::Silhouette);
         }
         if normal_error <= 2_f64.powi(-14) + snapped * normal_step {
             return None;
@@ -155,11 +160,11 @@ impl<'a> Expected<'a> {
             self.reference.bvh.first_hit(surface.position, -surface.to_eye, [-rounding, rounding], |hit| {
                 hit.triangle != surface.triangle
             });
-        Some(if twin.is_some() { Verdict::Coincident } else { Verdict::Silhouette })
+        Some(if twin.is_some() { PixelVerdict::Coincident } else { PixelVerdict::Silhouette })
     }
 
     /// What the pixels left, right, above and below see.
-    fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &Surface> {
+    fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &ShadedPoint> {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);
         let around = [

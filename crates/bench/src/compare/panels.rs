@@ -3,8 +3,8 @@
 use glam::DVec3;
 use image::{Rgb, RgbImage};
 
-use super::expected::Seen;
-use super::{Comparison, Drawn, Expected, Verdict, rgb};
+use super::expected::ExpectedPixel;
+use super::{Comparison, ExpectedPicture, PixelVerdict, RenderedSubject, rgb};
 
 /// What a difference is multiplied by, against the brightest radiance that should be.
 const AMPLIFIED: f64 = 50.0;
@@ -12,7 +12,7 @@ const AMPLIFIED: f64 = 50.0;
 /// Colour in the mask of what is wrong though no edge is near in pixels.
 const OFF_EDGE: [u8; 3] = [60, 255, 60];
 
-impl Verdict {
+impl PixelVerdict {
     /// Its colour in the mask.
     fn color(self) -> [u8; 3] {
         match self {
@@ -29,15 +29,16 @@ impl Verdict {
     }
 }
 
-impl Expected<'_> {
+impl ExpectedPicture<'_> {
     /// Four panels: the GPU's picture and the reference's above; below, their difference (grey where equal, brighter
     /// where the GPU is, full at 1/50 of the brightest radiance) and what each pixel was taken for.
     ///
     /// In the last, grey pixels are compared; left out are silhouettes (yellow), surfaces in one place (orange), the light's rim (cyan) and shadows'
     /// edges (blue); missed shadow is red, false shadow magenta, what is wrong though no edge is within two pixels green, and what is not finite white.
-    pub fn panels(&self, drawn: &Drawn, comparison: &Comparison) -> RgbImage {
+    pub fn panels(&self, drawn: &RenderedSubject, comparison: &Comparison) -> RgbImage {
         let (width, height) = self.size();
-        let reference = |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, Seen::radiance);
+        let reference =
+            |pixel: usize| self.pixels[pixel].as_ref().map_or(DVec3::ZERO, ExpectedPixel::radiance);
         let brightest = (0..width * height).map(|pixel| reference(pixel).max_element()).fold(0.0, f64::max);
         let shown = |radiance: DVec3| display(radiance / brightest.max(f64::MIN_POSITIVE));
         let panel = |index: u32, pixel: usize| {

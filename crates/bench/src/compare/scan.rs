@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 use render::Picture;
 
-use super::Expected;
-use super::crossing::{Axis, Crossing};
-use super::expected::Seen;
+use super::ExpectedPicture;
+use super::crossing::{Crossing, ScanAxis};
+use super::expected::ExpectedPixel;
 
 /// The picture's visibility is drawn at this many times the size, so that its edges are known to a sixth of a
 /// pixel. Odd, so that every pixel's centre is among its points.
@@ -21,16 +21,16 @@ const COPLANAR: f64 = 0.3;
 /// ends, at a light's rim or along a terminator.
 const VISIBLE: f64 = 0.01;
 
-impl Expected<'_> {
+impl ExpectedPicture<'_> {
     /// All crossings of rows and columns.
     pub(super) fn find_crossings(&self) -> Vec<Crossing> {
         let (width, height) = self.size();
-        let rows = (0..height).map(|row| (Axis::Row, row, width));
-        let columns = (0..width).map(|column| (Axis::Column, column, height));
+        let rows = (0..height).map(|row| (ScanAxis::Row, row, width));
+        let columns = (0..width).map(|column| (ScanAxis::Column, column, height));
         let lines: Vec<_> = rows.chain(columns).collect();
         let radiances = self.pixels.iter().flatten().map(|seen| seen.radiance().max_element());
         let least = VISIBLE * radiances.fold(0.0, f64::max);
-        let on_line = |&(axis, line, length): &(Axis, usize, usize)| {
+        let on_line = |&(axis, line, length): &(ScanAxis, usize, usize)| {
             (1..length).filter_map(move |along| self.crossing(axis, line, along, least))
         };
         lines.par_iter().flat_map_iter(on_line).collect()
@@ -38,7 +38,7 @@ impl Expected<'_> {
 
     /// The edge between the pixels `along - 1` and `along` of a line, if both show one surface and `least` radiance
     /// ends there.
-    fn crossing(&self, axis: Axis, line: usize, along: usize, least: f64) -> Option<Crossing> {
+    fn crossing(&self, axis: ScanAxis, line: usize, along: usize, least: f64) -> Option<Crossing> {
         let width = self.size().0;
         let seen = |along: usize| self.pixels[axis.index(width, line, along)].as_ref();
         let (before, after) = (seen(along - 1)?, seen(along)?);
@@ -53,11 +53,17 @@ impl Expected<'_> {
         // The other axis crosses an edge that runs off along this one.
         let beside = self.edge_between(axis, line_at + 0.25, [at - 1.0, at + 1.0], falls)?;
         let squareness = 0.25 / (beside - at).hypot(0.25);
-        Some(Crossing { axis, line, at, squareness, falls })
+        Some(Crossing { axis, line, at, squareness, light_ends: falls })
     }
 
     /// Where between two places on a line the light ends, or begins; `None` where it does not.
-    fn edge_between(&self, axis: Axis, line: f64, [mut low, mut high]: [f64; 2], falls: bool) -> Option<f64> {
+    fn edge_between(
+        &self,
+        axis: ScanAxis,
+        line: f64,
+        [mut low, mut high]: [f64; 2],
+        falls: bool,
+    ) -> Option<f64> {
         let lit = |along: f64| self.seen(axis.point(line, along))?.lit();
         if lit(low)? != falls || lit(high)? == falls {
             return None;
@@ -76,16 +82,16 @@ impl Expected<'_> {
     }
 }
 
-fn on_one_surface(a: &Seen, b: &Seen) -> bool {
+fn on_one_surface(a: &ExpectedPixel, b: &ExpectedPixel) -> bool {
     let step = b.surface.position - a.surface.position;
     a.surface.node == b.surface.node && step.dot(a.surface.geometric_normal).abs() <= COPLANAR * step.length()
 }
 
 fn displacement(crossing: &Crossing, fine: &Picture) -> f64 {
-    let Crossing { axis, line, at, squareness, falls } = *crossing;
+    let Crossing { axis, line, at, squareness, light_ends: falls } = *crossing;
     let finer = FINER as usize;
     let (width, height) = (fine.width as usize, fine.height as usize);
-    let length = if axis == Axis::Row { width } else { height };
+    let length = if axis == ScanAxis::Row { width } else { height };
     let fine_line = line * finer + finer / 2;
     let share = |along: usize| {
         let [share, .., inside] = fine.pixels[axis.index(width, fine_line, along)];

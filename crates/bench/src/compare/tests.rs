@@ -7,27 +7,28 @@ use light::Light;
 use light::parameters::TRANSLATION;
 use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 
-use super::{Comparison, Drawn, Expected, Subject, Verdict};
+use super::{Comparison, ComparisonSubject, ExpectedPicture, PixelVerdict, RenderedSubject};
 use crate::shadow::scenes;
 
 /// A still life under a bent light.
-static SUBJECT: LazyLock<Subject> = LazyLock::new(|| scenes::subjects(160, 90).swap_remove(1));
-static EXPECTED: LazyLock<Expected> = LazyLock::new(|| Expected::new(&SUBJECT, || {}).expect("valid"));
+static SUBJECT: LazyLock<ComparisonSubject> = LazyLock::new(|| scenes::subjects(160, 90).swap_remove(1));
+static EXPECTED: LazyLock<ExpectedPicture> =
+    LazyLock::new(|| ExpectedPicture::new(&SUBJECT, || {}).expect("valid"));
 
 /// Who may draw shadows and lights.
 const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
-fn drawn(subject: &Subject) -> Drawn {
+fn drawn(subject: &ComparisonSubject) -> RenderedSubject {
     drawn_by(BACKENDS[0], subject)
 }
 
-fn drawn_by(backend: Backend, subject: &Subject) -> Drawn {
+fn drawn_by(backend: Backend, subject: &ComparisonSubject) -> RenderedSubject {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     let gpu = GPUS[backend as usize].get_or_init(|| Arc::new(open()));
     let mut renderer = Renderer::new(Arc::clone(gpu)).expect("the device works");
     renderer.set_scene(&scene::pose(subject.scene.clone())).expect("fits");
-    Drawn::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
+    RenderedSubject::new(&mut renderer, subject, ShadowSettings::default()).expect("drawn")
 }
 
 fn json(found: &Comparison) -> String {
@@ -51,7 +52,11 @@ fn a_right_picture_passes() {
         assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
         // An edge is known to a sixth of a pixel where a texel is much smaller.
         assert!(found.displacement_pixels.p99 <= 0.5, "{backend:?}: {}", json(&found));
-        assert!(found.verdicts.contains(&Verdict::Boundary) && found.coincident == 0, "{}", json(&found));
+        assert!(
+            found.verdicts.contains(&PixelVerdict::Boundary) && found.coincident == 0,
+            "{}",
+            json(&found)
+        );
     }
 }
 
@@ -97,15 +102,15 @@ fn long_light(scenes: f64) -> Light {
     let [b0, b1, b2] = [aside - along / 2.0, -aside, aside + along / 2.0];
     let mut light = Light::bendy(vec![DVec3::ZERO, b1 - b0, b2 - b0], vec![2.0; 3]);
     light.set(TRANSLATION.to(DVec3::new(0.9, 0.5, 0.1) + b0));
-    light.with_points(|_, point| point.intensity = 3.0)
+    light.map_points(|_, point| point.intensity = 3.0)
 }
 
 /// A scene that is a small part of its light is drawn as well as one of the light's size.
 #[test]
 fn a_light_far_longer_than_the_scene_is_right() {
     for scenes in [100.0, 1e4, 1e6] {
-        let subject = Subject { light: long_light(scenes), ..SUBJECT.clone() };
-        let expected = Expected::new(&subject, || {}).expect("valid");
+        let subject = ComparisonSubject { light: long_light(scenes), ..SUBJECT.clone() };
+        let expected = ExpectedPicture::new(&subject, || {}).expect("valid");
         for backend in BACKENDS {
             let found = expected.compare(&drawn_by(backend, &subject));
             println!("{scenes:e} scenes long, {backend:?}: {}", json(&found));
@@ -121,7 +126,7 @@ fn a_number_that_is_none_is_seen() {
     broken.beauty.pixels[5000][1] = f32::NAN;
     let found = EXPECTED.compare(&broken);
     assert!(!passes(&found) && found.not_finite == 1, "{}", json(&found));
-    assert_eq!(found.verdicts[5000], Verdict::NotFinite);
+    assert_eq!(found.verdicts[5000], PixelVerdict::NotFinite);
 }
 
 #[test]

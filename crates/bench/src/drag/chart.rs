@@ -3,7 +3,7 @@
 use drag::Feature;
 use plotters::prelude::*;
 
-use super::measured::{LANDED_PX, Made, One};
+use super::measured::{DragError, LANDED_PX, MeasuredTrial};
 use super::trial::FEATURES;
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED};
@@ -16,11 +16,12 @@ const PX: (f64, f64) = (1e-3, 1e3);
 const MS: (f64, f64) = (1e-3, 1e2);
 
 /// Shares of drags over pixels above and milliseconds below: those of whole lights to the left, of control points to the right.
-pub(super) fn draw(all: &[Made]) -> Result<String, BenchError> {
+pub(super) fn draw(all: &[MeasuredTrial]) -> Result<String, BenchError> {
     chart::svg((1000, 760), "", |area| {
         let panels = area.split_evenly((2, 2));
         for (deforms, name) in [(false, "the whole light moves"), (true, "chosen control points move")] {
-            let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind.deforms == deforms).collect();
+            let of_kind: Vec<&MeasuredTrial> =
+                all.iter().filter(|made| made.kind.deforms == deforms).collect();
             let column = usize::from(deforms);
             let title = format!("how far from the cursor does it end? {name}");
             panel(&panels[column], (&title, "pixels"), PX, (&of_kind, |one| one.px), column == 0)?;
@@ -36,7 +37,7 @@ fn panel(
     area: &Area,
     (title, unit): (&str, &str),
     (least, most): (f64, f64),
-    (all, of): (&[&Made], fn(&One) -> f64),
+    (all, of): (&[&MeasuredTrial], fn(&DragError) -> f64),
     key: bool,
 ) -> ChartResult {
     let mut plot = ChartBuilder::on(area)
@@ -56,7 +57,7 @@ fn panel(
         plot.draw_series(LineSeries::new([(LANDED_PX, 0.0), (LANDED_PX, 100.0)], BLACK.mix(0.5)))?;
     }
     for (feature, color) in FEATURES.into_iter().zip(COLORS) {
-        let values = |side: fn(&Made) -> &One| {
+        let values = |side: fn(&MeasuredTrial) -> &DragError| {
             let of_feature = all.iter().filter(|made| made.kind.feature == feature);
             of_feature.map(|made| of(side(made))).collect::<Vec<f64>>()
         };

@@ -6,10 +6,10 @@ use drag::drag;
 use light::{CheckedLight, Light};
 use serde::Serialize;
 
-use super::off::{Off, distance_px};
+use super::off::{EquationError, distance_px};
 use super::paper;
-use super::stage::Stage;
-use super::trial::{Kind, Trial};
+use super::stage::TrialScene;
+use super::trial::{Trial, TrialKind};
 use crate::{Progress, Quantiles};
 
 /// Pixels within which a feature lies under the cursor.
@@ -17,7 +17,7 @@ pub(super) const LANDED_PX: f64 = 0.5;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct DragBenchOptions {
     /// Drags of each kind in each scene.
     pub drags: usize,
     /// Another number, other drags.
@@ -27,7 +27,7 @@ pub struct Options {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct DragBenchReport {
     /// What was dragged in.
     pub scenes: Vec<String>,
     /// Drags of each kind in each scene.
@@ -51,9 +51,9 @@ pub struct KindReport {
     /// Drags that were made.
     pub drags: usize,
     /// By the product.
-    pub ours: Side,
+    pub ours: DragErrors,
     /// By the paper's formulas.
-    pub paper: Side,
+    pub paper: DragErrors,
     /// Steps of the product's solver.
     pub iterations: Quantiles,
 }
@@ -61,7 +61,7 @@ pub struct KindReport {
 /// What one of the two made of the drags.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Side {
+pub struct DragErrors {
     /// How many ended within half a pixel of the cursor, in a light that is valid.
     pub landed: usize,
     /// How many lights fold.
@@ -78,32 +78,32 @@ pub struct Side {
 
 /// A drag, made twice.
 #[derive(Clone, Debug)]
-pub(super) struct Made {
-    pub kind: Kind,
-    pub ours: One,
-    pub paper: One,
+pub(super) struct MeasuredTrial {
+    pub kind: TrialKind,
+    pub ours: DragError,
+    pub paper: DragError,
     iterations: usize,
 }
 
 /// Where a feature ended.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct One {
-    folds: bool,
+pub(super) struct DragError {
+    is_folded: bool,
     /// Infinite where it is not in the picture.
     pub px: f64,
     residual: f64,
     pub ms: f64,
 }
 
-impl One {
-    fn new(stage: &Stage, trial: &Trial, light: Option<Light>, ms: f64) -> Self {
+impl DragError {
+    fn new(stage: &TrialScene, trial: &Trial, light: Option<Light>, ms: f64) -> Self {
         let light = light.and_then(|light| CheckedLight::new(light).ok());
         let px = light.as_ref().and_then(|light| distance_px(stage, trial, light));
-        let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
+        let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
         // Near, and yet not there: outside of the light, or on a way that only touches what throws the shadow.
         let px = px.filter(|px| off.is_some() || *px > LANDED_PX);
         Self {
-            folds: light.is_none(),
+            is_folded: light.is_none(),
             px: px.unwrap_or(f64::INFINITY),
             residual: off.map_or(f64::INFINITY, |off| off.residual),
             ms,
@@ -112,57 +112,58 @@ impl One {
 }
 
 /// Makes random drags of every kind in each scene.
-pub(super) fn measured(
-    stages: &[Stage],
-    options: Options,
+pub(super) fn measure_trials(
+    stages: &[TrialScene],
+    options: DragBenchOptions,
     progress: impl Fn(Progress),
-) -> (Report, Vec<Made>) {
+) -> (DragBenchReport, Vec<MeasuredTrial>) {
     let (mut all, mut done) = (Vec::new(), 0);
-    let of = stages.len() * Kind::all().count() * options.drags;
+    let of = stages.len() * TrialKind::all().count() * options.drags;
     for stage in stages {
-        for kind in Kind::all() {
+        for kind in TrialKind::all() {
             for number in 0..options.drags {
                 let trial = Trial::random(stage, kind, Trial::seed(options.seed, &stage.name, kind, number));
-                all.extend(trial.map(|trial| made(stage, &trial)));
+                all.extend(trial.map(|trial| measure_trial(stage, &trial)));
                 done += 1;
                 progress(Progress { done, of, what: stage.name.clone() });
             }
         }
     }
-    let report = Report {
+    let report = DragBenchReport {
         scenes: stages.iter().map(|stage| stage.name.clone()).collect(),
         drags: options.drags,
         seed: options.seed,
-        kinds: Kind::all().map(|kind| of_kind(kind, &all)).collect(),
+        kinds: TrialKind::all().map(|kind| kind_report(kind, &all)).collect(),
     };
     (report, all)
 }
 
-fn made(stage: &Stage, trial: &Trial) -> Made {
+fn measure_trial(stage: &TrialScene, trial: &Trial) -> MeasuredTrial {
     let began = Instant::now();
     let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
     let ours_ms = began.elapsed().as_secs_f64() * 1e3;
     let began = Instant::now();
     let moved = paper::moved(stage, trial);
     let paper_ms = began.elapsed().as_secs_f64() * 1e3;
-    let ours = One::new(stage, trial, Some(landing.light), ours_ms);
-    Made {
+    let ours = DragError::new(stage, trial, Some(landing.light), ours_ms);
+    MeasuredTrial {
         kind: trial.kind,
         ours,
-        paper: One::new(stage, trial, moved, paper_ms),
+        paper: DragError::new(stage, trial, moved, paper_ms),
         iterations: landing.iterations,
     }
 }
 
-fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
-    let of_kind: Vec<&Made> = all.iter().filter(|made| made.kind == kind).collect();
-    let side = |of: fn(&Made) -> &One| {
-        let values = |value: fn(&One) -> f64| Quantiles::of(of_kind.iter().map(move |made| value(of(made))));
-        let count = |is: fn(&One) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
-        Side {
+fn kind_report(kind: TrialKind, all: &[MeasuredTrial]) -> KindReport {
+    let of_kind: Vec<&MeasuredTrial> = all.iter().filter(|made| made.kind == kind).collect();
+    let side = |of: fn(&MeasuredTrial) -> &DragError| {
+        let values =
+            |value: fn(&DragError) -> f64| Quantiles::of(of_kind.iter().map(move |made| value(of(made))));
+        let count = |is: fn(&DragError) -> bool| of_kind.iter().filter(|made| is(of(made))).count();
+        DragErrors {
             landed: count(|one| one.px <= LANDED_PX),
-            folded: count(|one| one.folds),
-            lost: count(|one| !one.folds && one.px.is_infinite()),
+            folded: count(|one| one.is_folded),
+            lost: count(|one| !one.is_folded && one.px.is_infinite()),
             px: values(|one| one.px),
             residual: values(|one| one.residual),
             ms: values(|one| one.ms),
@@ -171,7 +172,7 @@ fn of_kind(kind: Kind, all: &[Made]) -> KindReport {
     KindReport {
         feature: kind.feature_name(),
         points: kind.points_name(),
-        way: kind.way_name(),
+        way: kind.distance_name(),
         drags: of_kind.len(),
         ours: side(|made| &made.ours),
         paper: side(|made| &made.paper),

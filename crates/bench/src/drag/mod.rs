@@ -11,18 +11,18 @@ mod trial;
 
 use crate::{BenchError, Progress};
 
-pub use measured::{KindReport, Options, Report, Side};
-pub use off::{Off, distance_px};
-pub use stage::Stage;
-pub use trial::{FEATURES, Kind, Trial};
+pub use measured::{DragBenchOptions, DragBenchReport, DragErrors, KindReport};
+pub use off::{EquationError, distance_px};
+pub use stage::TrialScene;
+pub use trial::{FEATURES, Trial, TrialKind};
 
 /// Makes random drags of every kind in each scene. Returns what was measured and the chart, an SVG.
 pub fn run(
-    stages: &[Stage],
-    options: Options,
+    stages: &[TrialScene],
+    options: DragBenchOptions,
     progress: impl Fn(Progress),
-) -> Result<(Report, String), BenchError> {
-    let (report, all) = measured::measured(stages, options, progress);
+) -> Result<(DragBenchReport, String), BenchError> {
+    let (report, all) = measured::measure_trials(stages, options, progress);
     let chart = chart::draw(&all)?;
     Ok((report, chart))
 }

@@ -5,20 +5,20 @@ use glam::{DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{Light, Tube};
 
-use super::stage::Stage;
+use super::stage::TrialScene;
 use super::trial::Trial;
 
 /// A turn about a point in the world, and then a way.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
-    about: DVec3,
-    turn: DQuat,
-    way: DVec3,
+    pivot_in_world: DVec3,
+    rotation: DQuat,
+    translation: DVec3,
 }
 
 impl Motion {
     fn of(&self, point: DVec3) -> DVec3 {
-        self.about + self.turn * (point - self.about) + self.way
+        self.pivot_in_world + self.rotation * (point - self.pivot_in_world) + self.translation
     }
 }
 
@@ -28,7 +28,7 @@ impl Motion {
 /// Read as light model, section 7, corrects them: positions in the world, `P_l` the apex of the cone that the tube sets out
 /// as, parentheses in eq. 12. The paper has no formula for the side that is turned most to the light; eq. 13 with the normal in
 /// place of the mirror direction is what it would be.
-pub fn moved(stage: &Stage, trial: &Trial) -> Option<Light> {
+pub fn moved(stage: &TrialScene, trial: &Trial) -> Option<Light> {
     let origin = stage.origin();
     let [from, to] = [trial.drag.from, trial.drag.to].map(|pixel| stage.seen(pixel));
     let (from, to) = (from?, to?);
@@ -37,18 +37,23 @@ pub fn moved(stage: &Stage, trial: &Trial) -> Option<Light> {
     let apex = apex(tube);
     let motion = match trial.kind.feature {
         Feature::Shadow => {
-            let pivot = trial.pivot? + origin;
+            let pivot = trial.pivot_in_scene? + origin;
             let apex_to = pivot + (pivot - m_to) * (apex.distance(pivot) / pivot.distance(m));
-            Motion { about: apex, turn: DQuat::IDENTITY, way: apex_to - apex }
+            Motion { pivot_in_world: apex, rotation: DQuat::IDENTITY, translation: apex_to - apex }
         }
         Feature::Hotspot => {
             let turn = DQuat::from_rotation_arc((m - apex).normalize(), (m_to - apex).normalize());
-            Motion { about: apex, turn, way: DVec3::ZERO }
+            Motion { pivot_in_world: apex, rotation: turn, translation: DVec3::ZERO }
         }
         Feature::Highlight | Feature::Diffuse => {
             let has = stage.locate(&trial.light, to.position)?.direction;
-            let wanted = if trial.kind.feature == Feature::Diffuse { to.normal } else { to.mirrored() };
-            Motion { about: m_to, turn: DQuat::from_rotation_arc(has, wanted), way: DVec3::ZERO }
+            let wanted =
+                if trial.kind.feature == Feature::Diffuse { to.normal } else { to.mirror_direction() };
+            Motion {
+                pivot_in_world: m_to,
+                rotation: DQuat::from_rotation_arc(has, wanted),
+                translation: DVec3::ZERO,
+            }
         }
     };
     let light = trial.light.light().clone();
@@ -57,11 +62,11 @@ pub fn moved(stage: &Stage, trial: &Trial) -> Option<Light> {
         return Some(
             light
                 .with(TRANSLATION, motion.of(translation))
-                .with(ROTATION, (motion.turn * rotation).normalize()),
+                .with(ROTATION, (motion.rotation * rotation).normalize()),
         );
     };
     let transform = light.transform();
-    Some(light.with_points(|index, point| {
+    Some(light.map_points(|index, point| {
         if chosen.contains(&index) {
             let world = motion.of(transform.world_from_local(point.position));
             point.position = transform.rotation.inverse() * (world - transform.translation) / transform.scale;

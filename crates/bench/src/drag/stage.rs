@@ -3,13 +3,13 @@
 use drag::Viewport;
 use glam::{DVec2, DVec3};
 use light::{CheckedLight, TubePoint};
-use raycast::Seen;
-use reference::{Reference, Surface};
+use raycast::SeenPoint;
+use reference::{Reference, ShadedPoint};
 use scene::{Camera, Scene, View, ViewRay, framing_camera};
 
 /// A scene, its picture, and what is known of both by other ways than a drag's own.
 #[derive(Debug)]
-pub struct Stage {
+pub struct TrialScene {
     /// What the scene is called: a file, or `demo:NAME`.
     pub name: String,
     /// Its surfaces.
@@ -18,12 +18,12 @@ pub struct Stage {
     pub view: Viewport,
 }
 
-impl Stage {
+impl TrialScene {
     /// Through the first camera, or one that frames the scene, as `bendylights drag` looks by default.
     pub fn new(name: &str, scene: Scene, cameras: &[Camera], size: [u32; 2]) -> Self {
         let reference = Reference::new(scene::pose(scene));
         let [width, height] = size.map(f64::from);
-        let framing = || framing_camera(&reference.bvh.posed.reach(), width / height);
+        let framing = || framing_camera(&reference.bvh.posed.bounds(), width / height);
         let camera = cameras.first().cloned().unwrap_or_else(framing);
         Self { name: name.into(), view: Viewport { camera, size }, reference }
     }
@@ -34,13 +34,13 @@ impl Stage {
     }
 
     /// The surface in a pixel.
-    pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
+    pub fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let Viewport { camera, size } = &self.view;
-        self.reference.bvh.seen(&ViewRay::new(camera, *size, pixel, self.origin()))
+        self.reference.bvh.visible_point(&ViewRay::new(camera, *size, pixel, self.origin()))
     }
 
     /// The same with its material, by the reference.
-    pub fn surface(&self, pixel: DVec2) -> Option<Surface> {
+    pub fn surface(&self, pixel: DVec2) -> Option<ShadedPoint> {
         let Viewport { camera, size } = &self.view;
         self.reference.surface(&View::beauty(camera.clone(), *size), pixel)
     }

@@ -1,29 +1,29 @@
 //! The formulas that drags are measured beside, where they are exact, and the measure itself.
 
-use drag::{Drag, Feature, Radii};
+use drag::{Drag, Feature, RadiusMode};
 use glam::DVec3;
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{CheckedLight, Light};
 
-use super::{FEATURES, Kind, Off, Stage, Trial, distance_px, paper};
+use super::{EquationError, FEATURES, Trial, TrialKind, TrialScene, distance_px, paper};
 
 const SIZE: [u32; 2] = [320, 180];
 
-fn demo() -> Stage {
+fn demo() -> TrialScene {
     let demo = assets::demo("vases").expect("it is one of the demos");
-    Stage::new("demo:vases", demo.scene, &demo.contents.cameras, SIZE)
+    TrialScene::new("demo:vases", demo.scene, &demo.contents.cameras, SIZE)
 }
 
-fn trials(stage: &Stage, feature: Feature, deforms: bool) -> impl Iterator<Item = Trial> + '_ {
-    let kind = Kind { feature, deforms, is_large: false };
+fn trials(stage: &TrialScene, feature: Feature, deforms: bool) -> impl Iterator<Item = Trial> + '_ {
+    let kind = TrialKind { feature, deforms, is_large: false };
     (0..12).filter_map(move |number| Trial::random(stage, kind, Trial::seed(1, &stage.name, kind, number)))
 }
 
 /// The cone that a trial's light would be were it straight, and the same drag in it; `None` where its feature is not there.
-fn straightened(stage: &Stage, mut trial: Trial) -> Option<Trial> {
+fn straightened(stage: &TrialScene, mut trial: Trial) -> Option<Trial> {
     let begun = trial.light.light();
     let length = begun.points().last()?.position.length();
-    let along = light::greville(3).into_iter().map(|g| g / 3.0);
+    let along = light::greville_abscissae(3).into_iter().map(|g| g / 3.0);
     let (points, radii) =
         along.map(|g| (DVec3::NEG_Z * (g * length), 0.3 * length * (0.1 + 0.9 * g))).unzip();
     let light = Light::bendy(points, radii)
@@ -32,8 +32,8 @@ fn straightened(stage: &Stage, mut trial: Trial) -> Option<Trial> {
     trial.light = CheckedLight::new(light).ok()?;
     let at = |pixel| stage.locate(&trial.light, stage.seen(pixel)?.position);
     (trial.from, _) = (at(trial.drag.from)?, at(trial.drag.to)?);
-    if let Some(pivot) = trial.pivot.as_mut() {
-        let path = stage.reference.bvh.path(trial.light.tube()?, trial.from.v, trial.from.w);
+    if let Some(pivot) = trial.pivot_in_scene.as_mut() {
+        let path = stage.reference.bvh.bent_path(trial.light.tube()?, trial.from.v, trial.from.w);
         *pivot = stage.reference.bvh.first_bent_hit(&path, 0.99 * trial.from.t, |_| true)?.position;
     }
     Some(trial)
@@ -49,10 +49,10 @@ fn the_papers_formulas_are_exact_where_they_should_be() {
         for trial in trials(&stage, feature, false) {
             let off = |trial: &Trial| {
                 let light = CheckedLight::new(paper::moved(&stage, trial)?).ok()?;
-                Off::of(&stage, trial, &light)
+                EquationError::at_target(&stage, trial, &light)
             };
             let is_turned = matches!(feature, Feature::Highlight | Feature::Diffuse);
-            missed += usize::from(!is_turned && off(&trial).is_none_or(|off| off.share > 0.5));
+            missed += usize::from(!is_turned && off(&trial).is_none_or(|off| off.px_or_degrees > 0.5));
             let straight = if is_turned { Some(trial) } else { straightened(&stage, trial) };
             // Of a shadow that now falls elsewhere too nothing is asked.
             let Some(off) = straight.as_ref().and_then(off) else { continue };
@@ -72,17 +72,17 @@ fn the_papers_formulas_are_exact_where_they_should_be() {
 #[test]
 fn trials_begin_on_their_feature() {
     let stage = demo();
-    for kind in Kind::all() {
+    for kind in TrialKind::all() {
         let trial = Trial::random(&stage, kind, 7).expect("a drag");
         let way = trial.drag.from.distance(trial.drag.to) / f64::from(SIZE[0]);
         assert_eq!(way >= 0.1, kind.is_large);
         let stays = Trial { drag: Drag { to: trial.drag.from, ..trial.drag.clone() }, ..trial.clone() };
-        let off = Off::of(&stage, &stays, &trial.light).expect("the feature is there");
+        let off = EquationError::at_target(&stage, &stays, &trial.light).expect("the feature is there");
         assert!(off.residual < 1e-6, "{kind:?} {off:?}");
         let px = distance_px(&stage, &stays, &trial.light).expect("the feature is seen");
         assert!(px < 0.05, "{kind:?} {px}");
         // The planted fault: nobody moved the light to where the drag ends.
-        let off = Off::of(&stage, &trial, &trial.light);
+        let off = EquationError::at_target(&stage, &trial, &trial.light);
         assert!(!off.is_some_and(|off| off.is_landed(kind.feature)), "{kind:?} {off:?}");
     }
 }
@@ -94,7 +94,7 @@ fn a_deforming_move_keeps_what_is_not_chosen() {
     for trial in FEATURES.into_iter().flat_map(|feature| trials(&stage, feature, true)) {
         let Some(light) = paper::moved(&stage, &trial) else { continue };
         let chosen = trial.drag.points.as_deref().unwrap_or_default();
-        assert_eq!(trial.drag.radii, Radii::Keep);
+        assert_eq!(trial.drag.radii, RadiusMode::Keep);
         let (before, after) = (trial.light.light(), &light);
         assert_eq!(before.transform(), after.transform());
         for (index, (before, after)) in before.points().iter().zip(after.points()).enumerate() {

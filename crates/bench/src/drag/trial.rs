@@ -1,13 +1,13 @@
 //! Random lights over a scene, and random drags in them.
 
-use drag::{Drag, Feature, Radii};
+use drag::{Drag, Feature, RadiusMode};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{END_MODE, ROTATION, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, TubePoint};
-use reference::Source;
+use reference::ReferenceLight;
 
-use super::stage::Stage;
+use super::stage::TrialScene;
 
 /// Every feature that is dragged.
 pub const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
@@ -26,7 +26,7 @@ const CONTACT: f64 = 1e-6;
 
 /// What kind of drags.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Kind {
+pub struct TrialKind {
     /// What is dragged.
     pub feature: Feature,
     /// Whether control points take part; otherwise the light moves as a whole.
@@ -35,7 +35,7 @@ pub struct Kind {
     pub is_large: bool,
 }
 
-impl Kind {
+impl TrialKind {
     /// All sixteen.
     pub fn all() -> impl Iterator<Item = Self> {
         let of = |feature| {
@@ -64,7 +64,7 @@ impl Kind {
     }
 
     /// How far it goes.
-    pub fn way_name(self) -> &'static str {
+    pub fn distance_name(self) -> &'static str {
         if self.is_large { "large" } else { "small" }
     }
 }
@@ -73,7 +73,7 @@ impl Kind {
 #[derive(Clone, Debug)]
 pub struct Trial {
     /// Of which kind.
-    pub kind: Kind,
+    pub kind: TrialKind,
     /// As the drag begins.
     pub light: CheckedLight,
     /// What is asked.
@@ -81,12 +81,12 @@ pub struct Trial {
     /// Where the drag begins in the light.
     pub from: TubePoint,
     /// Of a shadow: the first that its light meets, in scene space.
-    pub pivot: Option<DVec3>,
+    pub pivot_in_scene: Option<DVec3>,
 }
 
 impl Trial {
     /// Where the drag of that number begins, the same whatever else is tried (FNV-1a).
-    pub fn seed(seed: u64, scene: &str, kind: Kind, number: usize) -> u64 {
+    pub fn seed(seed: u64, scene: &str, kind: TrialKind, number: usize) -> u64 {
         let text = format!("{seed} {scene} {kind:?} {number}");
         text.bytes()
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
@@ -94,17 +94,17 @@ impl Trial {
 
     /// A random drag of that kind, the same for the same seed: the feature is seen where it begins, and it ends on a visible
     /// surface inside of the light as it begins. `None` where no such drag was found.
-    pub fn random(stage: &Stage, kind: Kind, seed: u64) -> Option<Self> {
+    pub fn random(stage: &TrialScene, kind: TrialKind, seed: u64) -> Option<Self> {
         let mut rng = Rng::with_seed(seed);
         (0..LIGHTS).find_map(|_| trial(stage, kind, &mut rng))
     }
 }
 
-fn trial(stage: &Stage, kind: Kind, rng: &mut Rng) -> Option<Trial> {
+fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
     let aim = stage.seen(pixel(rng, stage))?;
     let extent = stage.reference.bvh.posed.half_extent.length().min(1.5 * aim.depth);
     let light = light(rng, aim.position + stage.origin(), extent)?;
-    let begin = begin(stage, kind.feature, rng, light)?;
+    let begin = start_on_feature(stage, kind.feature, rng, light)?;
     let width = stage.size().x;
     let to = (0..ENDS).find_map(|_| {
         let to = if kind.is_large {
@@ -122,30 +122,35 @@ fn trial(stage: &Stage, kind: Kind, rng: &mut Rng) -> Option<Trial> {
     let drag = Drag {
         feature: kind.feature,
         points,
-        radii: Radii::Keep,
+        radii: RadiusMode::Keep,
         from: begin.pixel,
         to,
         pins: Vec::new(),
         source_outside: false,
     };
-    Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot: begin.pivot })
+    Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot_in_scene: begin.pivot })
 }
 
 /// A light with its feature in the picture.
-struct Begin {
+struct TrialStart {
     light: CheckedLight,
     pixel: DVec2,
     place: TubePoint,
     pivot: Option<DVec3>,
 }
 
-fn begin(stage: &Stage, feature: Feature, rng: &mut Rng, light: CheckedLight) -> Option<Begin> {
+fn start_on_feature(
+    stage: &TrialScene,
+    feature: Feature,
+    rng: &mut Rng,
+    light: CheckedLight,
+) -> Option<TrialStart> {
     let pixel = pixel(rng, stage);
     let surface = stage.surface(pixel)?;
     let mut light = light;
     if let Some(wanted) = match feature {
         Feature::Shadow | Feature::Hotspot => None,
-        Feature::Highlight => Some(surface.mirrored()),
+        Feature::Highlight => Some(surface.mirror_direction()),
         Feature::Diffuse => Some(surface.normal),
     } {
         // Turned about the surface until the feature has its centre there.
@@ -153,20 +158,20 @@ fn begin(stage: &Stage, feature: Feature, rng: &mut Rng, light: CheckedLight) ->
         light = turned(&light, surface.position + stage.origin(), DQuat::from_rotation_arc(has, wanted))?;
     }
     let place = stage.locate(&light, surface.position)?;
-    let is_lit = stage.reference.sample(&Source::new(&light), &surface)?.visible;
+    let is_lit = stage.reference.sample(&ReferenceLight::new(&light), &surface)?.is_visible;
     let pivot = if feature == Feature::Shadow && !is_lit {
         let bvh = &stage.reference.bvh;
-        let path = bvh.path(light.tube()?, place.v, place.w);
+        let path = bvh.bent_path(light.tube()?, place.v, place.w);
         let near = CONTACT * surface.depth;
         let hit = bvh.first_bent_hit(&path, place.t, |hit| {
-            let is_solid = bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights);
+            let is_solid = bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics);
             is_solid && hit.position.distance(surface.position) > near
         })?;
         Some(hit.position)
     } else {
         None
     };
-    (is_lit == (feature != Feature::Shadow)).then_some(Begin { light, pixel, place, pivot })
+    (is_lit == (feature != Feature::Shadow)).then_some(TrialStart { light, pixel, place, pivot })
 }
 
 /// The last two, all but the source, or any.
@@ -191,17 +196,17 @@ fn turned(light: &CheckedLight, about: DVec3, turn: DQuat) -> Option<CheckedLigh
     CheckedLight::new(light).ok()
 }
 
-fn between(rng: &mut Rng, a: f64, b: f64) -> f64 {
+fn uniform(rng: &mut Rng, a: f64, b: f64) -> f64 {
     a + (b - a) * rng.f64()
 }
 
-fn pixel(rng: &mut Rng, stage: &Stage) -> DVec2 {
+fn pixel(rng: &mut Rng, stage: &TrialScene) -> DVec2 {
     DVec2::new(rng.f64(), rng.f64()) * stage.size()
 }
 
 fn in_ball(rng: &mut Rng) -> DVec3 {
     loop {
-        let vector = DVec3::from_array(std::array::from_fn(|_| between(rng, -1.0, 1.0)));
+        let vector = DVec3::from_array(std::array::from_fn(|_| uniform(rng, -1.0, 1.0)));
         if vector.length_squared() <= 1.0 {
             return vector;
         }
@@ -213,12 +218,12 @@ fn in_ball(rng: &mut Rng) -> DVec3 {
 fn light(rng: &mut Rng, aim: DVec3, size: f64) -> Option<CheckedLight> {
     let vector = in_ball(rng);
     let back = DVec3::new(vector.x, vector.y.abs().max(0.3), vector.z).normalize();
-    let source = aim + back * size * between(rng, 0.6, 1.2);
+    let source = aim + back * size * uniform(rng, 0.6, 1.2);
     let length = 1.3 * source.distance(aim);
     let segments = rng.usize(1..5);
-    let bend = between(rng, 0.0, 0.35) * length;
-    let wide = between(rng, 0.08, 0.3) * length;
-    let along = light::greville(segments).into_iter().map(|g| g / segments as f64);
+    let bend = uniform(rng, 0.0, 0.35) * length;
+    let wide = uniform(rng, 0.08, 0.3) * length;
+    let along = light::greville_abscissae(segments).into_iter().map(|g| g / segments as f64);
     let (points, radii) = along
         .map(|g| {
             let aside = if g > 0.0 { in_ball(rng) * (bend * g) } else { DVec3::ZERO };

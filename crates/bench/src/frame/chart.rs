@@ -3,15 +3,15 @@
 mod growth;
 
 use plotters::prelude::*;
-use render::Stage;
+use render::FrameStage;
 
-use super::{BackendError, Contestant, Edit, EditReport, Report};
+use super::{BackendError, ComparedRenderer, EditReport, FrameBenchReport, FrameEdit};
 use crate::BenchError;
 use crate::chart::{self, Area, ChartResult, FAINT};
 
 /// One a stage, in their order: the G-buffer and what is made of it grey, what makes maps blue and violet, what adds
 /// light warm, the rest green.
-const COLORS: [RGBColor; Stage::ALL.len()] = [
+const COLORS: [RGBColor; FrameStage::ALL.len()] = [
     RGBColor(0x9a, 0x9a, 0x9a),
     RGBColor(0x62, 0x62, 0x62),
     RGBColor(0xa9, 0xc9, 0xec),
@@ -33,12 +33,12 @@ const HEIGHTS: [u32; 3] = [440, 60, 300];
 /// Height of a contestant's bar with its room.
 const BAR: u32 = 26;
 
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+pub(super) fn draw(report: &FrameBenchReport) -> Result<String, BenchError> {
     let contest = HEIGHTS[1] + BAR * report.side_by_side.len() as u32;
     let growth = if report.growth.is_empty() { 0 } else { HEIGHTS[2] };
     let size = (WIDTH, 30 + HEIGHTS[0] + contest + growth);
     // The adapter's name has its driver's version.
-    let Report { scene, width, height, adapter, backend, .. } = report;
+    let FrameBenchReport { scene, width, height, adapter, backend, .. } = report;
     let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
     chart::svg(size, &title, |area| {
         let (edits, rest) = area.split_vertically(HEIGHTS[0]);
@@ -55,7 +55,7 @@ pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
 }
 
 /// A bar an edit and backend, its stages stacked, and a line across it for the whole frame.
-fn by_stages(area: &Area, report: &Report) -> ChartResult {
+fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
     let edits = &report.edits;
     let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.p50).sum::<f64>();
     let top = edits.iter().map(|edit| all(edit).max(edit.frame.wall_ms.p50)).fold(1.0, f64::max);
@@ -64,27 +64,28 @@ fn by_stages(area: &Area, report: &Report) -> ChartResult {
         .margin(12)
         .x_label_area_size(30)
         .y_label_area_size(56)
-        .build_cartesian_2d((0..Edit::ALL.len() - 1).into_segmented(), 0.0..1.08 * top)?;
+        .build_cartesian_2d((0..FrameEdit::ALL.len() - 1).into_segmented(), 0.0..1.08 * top)?;
     plot.configure_mesh()
         .disable_x_mesh()
         .light_line_style(FAINT)
         .y_desc("wall ms, median")
         .x_label_style(("sans-serif", 13))
         .x_label_formatter(&|at| match at {
-            SegmentValue::CenterOf(index) => Edit::ALL[*index].name().into(),
+            SegmentValue::CenterOf(index) => FrameEdit::ALL[*index].name().into(),
             _ => String::new(),
         })
         .draw()?;
     // Side by side in the room that an edit has, those of one backend in the same place of it.
     let groups = report.errors.len();
-    let room = plot.plotting_area().dim_in_pixel().0 / Edit::ALL.len() as u32;
-    let place = |at: usize| (SegmentValue::Exact(at % Edit::ALL.len()), (at / Edit::ALL.len()) as u32);
+    let room = plot.plotting_area().dim_in_pixel().0 / FrameEdit::ALL.len() as u32;
+    let place =
+        |at: usize| (SegmentValue::Exact(at % FrameEdit::ALL.len()), (at / FrameEdit::ALL.len()) as u32);
     let width = (room - 24) / groups as u32;
-    for (index, (stage, color)) in Stage::ALL.into_iter().zip(COLORS).enumerate() {
+    for (index, (stage, color)) in FrameStage::ALL.into_iter().zip(COLORS).enumerate() {
         let bar = |(at, edit): (usize, &EditReport)| {
             let bottom: f64 = edit.stages[..index].iter().map(|stage| stage.costs.wall_ms.p50).sum();
             let (left, group) = place(at);
-            let right = SegmentValue::Exact(at % Edit::ALL.len() + 1);
+            let right = SegmentValue::Exact(at % FrameEdit::ALL.len() + 1);
             let top = bottom + edit.stages[index].costs.wall_ms.p50;
             let mut bar = Rectangle::new([(left, bottom), (right, top)], color.filled());
             let from = 12 + group * width;
@@ -104,7 +105,7 @@ fn by_stages(area: &Area, report: &Report) -> ChartResult {
 }
 
 /// What the bars of edits show, and how right they are.
-fn caption(report: &Report) -> String {
+fn caption(report: &FrameBenchReport) -> String {
     let error = |one: &BackendError| format!("{} (error {:.1e})", one.backend, one.error.radiance_rmse);
     let errors: Vec<_> = report.errors.iter().map(error).collect();
     let whose = errors.join(", right ");
@@ -115,14 +116,14 @@ fn caption(report: &Report) -> String {
 }
 
 /// Of the backend that is measured, or of wgpu beside it.
-fn color_of(backend: &str, report: &Report) -> RGBColor {
+fn color_of(backend: &str, report: &FrameBenchReport) -> RGBColor {
     if backend == report.backend { COLORS[3] } else { COLORS[9] }
 }
 
 /// A bar each, to the median; the line in it is the minimum.
-fn contestants(area: &Area, report: &Report) -> ChartResult {
+fn contestants(area: &Area, report: &FrameBenchReport) -> ChartResult {
     const LABELS: i32 = 190;
-    let all: &[Contestant] = &report.side_by_side;
+    let all: &[ComparedRenderer] = &report.side_by_side;
     let width = WIDTH.cast_signed();
     area.draw(&Text::new(
         "whole frames side by side, in turns: wall ms, the bar to the median, the line at the minimum",

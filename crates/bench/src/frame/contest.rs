@@ -1,22 +1,22 @@
 //! Lights of ours and other renderers, side by side.
 
 use light::parameters::INTENSITY;
-use light::{LightError, bend_to};
-use render::{Cost, Culling, Renderer, ShadowSettings};
+use light::{LightError, bend_with_length};
+use render::{Culling, Renderer, ShadowSettings, StageCost};
 use scene::{MapScale, View};
 use serde::Serialize;
 
 use super::costs::Costs;
 use super::side::timed;
-use super::subject::{Frame, Subject, crowd, instance, moved};
-use super::{Bench, Options};
-use crate::peers::{FEWEST_FRAMES, Line, Peer, RUNS};
+use super::subject::{FrameRequest, FrameSubject, crowd, instance, moved};
+use super::{Bench, FrameBenchOptions};
+use crate::peers::{FEWEST_FRAMES, Peer, PeerTiming, RUNS};
 use crate::{BenchError, Peers, Quantiles};
 
 /// Whole frames of one kind.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Contestant {
+pub struct ComparedRenderer {
     /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the
     /// spotlight as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else),
     /// `bentIntensity`, and a crowd of bent lights of which one moves; of other renderers the name that they give. Where
@@ -38,7 +38,7 @@ pub struct Contestant {
 
 /// Ours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Ours {
+enum OwnVariant {
     Bent,
     BentHalfMap,
     Spot,
@@ -49,15 +49,15 @@ enum Ours {
 }
 
 /// One of ours while it is measured.
-struct Entry {
+struct MeasuredVariant {
     what: String,
     backend: &'static str,
-    ours: Ours,
+    ours: OwnVariant,
     renderer: Renderer,
-    costs: Vec<Cost>,
+    costs: Vec<StageCost>,
 }
 
-impl Ours {
+impl OwnVariant {
     fn all(crowd: usize) -> [Self; 7] {
         [
             Self::Bent,
@@ -71,7 +71,7 @@ impl Ours {
     }
 
     /// Those that are drawn by wgpu too, where another backend is measured.
-    fn beside(crowd: usize) -> [Self; 5] {
+    fn all_by_wgpu(crowd: usize) -> [Self; 5] {
         [Self::Bent, Self::BentHalfMap, Self::Spot, Self::BentIntensity, Self::Crowd(crowd)]
     }
 
@@ -98,19 +98,20 @@ impl Ours {
         }
     }
 
-    fn frame(self, subject: &Subject, k: usize) -> Result<Frame, LightError> {
+    fn frame(self, subject: &FrameSubject, k: usize) -> Result<FrameRequest, LightError> {
         let radius = subject.step();
         match self {
             Self::Bent | Self::BentNothingCulled => subject.under(moved(&subject.bent, k, radius)),
             Self::BentHalfMap => {
-                let Frame { view, lights } = subject.under(moved(&subject.bent, k, radius))?;
-                Ok(Frame { view: View { shadow_map: MapScale::Half, ..view }, lights })
+                let FrameRequest { view, lights } = subject.under(moved(&subject.bent, k, radius))?;
+                Ok(FrameRequest { view: View { shadow_map: MapScale::Half, ..view }, lights })
             }
             Self::Spot => subject.under(moved(&subject.spot, k, radius)),
             Self::StraightBendy => {
                 let segments = subject.bent.points().len().saturating_sub(2);
                 let length = subject.bent.points().last().map_or(1.0, |point| point.position.length());
-                let straight = bend_to(&subject.spot, segments, length * subject.bent.transform().scale)?;
+                let straight =
+                    bend_with_length(&subject.spot, segments, length * subject.bent.transform().scale)?;
                 subject.under(moved(&straight, k, radius))
             }
             Self::BentIntensity => {
@@ -118,30 +119,33 @@ impl Ours {
                 subject.under(subject.bent.clone().with(INTENSITY, intensity))
             }
             Self::Crowd(count) => {
-                let mut lights = crowd(&subject.bent, count, subject.posed.reach().middle);
+                let mut lights = crowd(&subject.bent, count, subject.posed.bounds().center);
                 lights[0] = moved(&lights[0], k, radius);
                 let lights = (0..).zip(lights).map(|(id, light)| instance(id, light));
-                Ok(Frame { view: subject.view.clone(), lights: lights.collect::<Result<_, _>>()? })
+                Ok(FrameRequest { view: subject.view.clone(), lights: lights.collect::<Result<_, _>>()? })
             }
         }
     }
 }
 
 /// Steps of progress. All take their turns in as many rounds as other renderers have runs.
-pub(super) fn steps(options: &Options) -> usize {
+pub(super) fn steps(options: &FrameBenchOptions) -> usize {
     RUNS * (1 + options.peers.map_or(0, Peers::count))
 }
 
 /// Some frames in a row of each of ours, as in a drag and as other renderers draw them, then those of each other renderer, and all
 /// of it again.
-pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Contestant>, BenchError> {
-    let Options { repeats, peers, .. } = bench.options;
+pub(super) fn measured(
+    bench: &mut Bench,
+    subject: &FrameSubject,
+) -> Result<Vec<ComparedRenderer>, BenchError> {
+    let FrameBenchOptions { repeats, peers, .. } = bench.options;
     let mut entries = entries(bench, subject)?;
-    let mut lines: Vec<Vec<Line>> = Vec::new();
+    let mut lines: Vec<Vec<PeerTiming>> = Vec::new();
     let frames = repeats.div_ceil(RUNS);
     for round in 0..RUNS {
         bench.step("side by side: ours");
-        for Entry { ours, renderer, costs, .. } in &mut entries {
+        for MeasuredVariant { ours, renderer, costs, .. } in &mut entries {
             // The zeroth makes what the others keep.
             for k in 0..=frames {
                 let frame = ours.frame(subject, round * (frames + 1) + k)?;
@@ -157,47 +161,61 @@ pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<Conte
             lines.push(peers.run(index, frames.max(FEWEST_FRAMES))?);
         }
     }
-    let mut contestants: Vec<_> = entries.into_iter().map(Entry::contestant).collect();
-    for side in &bench.sides {
-        side.renderer.collect();
+    let mut contestants: Vec<_> = entries.into_iter().map(MeasuredVariant::contestant).collect();
+    for side in &bench.backends {
+        side.renderer.free_dropped_memory();
     }
-    contestants.extend(Peer::all(&lines.concat()).into_iter().map(Contestant::from));
+    contestants.extend(Peer::all(&lines.concat()).into_iter().map(ComparedRenderer::from));
     let bent = contestants[0].wall_ms;
-    for Contestant { wall_ms, to_bent, .. } in &mut contestants {
+    for ComparedRenderer { wall_ms, to_bent, .. } in &mut contestants {
         *to_bent = wall_ms.over(&bent);
     }
     Ok(contestants)
 }
 
 /// All of the first side, then some of the other where there is one. Each keeps its own maps.
-fn entries(bench: &Bench, subject: &Subject) -> Result<Vec<Entry>, BenchError> {
+fn entries(bench: &Bench, subject: &FrameSubject) -> Result<Vec<MeasuredVariant>, BenchError> {
     let crowd = bench.options.crowd;
     let mut entries = Vec::new();
-    for (index, side) in bench.sides.iter().enumerate() {
+    for (index, side) in bench.backends.iter().enumerate() {
         let is_main = index == 0;
-        let all = if is_main { Ours::all(crowd).to_vec() } else { Ours::beside(crowd).to_vec() };
+        let all =
+            if is_main { OwnVariant::all(crowd).to_vec() } else { OwnVariant::all_by_wgpu(crowd).to_vec() };
         for ours in all {
             let mut renderer = side.renderer.with_same_pipelines()?;
             renderer.set_shadow_settings(ours.settings())?;
             renderer.set_scene(&subject.posed)?;
             let what = if is_main { ours.name() } else { format!("{}ByWgpu", ours.name()) };
-            entries.push(Entry { what, backend: side.backend(), ours, renderer, costs: Vec::new() });
+            entries.push(MeasuredVariant {
+                what,
+                backend: side.backend(),
+                ours,
+                renderer,
+                costs: Vec::new(),
+            });
         }
     }
     Ok(entries)
 }
 
-impl From<Peer> for Contestant {
+impl From<Peer> for ComparedRenderer {
     fn from(Peer { name, version, wall_ms }: Peer) -> Self {
         let to_bent = Quantiles::default();
         Self { what: name, backend: None, version: Some(version), wall_ms, cpu_ms: None, to_bent }
     }
 }
 
-impl Entry {
-    fn contestant(self) -> Contestant {
+impl MeasuredVariant {
+    fn contestant(self) -> ComparedRenderer {
         let Self { what, backend, costs, .. } = self;
         let (Costs { wall_ms, cpu_ms }, to_bent) = (Costs::of(&costs), Quantiles::default());
-        Contestant { what, backend: Some(backend), version: None, wall_ms, cpu_ms: Some(cpu_ms), to_bent }
+        ComparedRenderer {
+            what,
+            backend: Some(backend),
+            version: None,
+            wall_ms,
+            cpu_ms: Some(cpu_ms),
+            to_bent,
+        }
     }
 }

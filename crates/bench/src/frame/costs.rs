@@ -1,6 +1,6 @@
 //! Many measurements in few numbers.
 
-use render::{Cost, Counters, Recording, Stage};
+use render::{FrameStage, Recording, StageCost, WorkCounters};
 use serde::Serialize;
 
 use crate::Quantiles;
@@ -31,7 +31,7 @@ pub struct StageCosts {
 /// How much one frame has worked on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Counted {
+pub struct WorkCounts {
     /// Triangles looked at for shadow maps, once a map.
     pub triangles_seen: u64,
     /// Of a bent map: pairs of triangle and slab that were clipped, and split where that was not enough.
@@ -47,7 +47,7 @@ pub struct Counted {
 }
 
 impl Costs {
-    pub(super) fn of(costs: &[Cost]) -> Self {
+    pub(super) fn of(costs: &[StageCost]) -> Self {
         Self {
             wall_ms: Quantiles::of(costs.iter().map(|cost| cost.wall_ms)),
             cpu_ms: Quantiles::of(costs.iter().map(|cost| cost.cpu_ms)),
@@ -58,18 +58,18 @@ impl Costs {
 impl StageCosts {
     /// Of every stage, of frames that were alike.
     pub(super) fn of(recordings: &[Recording]) -> Vec<Self> {
-        let of_stage = |stage: Stage| {
-            let costs: Vec<Cost> = recordings.iter().map(|recording| recording.cost(stage)).collect();
+        let of_stage = |stage: FrameStage| {
+            let costs: Vec<StageCost> = recordings.iter().map(|recording| recording.cost(stage)).collect();
             let runs = recordings.last().map_or(0, |recording| recording.runs(stage));
             Self { stage: stage.name(), runs, costs: Costs::of(&costs) }
         };
-        Stage::ALL.into_iter().map(of_stage).collect()
+        FrameStage::ALL.into_iter().map(of_stage).collect()
     }
 }
 
-impl From<Counters> for Counted {
-    fn from(counters: Counters) -> Self {
-        let Counters { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes } =
+impl From<WorkCounters> for WorkCounts {
+    fn from(counters: WorkCounters) -> Self {
+        let WorkCounters { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes } =
             counters;
         Self { triangles_seen, triangles_split, triangles_drawn, texels, scissor_pixels, bytes }
     }

@@ -3,21 +3,21 @@
 use glam::DVec3;
 use light::parameters::{COLOR, ENABLED, INTENSITY};
 use light::{Light, LightError};
-use render::{Cost, Recording, Renderer, Stopwatch};
+use render::{Recording, Renderer, StageCost, Stopwatch};
 use scene::{View, ViewSlot};
 use serde::Serialize;
 use stream::MOVING_QUALITY;
 
 use super::Bench;
-use super::costs::{Costs, Counted, StageCosts};
+use super::costs::{Costs, StageCosts, WorkCounts};
 use super::side::timed;
-use super::subject::{Frame, Subject, moved};
+use super::subject::{FrameRequest, FrameSubject, moved};
 use crate::BenchError;
 
 /// What has changed since the picture before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub enum Edit {
+pub enum FrameEdit {
     /// All of it: nobody has looked before. Pipelines are compiled, and the scene is on the device.
     First,
     /// Where it is seen from.
@@ -45,7 +45,7 @@ pub struct EditReport {
     /// Who drew them.
     pub backend: &'static str,
     /// What was changed.
-    pub edit: Edit,
+    pub edit: FrameEdit,
     /// Of a whole frame.
     pub frame: Costs,
     /// The JPEG that the picture would go to a viewer as; in no stage and not in `frame`.
@@ -54,10 +54,10 @@ pub struct EditReport {
     pub stages: Vec<StageCosts>,
     /// How much a frame has worked on.
     #[serde(flatten)]
-    pub counted: Counted,
+    pub counted: WorkCounts,
 }
 
-impl Edit {
+impl FrameEdit {
     /// Every edit, in the order of reports.
     pub const ALL: [Self; 9] = [
         Self::First,
@@ -87,7 +87,7 @@ impl Edit {
     }
 
     /// The frame after the edit's `k`th form. No two forms are alike, and none is the subject as it was.
-    pub(super) fn frame(self, subject: &Subject, k: usize) -> Result<Frame, LightError> {
+    pub(super) fn frame(self, subject: &FrameSubject, k: usize) -> Result<FrameRequest, LightError> {
         let (sin, cos) = (0.2 * k as f64).sin_cos();
         let mut frame = subject.under(self.edited(subject, k))?;
         if self == Self::Camera {
@@ -96,7 +96,7 @@ impl Edit {
         Ok(frame)
     }
 
-    fn edited(self, subject: &Subject, k: usize) -> Light {
+    fn edited(self, subject: &FrameSubject, k: usize) -> Light {
         let light = subject.bent.clone();
         let (sin, cos) = (0.2 * k as f64).sin_cos();
         // A light's own length, in its own units.
@@ -105,12 +105,12 @@ impl Edit {
         match self {
             Self::First | Self::Camera | Self::Idle => light,
             Self::LightMove => moved(&light, k, subject.step()),
-            Self::ControlPoint => light.with_points(|index, point| {
+            Self::ControlPoint => light.map_points(|index, point| {
                 if index == 2.min(last) {
                     point.position += 0.02 * length * DVec3::new(sin, cos, 0.0);
                 }
             }),
-            Self::Radius => light.with_points(|index, point| {
+            Self::Radius => light.map_points(|index, point| {
                 if index == last {
                     point.radius *= 1.03 + 0.02 * sin;
                 }
@@ -130,51 +130,58 @@ impl Edit {
 
 /// Every edit in turn by each side, again and again: what else the machine does hits all of them. A row an edit of the
 /// first side, then those of the other.
-pub(super) fn measured(bench: &mut Bench, subject: &Subject) -> Result<Vec<EditReport>, BenchError> {
-    let rows = |side: &super::Side| Edit::ALL.map(|edit| Measured::new(side.backend(), edit));
-    let mut measured: Vec<Measured> = bench.sides.iter().flat_map(rows).collect();
+pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<EditReport>, BenchError> {
+    let rows = |side: &super::MeasuredBackend| {
+        FrameEdit::ALL.map(|edit| EditMeasurements::new(side.backend(), edit))
+    };
+    let mut measured: Vec<EditMeasurements> = bench.backends.iter().flat_map(rows).collect();
     // The zeroth turn compiles pipelines and is thrown away.
     for k in 0..=bench.options.repeats {
         if k > 0 {
             bench.step("edits");
         }
-        for (at, edit) in Edit::ALL.into_iter().enumerate() {
-            for (side, rows) in bench.sides.iter_mut().zip(measured.chunks_mut(Edit::ALL.len())) {
-                let taken = taken(&mut side.renderer, subject, edit, k)?;
+        for (at, edit) in FrameEdit::ALL.into_iter().enumerate() {
+            for (side, rows) in bench.backends.iter_mut().zip(measured.chunks_mut(FrameEdit::ALL.len())) {
+                let taken = measure_frame(&mut side.renderer, subject, edit, k)?;
                 if k > 0 {
                     rows[at].add(taken);
                 }
             }
         }
     }
-    Ok(measured.into_iter().map(Measured::report).collect())
+    Ok(measured.into_iter().map(EditMeasurements::report).collect())
 }
 
 /// What a frame after an edit took.
-struct Taken {
-    frame: Cost,
-    encode: Cost,
+struct MeasuredFrame {
+    frame: StageCost,
+    encode: StageCost,
     recording: Recording,
 }
 
 /// The frame after an edit, whole and stage by stage.
-fn taken(renderer: &mut Renderer, subject: &Subject, edit: Edit, k: usize) -> Result<Taken, BenchError> {
+fn measure_frame(
+    renderer: &mut Renderer,
+    subject: &FrameSubject,
+    edit: FrameEdit,
+    k: usize,
+) -> Result<MeasuredFrame, BenchError> {
     let (unedited, edited) = (subject.under(subject.bent.clone())?, edit.frame(subject, k)?);
-    before(renderer, edit, &unedited)?;
+    draw_unedited(renderer, edit, &unedited)?;
     let (bytes, frame) = timed(renderer, &edited)?;
     let mut watch = Stopwatch::start();
     let View { width, height, .. } = edited.view;
     stream::jpeg(&bytes, width as u16, height as u16, MOVING_QUALITY)?;
     let encode = watch.lap();
-    before(renderer, edit, &unedited)?;
+    draw_unedited(renderer, edit, &unedited)?;
     let (_, recording) = renderer.record_display(&edited.view, &edited.lights)?;
-    Ok(Taken { frame, encode, recording })
+    Ok(MeasuredFrame { frame, encode, recording })
 }
 
 /// The picture without the edit, or none.
-fn before(renderer: &mut Renderer, edit: Edit, frame: &Frame) -> Result<(), BenchError> {
-    if edit == Edit::First {
-        renderer.forget(ViewSlot::default());
+fn draw_unedited(renderer: &mut Renderer, edit: FrameEdit, frame: &FrameRequest) -> Result<(), BenchError> {
+    if edit == FrameEdit::First {
+        renderer.drop_view(ViewSlot::default());
     } else {
         renderer.render_display(&frame.view, &frame.lights)?;
     }
@@ -182,20 +189,20 @@ fn before(renderer: &mut Renderer, edit: Edit, frame: &Frame) -> Result<(), Benc
 }
 
 /// What is known of an edit's frames.
-struct Measured {
+struct EditMeasurements {
     backend: &'static str,
-    edit: Edit,
-    frames: Vec<Cost>,
-    encodes: Vec<Cost>,
+    edit: FrameEdit,
+    frames: Vec<StageCost>,
+    encodes: Vec<StageCost>,
     recordings: Vec<Recording>,
 }
 
-impl Measured {
-    fn new(backend: &'static str, edit: Edit) -> Self {
+impl EditMeasurements {
+    fn new(backend: &'static str, edit: FrameEdit) -> Self {
         Self { backend, edit, frames: Vec::new(), encodes: Vec::new(), recordings: Vec::new() }
     }
 
-    fn add(&mut self, Taken { frame, encode, recording }: Taken) {
+    fn add(&mut self, MeasuredFrame { frame, encode, recording }: MeasuredFrame) {
         self.frames.push(frame);
         self.encodes.push(encode);
         self.recordings.push(recording);
@@ -208,7 +215,7 @@ impl Measured {
             frame: Costs::of(&self.frames),
             encode: Costs::of(&self.encodes),
             stages: StageCosts::of(&self.recordings),
-            counted: self.recordings.last().map_or_else(Counted::default, |last| last.counters.into()),
+            counted: self.recordings.last().map_or_else(WorkCounts::default, |last| last.counters.into()),
         }
     }
 }

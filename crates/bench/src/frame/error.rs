@@ -5,12 +5,12 @@ use render::{Renderer, ShadowSettings};
 use scene::{Scene, View, ViewSlot};
 use serde::Serialize;
 
-use super::side::Side;
+use super::side::MeasuredBackend;
 use crate::BenchError;
-use crate::compare::{Drawn, Expected, Subject, radiance_rmse_of_all};
+use crate::compare::{ComparisonSubject, ExpectedPicture, RenderedSubject, radiance_rmse_of_all};
 
 /// By how much each side of a picture is divided for the reference.
-pub(super) const SMALLER: u32 = 4;
+pub(super) const REFERENCE_DIVISOR: u32 = 4;
 
 /// Against the reference, where no shadow's edge is near.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -39,34 +39,34 @@ pub struct BackendError {
 
 /// Of each side's picture of `scene` under all `lights` at once, none of which is straight. The sides are left with
 /// that scene without its fill.
-pub(super) fn of_sides(
-    sides: &mut [Side],
+pub(super) fn errors_of_backends(
+    sides: &mut [MeasuredBackend],
     scene: &Scene,
     lights: &[Light],
     view: &View,
 ) -> Result<Vec<PictureError>, BenchError> {
-    let subject = |light: &Light| Subject::new("frame", scene.clone(), light.clone(), view.clone());
+    let subject = |light: &Light| ComparisonSubject::new("frame", scene.clone(), light.clone(), view.clone());
     let subjects: Vec<_> = lights.iter().map(subject).collect();
-    let expected = subjects.iter().map(|subject| Expected::new(subject, || {}));
+    let expected = subjects.iter().map(|subject| ExpectedPicture::new(subject, || {}));
     let expected = expected.collect::<Result<Vec<_>, _>>()?;
-    sides.iter_mut().map(|side| of(&mut side.renderer, (&subjects, &expected), view)).collect()
+    sides.iter_mut().map(|side| error_of_renderer(&mut side.renderer, (&subjects, &expected), view)).collect()
 }
 
-fn of(
+fn error_of_renderer(
     renderer: &mut Renderer,
-    (subjects, expected): (&[Subject], &[Expected]),
+    (subjects, expected): (&[ComparisonSubject], &[ExpectedPicture]),
     view: &View,
 ) -> Result<PictureError, BenchError> {
     if let Some(first) = expected.first() {
         renderer.set_scene(first.posed())?;
     }
     let alone = subjects.iter().zip(expected).map(|(subject, expected)| {
-        Ok(expected.compare(&Drawn::new(renderer, subject, ShadowSettings::default())?))
+        Ok(expected.compare(&RenderedSubject::new(renderer, subject, ShadowSettings::default())?))
     });
     let comparisons = alone.collect::<Result<Vec<_>, BenchError>>()?;
     let lights = LightInstance::numbered(subjects.iter().map(|subject| subject.light.clone()))?;
     let beauty = renderer.render(&View { fill: 0.0, ..view.clone() }, &lights)?;
     let (radiance_rmse, compared) = radiance_rmse_of_all(expected, &comparisons, &beauty);
-    renderer.forget(ViewSlot::default());
+    renderer.drop_view(ViewSlot::default());
     Ok(PictureError { width: view.width, height: view.height, compared, radiance_rmse })
 }

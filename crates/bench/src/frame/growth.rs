@@ -3,18 +3,18 @@
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, INTENSITY, ROTATION, TRANSLATION};
 use light::{Light, LightInstance};
-use render::{Cost, ShadowSettings};
+use render::{ShadowSettings, StageCost};
 use scene::{Scene, View, ViewSlot};
 use serde::Serialize;
 
 use super::Bench;
-use super::costs::{Costs, Counted};
-use super::error::{self, PictureError, SMALLER};
+use super::costs::{Costs, WorkCounts};
+use super::error::{self, PictureError, REFERENCE_DIVISOR};
 use super::side::timed;
-use super::subject::{Frame, crowd, instance, moved};
+use super::subject::{FrameRequest, crowd, instance, moved};
 use crate::BenchError;
 use crate::bent::bent;
-use crate::shadow::scenes::{Part, floor, place, scene_of, view};
+use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
 use crate::solids::ball;
 
 /// Balls along each side of the square that they lie in.
@@ -26,7 +26,7 @@ const OUTSIDE: f64 = 5.0;
 /// Pixels of a frame whose size does not grow.
 const SIZE: [u32; 2] = [686, 382];
 /// By how much each side is divided for the reference where pictures grow.
-const SMALLER_AS_PIXELS_GROW: u32 = 8;
+const REFERENCE_DIVISOR_FOR_PIXELS: u32 = 8;
 /// Half angle of the light's cone in degrees: its circle on the floor is wider than the square of the balls.
 const CONE: f64 = 26.0;
 /// How far the light moves, in world units.
@@ -48,17 +48,17 @@ pub struct GrowthPlan {
 /// Frames that differ in one thing. The light moves in each.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Axis {
+pub struct GrowthAxis {
     /// `trianglesInTube`, `trianglesOutside`, `lights`, `segments` or `pixels`.
     pub axis: &'static str,
     /// From the least to the most.
-    pub points: Vec<Point>,
+    pub points: Vec<GrowthPoint>,
 }
 
 /// Frames of one kind.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Point {
+pub struct GrowthPoint {
     /// How many of what the axis counts.
     pub value: u64,
     /// Pixels.
@@ -67,20 +67,20 @@ pub struct Point {
     pub height: u32,
     /// Of the backend that is measured.
     #[serde(flatten)]
-    pub grown: Grown,
+    pub grown: GrowthCosts,
     /// Of wgpu, in turns with it, where that is another.
-    pub by_wgpu: Option<Grown>,
+    pub by_wgpu: Option<GrowthCosts>,
 }
 
 /// What a backend's frames of one kind took, and how right they are.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Grown {
+pub struct GrowthCosts {
     /// Of a whole frame.
     pub frame: Costs,
     /// How much a frame has worked on.
     #[serde(flatten)]
-    pub counted: Counted,
+    pub counted: WorkCounts,
     /// How wrong a smaller picture of it is.
     pub error: PictureError,
 }
@@ -103,19 +103,25 @@ impl GrowthPlan {
 }
 
 /// A point to be measured.
-struct Setting {
+struct GrowthSetting {
     value: u64,
     scene: Scene,
     lights: Vec<Light>,
     size: [u32; 2],
-    smaller: u32,
+    reference_divisor: u32,
 }
 
 /// Every axis.
-pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Axis>, BenchError> {
+pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<GrowthAxis>, BenchError> {
     let alone = |segments| Ok::<_, BenchError>(vec![bent(&spot(), segments, length())?]);
-    let setting = |value, scene, lights| Setting { value, scene, lights, size: SIZE, smaller: SMALLER };
-    let mut axes: [(&'static str, Vec<Setting>); 5] =
+    let setting = |value, scene, lights| GrowthSetting {
+        value,
+        scene,
+        lights,
+        size: SIZE,
+        reference_divisor: REFERENCE_DIVISOR,
+    };
+    let mut axes: [(&'static str, Vec<GrowthSetting>); 5] =
         ["trianglesInTube", "trianglesOutside", "lights", "segments", "pixels"]
             .map(|axis| (axis, Vec::new()));
     for &triangles in &plan.triangles {
@@ -133,29 +139,29 @@ pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<Axis>
     for &size in &plan.sizes {
         let value = u64::from(size[0]) * u64::from(size[1]);
         let setting = setting(value, balls(INSIDE, 0), alone(3)?);
-        axes[4].1.push(Setting { size, smaller: SMALLER_AS_PIXELS_GROW, ..setting });
+        axes[4].1.push(GrowthSetting { size, reference_divisor: REFERENCE_DIVISOR_FOR_PIXELS, ..setting });
     }
-    let axis = |(axis, settings): (&'static str, Vec<Setting>)| {
+    let axis = |(axis, settings): (&'static str, Vec<GrowthSetting>)| {
         let points = settings.into_iter().map(|setting| point(bench, axis, setting));
-        Ok(Axis { axis, points: points.collect::<Result<_, BenchError>>()? })
+        Ok(GrowthAxis { axis, points: points.collect::<Result<_, BenchError>>()? })
     };
     axes.into_iter().map(axis).collect()
 }
 
-fn point(bench: &mut Bench, axis: &str, setting: Setting) -> Result<Point, BenchError> {
-    let Setting { value, scene, lights, size: [width, height], smaller } = setting;
+fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<GrowthPoint, BenchError> {
+    let GrowthSetting { value, scene, lights, size: [width, height], reference_divisor: smaller } = setting;
     bench.step(format!("{axis} {value}"));
     let posed = scene::pose(scene.clone());
-    for side in &mut bench.sides {
+    for side in &mut bench.backends {
         side.renderer.set_scene(&posed)?;
         side.renderer.set_shadow_settings(ShadowSettings::default())?;
     }
     let view = view(width, height);
-    let mut frame = Frame { view: view.clone(), lights: LightInstance::numbered(lights.clone())? };
-    let mut costs: Vec<Vec<Cost>> = vec![Vec::new(); bench.sides.len()];
+    let mut frame = FrameRequest { view: view.clone(), lights: LightInstance::numbered(lights.clone())? };
+    let mut costs: Vec<Vec<StageCost>> = vec![Vec::new(); bench.backends.len()];
     for k in 0..=bench.options.repeats {
         frame.lights[0] = instance(0, moved(&lights[0], k, RADIUS))?;
-        for (side, costs) in bench.sides.iter_mut().zip(&mut costs) {
+        for (side, costs) in bench.backends.iter_mut().zip(&mut costs) {
             let cost = timed(&mut side.renderer, &frame)?.1;
             // The first draws what the others keep.
             if k > 0 {
@@ -164,18 +170,21 @@ fn point(bench: &mut Bench, axis: &str, setting: Setting) -> Result<Point, Bench
         }
     }
     frame.lights[0] = instance(0, lights[0].clone())?;
-    let mut counted: Vec<Counted> = Vec::new();
-    for side in &mut bench.sides {
+    let mut counted: Vec<WorkCounts> = Vec::new();
+    for side in &mut bench.backends {
         counted.push(side.renderer.record_display(&frame.view, &frame.lights)?.1.counters.into());
-        side.renderer.forget(ViewSlot::default());
+        side.renderer.drop_view(ViewSlot::default());
     }
     let view = View { width: width / smaller, height: height / smaller, ..view };
-    let errors = error::of_sides(&mut bench.sides, &scene, &lights, &view)?;
-    let of_side =
-        |((costs, counted), error): ((&Vec<Cost>, _), _)| Grown { frame: Costs::of(costs), counted, error };
-    let mut grown: Vec<Grown> = costs.iter().zip(counted).zip(errors).map(of_side).collect();
+    let errors = error::errors_of_backends(&mut bench.backends, &scene, &lights, &view)?;
+    let of_side = |((costs, counted), error): ((&Vec<StageCost>, _), _)| GrowthCosts {
+        frame: Costs::of(costs),
+        counted,
+        error,
+    };
+    let mut grown: Vec<GrowthCosts> = costs.iter().zip(counted).zip(errors).map(of_side).collect();
     let by_wgpu = grown.drain(1..).next();
-    Ok(Point { value, width, height, grown: grown.remove(0), by_wgpu })
+    Ok(GrowthPoint { value, width, height, grown: grown.remove(0), by_wgpu })
 }
 
 /// Above the balls and beside them, shining at them.
@@ -204,7 +213,7 @@ fn balls(inside: u32, outside: u32) -> Scene {
         let cells = cells.filter(move |_| triangles > 0);
         cells.map(move |(row, column)| {
             let [x, z] = [column, row].map(|index| 0.36 * (f64::from(index) - half));
-            Part(ball(rings.max(3)), place([0.15; 3], 0.0, [middle + x, 0.15, z]))
+            PlacedPrimitive(ball(rings.max(3)), place([0.15; 3], 0.0, [middle + x, 0.15, z]))
         })
     };
     let parts = std::iter::once(floor()).chain(square(inside, 0.0)).chain(square(outside, OUTSIDE));

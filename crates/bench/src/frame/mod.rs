@@ -20,22 +20,22 @@ use render::{Backend, ShadowSettings};
 use scene::{Aov, View};
 use serde::Serialize;
 
-use self::error::SMALLER;
-use self::side::Side;
-use self::subject::Frame;
+use self::error::REFERENCE_DIVISOR;
+use self::side::MeasuredBackend;
+use self::subject::FrameRequest;
 use crate::{BenchError, Peers, Progress};
 
-pub use contest::Contestant;
-pub use costs::{Costs, Counted, StageCosts};
-pub use edit::{Edit, EditReport};
+pub use contest::ComparedRenderer;
+pub use costs::{Costs, StageCosts, WorkCounts};
+pub use edit::{EditReport, FrameEdit};
 pub use error::{BackendError, PictureError};
-pub use growth::{Axis, Grown, GrowthPlan, Point};
+pub use growth::{GrowthAxis, GrowthCosts, GrowthPlan, GrowthPoint};
 pub(crate) use side::backends;
-pub use subject::Subject;
+pub use subject::FrameSubject;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
+pub struct FrameBenchOptions<'a> {
     /// Frames of each kind, at least 1.
     pub repeats: usize,
     /// Lights of the crowd of which one moves.
@@ -51,7 +51,7 @@ pub struct Options<'a> {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct FrameBenchReport {
     /// Device, and the interface that it is used by.
     pub adapter: String,
     /// The driver and its version.
@@ -77,16 +77,16 @@ pub struct Report {
     /// How wrong their pictures are, in the same order.
     pub errors: Vec<BackendError>,
     /// Whole frames of different renderers and lights, in turns; `bent`, the first, is what the others are compared by.
-    pub side_by_side: Vec<Contestant>,
+    pub side_by_side: Vec<ComparedRenderer>,
     /// How frames grow with what they show; empty where that was not asked for.
-    pub growth: Vec<Axis>,
+    pub growth: Vec<GrowthAxis>,
 }
 
 /// What does the measuring, and how far it is.
 struct Bench<'a> {
     /// The backend that is measured; wgpu beside it where that is another.
-    sides: Vec<Side>,
-    options: Options<'a>,
+    backends: Vec<MeasuredBackend>,
+    options: FrameBenchOptions<'a>,
     progress: &'a dyn Fn(Progress),
     steps: usize,
     done: usize,
@@ -94,20 +94,20 @@ struct Bench<'a> {
 
 /// Measures `subject`. Returns what was measured and the chart, an SVG.
 pub fn run(
-    subject: &Subject,
-    options: Options,
+    subject: &FrameSubject,
+    options: FrameBenchOptions,
     progress: &dyn Fn(Progress),
-) -> Result<(Report, String), BenchError> {
-    let sides = side::opened(options.backend, &subject.posed)?;
+) -> Result<(FrameBenchReport, String), BenchError> {
+    let sides = side::open_backends(options.backend, &subject.posed)?;
     let steps = options.repeats + 1 + contest::steps(&options) + options.growth.map_or(0, GrowthPlan::steps);
-    let mut bench = Bench { sides, options, progress, steps, done: 0 };
+    let mut bench = Bench { backends: sides, options, progress, steps, done: 0 };
     let pixels_in_tube = bench.pixels_in_tube(subject)?;
     let edits = edit::measured(&mut bench, subject)?;
     let errors = bench.errors(subject)?;
     let side_by_side = contest::measured(&mut bench, subject)?;
     let growth = options.growth.map_or_else(|| Ok(Vec::new()), |plan| growth::measured(&mut bench, plan))?;
-    let main = &bench.sides[0];
-    let report = Report {
+    let main = &bench.backends[0];
+    let report = FrameBenchReport {
         adapter: main.gpu.adapter_name().into(),
         driver: main.gpu.driver().into(),
         backend: main.backend(),
@@ -133,26 +133,26 @@ impl Bench<'_> {
         self.done += 1;
     }
 
-    fn pixels_in_tube(&mut self, subject: &Subject) -> Result<usize, BenchError> {
-        let Frame { view, lights } = subject.under(subject.bent.clone())?;
-        let picture = self.sides[0].renderer.render(&View { aov: Aov::Visibility, ..view }, &lights)?;
+    fn pixels_in_tube(&mut self, subject: &FrameSubject) -> Result<usize, BenchError> {
+        let FrameRequest { view, lights } = subject.under(subject.bent.clone())?;
+        let picture = self.backends[0].renderer.render(&View { aov: Aov::Visibility, ..view }, &lights)?;
         Ok(picture.pixels.iter().filter(|pixel| pixel[3] > 0.0).count())
     }
 
     /// Of the bent light's picture, one a side.
-    fn errors(&mut self, subject: &Subject) -> Result<Vec<BackendError>, BenchError> {
+    fn errors(&mut self, subject: &FrameSubject) -> Result<Vec<BackendError>, BenchError> {
         self.step("error against the reference");
         let View { width, height, .. } = subject.view;
-        let [width, height] = [width, height].map(|side| (side / SMALLER).max(1));
+        let [width, height] = [width, height].map(|side| (side / REFERENCE_DIVISOR).max(1));
         let view = View { width, height, ..subject.view.clone() };
         let (scene, lights) = (&subject.posed.scene, [subject.bent.clone()]);
-        let errors = error::of_sides(&mut self.sides, scene, &lights, &view)?;
-        let of_side = |(side, error): (&Side, _)| BackendError { backend: side.backend(), error };
-        Ok(self.sides.iter().zip(errors).map(of_side).collect())
+        let errors = error::errors_of_backends(&mut self.backends, scene, &lights, &view)?;
+        let of_side = |(side, error): (&MeasuredBackend, _)| BackendError { backend: side.backend(), error };
+        Ok(self.backends.iter().zip(errors).map(of_side).collect())
     }
 }
 
-impl Report {
+impl FrameBenchReport {
     /// Tables for a terminal.
     pub fn table(&self) -> String {
         table::of(self)

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use render::{Backend, Cost, Gpu, MemoryBudget, RenderError, Renderer, Stopwatch};
+use render::{Backend, Gpu, MemoryBudget, RenderError, Renderer, StageCost, Stopwatch};
 use scene::PosedScene;
 
-use super::subject::Frame;
+use super::subject::FrameRequest;
 
 /// A device, and a renderer on it that draws moving pictures in one way.
-pub(super) struct Side {
+pub(super) struct MeasuredBackend {
     pub gpu: Arc<Gpu>,
     pub renderer: Renderer,
 }
 
-impl Side {
+impl MeasuredBackend {
     fn open(backend: Backend, scene: &Arc<PosedScene>) -> Result<Self, RenderError> {
         let gpu = Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?);
         let mut renderer = Renderer::new(Arc::clone(&gpu))?;
@@ -37,12 +37,18 @@ pub(crate) fn backends(wanted: Option<Backend>) -> Result<Vec<Backend>, RenderEr
 }
 
 /// The [`backends`], each with `scene`.
-pub(super) fn opened(wanted: Option<Backend>, scene: &Arc<PosedScene>) -> Result<Vec<Side>, RenderError> {
-    backends(wanted)?.into_iter().map(|backend| Side::open(backend, scene)).collect()
+pub(super) fn open_backends(
+    wanted: Option<Backend>,
+    scene: &Arc<PosedScene>,
+) -> Result<Vec<MeasuredBackend>, RenderError> {
+    backends(wanted)?.into_iter().map(|backend| MeasuredBackend::open(backend, scene)).collect()
 }
 
 /// What a whole frame takes, and its bytes.
-pub(super) fn timed(renderer: &mut Renderer, frame: &Frame) -> Result<(Vec<u8>, Cost), RenderError> {
+pub(super) fn timed(
+    renderer: &mut Renderer,
+    frame: &FrameRequest,
+) -> Result<(Vec<u8>, StageCost), RenderError> {
     let mut watch = Stopwatch::start();
     let bytes = renderer.render_display(&frame.view, &frame.lights)?;
     Ok((bytes, watch.lap()))

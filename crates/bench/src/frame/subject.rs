@@ -12,7 +12,7 @@ use crate::bent::bent_and_spot;
 
 /// What is drawn.
 #[derive(Clone, Debug)]
-pub struct Subject {
+pub struct FrameSubject {
     /// Names it in the report.
     pub name: String,
     pub(super) posed: Arc<PosedScene>,
@@ -25,12 +25,12 @@ pub struct Subject {
 
 /// A picture that is asked for.
 #[derive(Clone, Debug)]
-pub(super) struct Frame {
+pub(super) struct FrameRequest {
     pub view: View,
     pub lights: Vec<LightInstance>,
 }
 
-impl Subject {
+impl FrameSubject {
     /// `scene` as `camera` sees it in `size` pixels, under `light` alone. A straight light is bent into three segments;
     /// one that is bent is straightened, to have both.
     pub fn new(
@@ -41,13 +41,13 @@ impl Subject {
         size: [u32; 2],
     ) -> Result<Self, LightError> {
         let posed = scene::pose(scene);
-        let (bent, spot) = bent_and_spot(light, posed.reach())?;
+        let (bent, spot) = bent_and_spot(light, posed.bounds())?;
         Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }
 
     /// A light that is drawn alone.
-    pub(super) fn under(&self, light: Light) -> Result<Frame, LightError> {
-        Ok(Frame { view: self.view.clone(), lights: vec![instance(0, light)?] })
+    pub(super) fn under(&self, light: Light) -> Result<FrameRequest, LightError> {
+        Ok(FrameRequest { view: self.view.clone(), lights: vec![instance(0, light)?] })
     }
 
     /// What lights and cameras are moved by: a hundredth of how far the scene reaches.

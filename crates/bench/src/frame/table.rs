@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use super::{BackendError, Edit, EditReport, PictureError, Point, Report, StageCosts};
+use super::{BackendError, EditReport, FrameBenchReport, FrameEdit, GrowthPoint, PictureError, StageCosts};
 
 /// Edits by stages, contestants, growth.
-pub(super) fn of(report: &Report) -> String {
+pub(super) fn of(report: &FrameBenchReport) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
     let _ = edits(&mut text, report)
@@ -14,14 +14,16 @@ pub(super) fn of(report: &Report) -> String {
     text
 }
 
-fn edits(text: &mut String, report: &Report) -> std::fmt::Result {
-    let Report { scene, triangles, width, height, adapter, backend, .. } = report;
+fn edits(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
+    let FrameBenchReport { scene, triangles, width, height, adapter, backend, .. } = report;
     writeln!(text, "{scene}, {triangles} triangles, {width}x{height}; {adapter}, {backend}")?;
     writeln!(
         text,
         "wall ms of the whole frame (minimum, median), its CPU ms (median), and wall ms of its stages (median):"
     )?;
-    for (edits, BackendError { backend, error }) in report.edits.chunks(Edit::ALL.len()).zip(&report.errors) {
+    for (edits, BackendError { backend, error }) in
+        report.edits.chunks(FrameEdit::ALL.len()).zip(&report.errors)
+    {
         group(text, backend, edits)?;
         let PictureError { width, height, compared, radiance_rmse } = error;
         writeln!(
@@ -61,7 +63,7 @@ fn group(text: &mut String, backend: &str, edits: &[EditReport]) -> std::fmt::Re
     Ok(())
 }
 
-fn contestants(text: &mut String, report: &Report) -> std::fmt::Result {
+fn contestants(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
     writeln!(text, "side by side, wall ms:")?;
     writeln!(text, "{:24}{:>8}{:>8}{:>8}{:>24}", "", "min", "median", "cpu", "of bent: min, median")?;
     for one in &report.side_by_side {
@@ -73,11 +75,11 @@ fn contestants(text: &mut String, report: &Report) -> std::fmt::Result {
     Ok(())
 }
 
-fn growth(text: &mut String, report: &Report) -> std::fmt::Result {
+fn growth(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
     for axis in &report.growth {
         let beside = if report.errors.len() > 1 { "; the same by wgpu" } else { "" };
         writeln!(text, "{}: wall ms (minimum, median), error against the reference{beside}", axis.axis)?;
-        for Point { value, grown, by_wgpu, .. } in &axis.points {
+        for GrowthPoint { value, grown, by_wgpu, .. } in &axis.points {
             write!(text, "{value:>14}")?;
             for grown in [Some(grown), by_wgpu.as_ref()].into_iter().flatten() {
                 let (wall_ms, error) = (grown.frame.wall_ms, grown.error.radiance_rmse);

@@ -6,31 +6,36 @@ use light::parameters::{CONE_ANGLE, INTENSITY, TRANSLATION};
 use serde_json::Value;
 
 use super::*;
-use crate::shadow::scenes::{Part, floor, place, scene_of, view};
+use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
 use crate::solids::ball;
 
 /// A ball on a floor under a spotlight from above.
-fn subject() -> Subject {
-    let scene = scene_of(vec![floor(), Part(ball(8), place([0.4; 3], 0.0, [0.0, 0.4, 0.0]))]);
+fn subject() -> FrameSubject {
+    let scene = scene_of(vec![floor(), PlacedPrimitive(ball(8), place([0.4; 3], 0.0, [0.0, 0.4, 0.0]))]);
     let down = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::NEG_Y);
     let spot = Light::spot()
         .with(TRANSLATION, DVec3::new(0.2, 4.0, 0.1))
         .with(light::parameters::ROTATION, down)
         .with(CONE_ANGLE, 20.0)
         .with(INTENSITY, 30.0);
-    Subject::new("ball", scene, view(64, 36).camera, &spot, [64, 36]).expect("the light bends")
+    FrameSubject::new("ball", scene, view(64, 36).camera, &spot, [64, 36]).expect("the light bends")
 }
 
 fn report(backend: Backend) -> Value {
     let growth =
         GrowthPlan { triangles: vec![1_000], lights: vec![2], segments: vec![2], sizes: vec![[160, 90]] };
-    let options =
-        Options { repeats: 2, crowd: 3, backend: Some(backend), peers: None, growth: Some(&growth) };
+    let options = FrameBenchOptions {
+        repeats: 2,
+        crowd: 3,
+        backend: Some(backend),
+        peers: None,
+        growth: Some(&growth),
+    };
     let (report, chart) =
         run(&subject(), options, &|progress| assert!(progress.done < progress.of)).expect("measured");
     assert!(chart.starts_with("<svg"));
     let table = report.table();
-    assert!(Edit::ALL.iter().all(|edit| table.contains(edit.name())), "{table}");
+    assert!(FrameEdit::ALL.iter().all(|edit| table.contains(edit.name())), "{table}");
     let backends = [Backend::Wgpu, Backend::Native].map(Backend::name);
     for who in backends {
         // Who is measured alone needs no name beside bars and lines.
@@ -88,12 +93,12 @@ fn fault(row: &Value, backend: &str, edit: &str) -> Option<String> {
 /// Checks the rows that each of `backends` has, in their order.
 fn check_edits(report: &Value, backends: &[&str]) {
     let rows = report["edits"].as_array().expect("rows");
-    assert_eq!(rows.len(), backends.len() * Edit::ALL.len());
-    for (rows, backend) in rows.chunks(Edit::ALL.len()).zip(backends) {
+    assert_eq!(rows.len(), backends.len() * FrameEdit::ALL.len());
+    for (rows, backend) in rows.chunks(FrameEdit::ALL.len()).zip(backends) {
         for row in rows {
             let edit = row["edit"].as_str().expect("a name");
             assert_eq!(fault(row, backend, edit), None, "{edit}: {row}");
-            assert_eq!(row["stages"].as_array().map(Vec::len), Some(render::Stage::ALL.len()));
+            assert_eq!(row["stages"].as_array().map(Vec::len), Some(render::FrameStage::ALL.len()));
         }
         // A light that moved is no light that became brighter, and a first frame none that was there.
         assert!(fault(&rows[2], backend, "intensity").is_some(), "{report}");
@@ -179,7 +184,7 @@ fn beside_the_processor_wgpu_draws_the_same_in_the_same_run() {
     check_errors(&report, &["native", "wgpu"]);
     // What one draws is told from what the other does.
     let rows = report["edits"].as_array().expect("rows");
-    for (row, other) in [(&rows[0], "wgpu"), (&rows[Edit::ALL.len()], "native")] {
+    for (row, other) in [(&rows[0], "wgpu"), (&rows[FrameEdit::ALL.len()], "native")] {
         let mut taken_for = row.clone();
         taken_for["backend"] = other.into();
         assert!(fault(&taken_for, other, "first").is_some(), "{row}");

@@ -2,14 +2,14 @@
 
 use plotters::prelude::*;
 
-use super::{IN_FLIGHT, Opening, Report};
+use super::{IN_FLIGHT, LogBenchReport, OpeningTime};
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, ORANGE, range};
 
-type Time = fn(&Opening) -> f64;
+type Time = fn(&OpeningTime) -> f64;
 
 /// Bars of rates to the left, opening time over the length of the log to the right.
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+pub(super) fn draw(report: &LogBenchReport) -> Result<String, BenchError> {
     chart::svg((1000, 420), "", |area| {
         let panels = area.split_evenly((1, 2));
         rates(&panels[0], report)?;
@@ -17,7 +17,7 @@ pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
     })
 }
 
-fn rates(area: &Area, report: &Report) -> ChartResult {
+fn rates(area: &Area, report: &LogBenchReport) -> ChartResult {
     let in_flight = format!("acknowledged, {IN_FLIGHT} under way");
     let bars = [
         ("acknowledged, one at a time", report.acknowledged_one_at_a_time),
@@ -48,7 +48,7 @@ fn rates(area: &Area, report: &Report) -> ChartResult {
     Ok(())
 }
 
-fn opening(area: &Area, opening: &[Opening]) -> ChartResult {
+fn opening(area: &Area, opening: &[OpeningTime]) -> ChartResult {
     let times = opening.iter().flat_map(|o| [o.without_checkpoint_ms, o.reopened_ms]);
     let (least, most) = range(times);
     let longest = opening.iter().map(|o| o.records).max().unwrap_or(1) as f64;

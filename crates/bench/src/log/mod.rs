@@ -11,7 +11,7 @@ use protocol::{ClientMessage, Scope, ServerMessage};
 use serde::Serialize;
 
 use crate::circle::ms;
-use crate::dragged::Circle;
+use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
 /// Requests that a client has under way at once where it does not wait for each answer.
@@ -28,7 +28,7 @@ const LENGTHS: usize = 7;
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct LogBenchOptions {
     /// Edits that the log grows by.
     pub edits: usize,
 }
@@ -36,25 +36,25 @@ pub struct Options {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct LogBenchReport {
     /// What was edited.
     pub what: &'static str,
     /// Each sent when the one before was acknowledged, which is when it is on disk.
-    pub acknowledged_one_at_a_time: Rate,
+    pub acknowledged_one_at_a_time: EditRate,
     /// With up to 64 under way.
-    pub acknowledged: Rate,
+    pub acknowledged: EditRate,
     /// The same for undo.
-    pub undone: Rate,
+    pub undone: EditRate,
     /// By `bendylights replay`, from a file: every record applied, every checkpoint's hash compared.
-    pub replayed: Rate,
+    pub replayed: EditRate,
     /// Over the length of the log, the shortest first.
-    pub opening: Vec<Opening>,
+    pub opening: Vec<OpeningTime>,
 }
 
 /// How many, and how fast.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Rate {
+pub struct EditRate {
     /// Edits or records.
     pub count: usize,
     /// Of them.
@@ -66,7 +66,7 @@ pub struct Rate {
 /// How long a server takes until it answers for a session that was at rest.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Opening {
+pub struct OpeningTime {
     /// Records in the log.
     pub records: u64,
     /// Bytes of its log file.
@@ -80,9 +80,9 @@ pub struct Opening {
 /// Starts `program serve` on data of its own and measures. Returns what was measured and the chart, an SVG.
 pub fn run(
     program: &Path,
-    options: Options,
+    options: LogBenchOptions,
     progress: impl Fn(Progress),
-) -> Result<(Report, String), BenchError> {
+) -> Result<(LogBenchReport, String), BenchError> {
     let folder = tempfile::tempdir()?;
     let data = folder.path().join("data");
     let lengths = lengths(options.edits);
@@ -94,8 +94,8 @@ pub fn run(
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases"])?;
     server.wait_until_ready()?;
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
-    let mut edits = Edits::new(&client)?;
-    let mut latencies = Answered::default();
+    let mut edits = LightEdits::new(&client)?;
+    let mut latencies = RequestTimes::default();
     for &length in &lengths {
         let done = edits.count;
         let step = edits.send(&mut client, length - done, IN_FLIGHT, |k| say(done + k, "edits"))?;
@@ -115,7 +115,7 @@ pub fn run(
     let replayed = replay(program, longest)?;
     let opened = folder.path().join("opened");
     let opening = openings(program, &opened, &logs, |k, doing| say(done + k, doing))?;
-    let report = Report {
+    let report = LogBenchReport {
         what: "a control point of demo:vases' light, set again and again by one client, on loopback",
         acknowledged_one_at_a_time: slow.rate(),
         acknowledged: latencies.rate(),
@@ -138,27 +138,27 @@ fn lengths(edits: usize) -> Vec<usize> {
 
 /// How long requests took that were answered.
 #[derive(Clone, Debug, Default)]
-struct Answered {
+struct RequestTimes {
     latencies_ms: Vec<f64>,
     seconds: f64,
 }
 
-impl Answered {
+impl RequestTimes {
     fn add(&mut self, more: Self) {
         self.latencies_ms.extend(more.latencies_ms);
         self.seconds += more.seconds;
     }
 
-    fn rate(self) -> Rate {
+    fn rate(self) -> EditRate {
         let count = self.latencies_ms.len();
         let latency_ms = (count > 0).then(|| Quantiles::of(self.latencies_ms));
-        Rate { count, per_second: count as f64 / self.seconds.max(1e-9), latency_ms }
+        EditRate { count, per_second: count as f64 / self.seconds.max(1e-9), latency_ms }
     }
 }
 
 /// Edits of one light by one client.
-struct Edits {
-    circle: Circle,
+struct LightEdits {
+    circle: DragCircle,
     /// Edits that have been made.
     count: usize,
     /// The latest record.
@@ -167,19 +167,19 @@ struct Edits {
     requests: usize,
 }
 
-impl Edits {
+impl LightEdits {
     fn new(client: &Client) -> Result<Self, BenchError> {
-        Ok(Self { circle: Circle::of(client)?, count: 0, seq: client.welcome.seq, requests: 0 })
+        Ok(Self { circle: DragCircle::of(client)?, count: 0, seq: client.welcome.seq, requests: 0 })
     }
 
-    /// Makes so many edits, each another, with at most `in_flight` under way; `progress` is told how many are answered.
+    /// Makes so many edits, each another, with at most `under_way` under way; `progress` is told how many are answered.
     fn send(
         &mut self,
         client: &mut Client,
         count: usize,
         in_flight: usize,
         progress: impl Fn(usize),
-    ) -> Result<Answered, BenchError> {
+    ) -> Result<RequestTimes, BenchError> {
         let first = self.count;
         self.count += count;
         let (circle, base_seq) = (self.circle.clone(), self.seq);
@@ -196,7 +196,7 @@ impl Edits {
         client: &mut Client,
         count: usize,
         progress: impl Fn(usize),
-    ) -> Result<Answered, BenchError> {
+    ) -> Result<RequestTimes, BenchError> {
         let scope = Scope::Mine;
         self.answered(client, count, IN_FLIGHT, progress, |op_id, _| ClientMessage::Undo { op_id, scope })
     }
@@ -208,7 +208,7 @@ impl Edits {
         in_flight: usize,
         progress: impl Fn(usize),
         request: impl Fn(String, usize) -> ClientMessage,
-    ) -> Result<Answered, BenchError> {
+    ) -> Result<RequestTimes, BenchError> {
         let mut sent = BTreeMap::new();
         let mut latencies_ms = Vec::with_capacity(count);
         let began = Instant::now();
@@ -235,7 +235,7 @@ impl Edits {
             latencies_ms.extend(sent.remove(&result.op_id).map(|sent| ms(sent.elapsed())));
             progress(latencies_ms.len());
         }
-        Ok(Answered { latencies_ms, seconds: began.elapsed().as_secs_f64() })
+        Ok(RequestTimes { latencies_ms, seconds: began.elapsed().as_secs_f64() })
     }
 }
 
@@ -246,7 +246,7 @@ fn openings(
     data: &Path,
     logs: &[(u64, std::path::PathBuf)],
     progress: impl Fn(usize, &'static str),
-) -> Result<Vec<Opening>, BenchError> {
+) -> Result<Vec<OpeningTime>, BenchError> {
     let mut done = logs.len();
     let names = |records: u64| (0..OPENINGS).map(move |copy| format!("log-{records}-{copy}"));
     for (records, log) in logs {
@@ -279,7 +279,7 @@ fn openings(
     let all = logs.iter().zip(without.into_iter().zip(reopened));
     all.map(|((records, log), (without_checkpoint_ms, reopened_ms))| {
         let log_bytes = std::fs::metadata(log)?.len();
-        Ok(Opening { records: *records, log_bytes, without_checkpoint_ms, reopened_ms })
+        Ok(OpeningTime { records: *records, log_bytes, without_checkpoint_ms, reopened_ms })
     })
     .collect()
 }
@@ -298,7 +298,7 @@ fn export(program: &Path, data: &Path, log: &Path) -> Result<(), BenchError> {
 }
 
 /// What `bendylights replay` says of a log.
-fn replay(program: &Path, log: &Path) -> Result<Rate, BenchError> {
+fn replay(program: &Path, log: &Path) -> Result<EditRate, BenchError> {
     let text = answer(program, &["replay", &log.display().to_string()])?;
     let said: serde_json::Value =
         serde_json::from_str(&text).map_err(|_| BenchError::Refused(format!("`replay` answered {text}")))?;
@@ -306,7 +306,7 @@ fn replay(program: &Path, log: &Path) -> Result<Rate, BenchError> {
         return Err(BenchError::Refused(format!("`replay` answered {text}")));
     };
     let per_second = records as f64 / seconds.max(1e-3);
-    Ok(Rate { count: records as usize, per_second, latency_ms: None })
+    Ok(EditRate { count: records as usize, per_second, latency_ms: None })
 }
 
 /// What a command of the program answers.

@@ -4,27 +4,29 @@ use super::asks;
 use super::drags;
 use super::memory;
 use super::messages;
-use super::other::{Act, Other};
-use super::row::Row;
+use super::other::{ClientAction, OtherClient};
+use super::row::NeighbourRow;
 use super::views;
 use crate::BenchError;
 
 /// Makes what a row needs; what it does then.
-pub(super) fn prepare(row: Row, other: &Other) -> Result<Act, BenchError> {
+pub(super) fn prepare(row: NeighbourRow, other: &OtherClient) -> Result<ClientAction, BenchError> {
     match row {
-        Row::Nobody => Ok(Box::new(|_| Ok(()))),
-        Row::Solves => drags::solves(other),
-        Row::SolvesInSession => drags::in_session(other),
-        Row::LargeViews | Row::SlowLink => views::large(other),
-        Row::SilentViews => views::silent(other),
-        Row::RestingViews => views::resting(other),
-        Row::ClosingViews => views::closing(other),
-        Row::Stills16000 | Row::Stills64000 | Row::StillsOfPrimitives => asks::stills(other),
-        Row::Imports => asks::imports(other),
-        Row::Asks => asks::all(other),
-        Row::Actors => asks::actors(other),
-        Row::Messages => messages::flood(other),
-        Row::ReadsNothing => memory::reads_nothing(other),
-        Row::CutBodies => memory::cut_bodies(other),
+        NeighbourRow::Nobody => Ok(Box::new(|_| Ok(()))),
+        NeighbourRow::Solves => drags::cancel_slow_drags(other),
+        NeighbourRow::SolvesInSession => drags::drag_in_victims_session(other),
+        NeighbourRow::LargeViews | NeighbourRow::SlowLink => views::large(other),
+        NeighbourRow::SilentViews => views::silent(other),
+        NeighbourRow::RestingViews => views::resting(other),
+        NeighbourRow::ClosingViews => views::closing(other),
+        NeighbourRow::Stills16000 | NeighbourRow::Stills64000 | NeighbourRow::StillsOfPrimitives => {
+            asks::stills(other)
+        }
+        NeighbourRow::Imports => asks::imports(other),
+        NeighbourRow::Asks => asks::ask_without_pictures(other),
+        NeighbourRow::Actors => asks::edit_as_many_actors(other),
+        NeighbourRow::Messages => messages::flood(other),
+        NeighbourRow::ReadsNothing => memory::reads_nothing(other),
+        NeighbourRow::CutBodies => memory::cut_bodies(other),
     }
 }

@@ -7,8 +7,8 @@ use std::time::Instant;
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::{Value, json};
 
-use super::other::{Act, LOOK, Other, Writes};
-use super::row::Row;
+use super::other::{ClientAction, OtherClient, POLL_INTERVAL, Writes};
+use super::row::NeighbourRow;
 use super::setup::{SIZE, document, make_session, post, rename};
 use super::{scenes, usage};
 use crate::{BenchError, Incoming};
@@ -26,10 +26,10 @@ const LABEL_BYTES: usize = 128;
 const DRAGS: usize = 8;
 
 /// Pictures of a scene in which all lies in one place.
-pub(super) fn stills(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn stills(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let scene = match other.row {
-        Row::Stills16000 => scenes::triangles(TRIANGLES[0], "still"),
-        Row::Stills64000 => scenes::triangles(TRIANGLES[1], "still"),
+        NeighbourRow::Stills16000 => scenes::triangles(TRIANGLES[0], "still"),
+        NeighbourRow::Stills64000 => scenes::triangles(TRIANGLES[1], "still"),
         _ => scenes::primitives(PRIMITIVES, "still"),
     };
     let answer = other.address.post("/assets", &scene)?;
@@ -49,7 +49,7 @@ pub(super) fn stills(other: &Other) -> Result<Act, BenchError> {
 
 /// Uploads, each of another file.
 #[expect(clippy::unnecessary_wraps, reason = "rows are prepared alike")]
-pub(super) fn imports(_: &Other) -> Result<Act, BenchError> {
+pub(super) fn imports(_: &OtherClient) -> Result<ClientAction, BenchError> {
     let [few, many] = TRIANGLES.map(|count| scenes::triangles(count, &upload_name(0, 0)));
     let files = Arc::new([few, many, scenes::primitives(PRIMITIVES, &upload_name(0, 0))]);
     Ok(Box::new(move |other| {
@@ -81,7 +81,7 @@ fn renamed(file: &[u8], from: &str, to: &str) -> Vec<u8> {
 }
 
 /// All that is answered without a picture, each by a thread that asks again once it is answered.
-pub(super) fn all(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn ask_without_pictures(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
     let camera = &document(&other.address, &session)?["cameras"][0]["camera"];
@@ -107,18 +107,18 @@ pub(super) fn all(other: &Other) -> Result<Act, BenchError> {
 }
 
 /// Probes on a socket, one after the other.
-fn probe(other: &Other, pixel: [f64; 2]) -> Result<(), BenchError> {
+fn probe(other: &OtherClient, pixel: [f64; 2]) -> Result<(), BenchError> {
     let mut client = other.connect(0)?;
     while !other.is_over() {
         let probe = "probe".to_owned();
         let message =
             ClientMessage::Probe { probe, pixel, camera: None, size: Some(SIZE), highlights: false };
         client.send(&message)?;
-        other.did(1);
+        other.count_done(1);
         while !other.is_over() {
-            let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
+            let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
             if let ServerMessage::Probed(_) | ServerMessage::Error { .. } = *message {
-                other.was_answered(1);
+                other.count_answered(1);
                 break;
             }
         }
@@ -127,7 +127,7 @@ fn probe(other: &Other, pixel: [f64; 2]) -> Result<(), BenchError> {
 }
 
 /// Edits, half of the time as one actor and then as another for each, and what is written for them.
-pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
     let light = document(&other.address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
@@ -152,7 +152,7 @@ pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
                 let (written, edits) = (usage::written_bytes(other.pid)?, count.load(Ordering::Relaxed));
                 let until = Instant::now() + other.span.mul_f64(0.45);
                 while Instant::now() < until && !other.is_over() {
-                    std::thread::sleep(LOOK);
+                    std::thread::sleep(POLL_INTERVAL);
                 }
                 let bytes = usage::written_bytes(other.pid)?.saturating_sub(written);
                 Ok(bytes as f64 / count.load(Ordering::Relaxed).saturating_sub(edits) as f64)
@@ -166,7 +166,7 @@ pub(super) fn actors(other: &Other) -> Result<Act, BenchError> {
                 other.keep_writes(Writes { one_actor_bytes, many_actors_bytes, ratio });
             }
             while !other.is_over() {
-                std::thread::sleep(LOOK);
+                std::thread::sleep(POLL_INTERVAL);
             }
             Ok(())
         });

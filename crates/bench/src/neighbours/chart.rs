@@ -2,8 +2,8 @@
 
 use plotters::prelude::*;
 
-use super::judge::MOST_GAP;
-use super::{Report, RowReport};
+use super::judge::MAX_GAP_RATIO;
+use super::{NeighbourReport, RowReport};
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, WRONG};
 
@@ -15,8 +15,8 @@ const REST: u32 = 110;
 const TOP_GAP: f64 = 4000.0;
 
 /// Left the share of its frames, right its longest gap, a row each; lines are the bounds.
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
-    let Report { width, height, rows, .. } = report;
+pub(super) fn draw(report: &NeighbourReport) -> Result<String, BenchError> {
+    let NeighbourReport { width, height, rows, .. } = report;
     let title = format!("a drag at {width}x{height} beside one other client, over the same drag alone");
     chart::svg((WIDTH, REST + ROW * rows.len() as u32), &title, |area| {
         let (left, right) = area.split_horizontally(WIDTH * 6 / 10);
@@ -26,7 +26,7 @@ pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
 }
 
 /// From where to where the `index`th of so many rows reaches, the first at the top.
-fn rows_of(report: &Report) -> impl Iterator<Item = (f64, &RowReport)> {
+fn rows_of(report: &NeighbourReport) -> impl Iterator<Item = (f64, &RowReport)> {
     let count = report.rows.len() as f64;
     report.rows.iter().enumerate().map(move |(index, row)| (count - index as f64, row))
 }
@@ -35,7 +35,7 @@ fn color(passes: bool) -> ShapeStyle {
     if passes { BLUE.filled() } else { WRONG.filled() }
 }
 
-fn shares(area: &Area, report: &Report) -> ChartResult {
+fn shares(area: &Area, report: &NeighbourReport) -> ChartResult {
     let top = report.rows.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption("share of its frames; red misses a bound, a line is the share's", ("sans-serif", 15))
@@ -63,7 +63,7 @@ fn shares(area: &Area, report: &Report) -> ChartResult {
     Ok(())
 }
 
-fn gaps(area: &Area, report: &Report) -> ChartResult {
+fn gaps(area: &Area, report: &NeighbourReport) -> ChartResult {
     let top = report.rows.len().max(1) as f64;
     let mut plot = ChartBuilder::on(area)
         .caption("longest gap over the usual p95; the line is the bound", ("sans-serif", 15))
@@ -74,7 +74,7 @@ fn gaps(area: &Area, report: &Report) -> ChartResult {
     for (y, row) in rows_of(report) {
         let gap = if row.longest_gap_of_usual.is_finite() { row.longest_gap_of_usual } else { TOP_GAP };
         let bar = [(0.5, y - 0.15), (gap.clamp(0.5, TOP_GAP), y - 0.85)];
-        plot.draw_series([Rectangle::new(bar, color(gap <= MOST_GAP))])?;
+        plot.draw_series([Rectangle::new(bar, color(gap <= MAX_GAP_RATIO))])?;
         let text = format!("{gap:.1}");
         plot.draw_series([Text::new(
             text,
@@ -82,6 +82,9 @@ fn gaps(area: &Area, report: &Report) -> ChartResult {
             ("sans-serif", 13),
         )])?;
     }
-    plot.draw_series([PathElement::new([(MOST_GAP, 0.0), (MOST_GAP, top)], BLACK.stroke_width(2))])?;
+    plot.draw_series([PathElement::new(
+        [(MAX_GAP_RATIO, 0.0), (MAX_GAP_RATIO, top)],
+        BLACK.stroke_width(2),
+    )])?;
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::time::Duration;
 use protocol::{ClientMessage, Command, ServerMessage};
 use serde_json::json;
 
-use super::other::{Act, LOOK, Other};
+use super::other::{ClientAction, OtherClient, POLL_INTERVAL};
 use super::setup::{add_light, document, edit, make_session, pin, rename};
 use super::victim;
 use crate::{BenchError, Client, Incoming};
@@ -20,7 +20,7 @@ const PINS_IN_SESSION: usize = 64;
 const GIVEN_UP_AFTER: Duration = Duration::from_millis(50);
 
 /// Begins drags of features in a session of its own, and gives each up.
-pub(super) fn solves(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn cancel_slow_drags(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let (address, session, actor) = (&other.address, other.session(0), other.actor(0));
     make_session(address, &session, "demo:vases")?;
     let light = document(address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
@@ -36,7 +36,7 @@ pub(super) fn solves(other: &Other) -> Result<Act, BenchError> {
                     break;
                 }
                 give_up(&mut client, light, n, draggable.command(n)?)?;
-                other.did(1);
+                other.count_done(1);
             }
             Ok(())
         });
@@ -63,7 +63,7 @@ fn give_up(client: &mut Client, light: u64, n: usize, command: Command) -> Resul
 
 /// Drags a feature in the victim's session, and edits its light meanwhile, so that what was solved is of a light that has
 /// changed.
-pub(super) fn in_session(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn drag_in_victims_session(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let (address, session, actor) = (&other.address, victim::SESSION, other.actor(0));
     let light = add_light(address, session, &actor, Some(SEGMENTS_IN_SESSION))?;
     let draggable = pin(address, session, &actor, light, PINS_IN_SESSION)?;
@@ -82,7 +82,7 @@ pub(super) fn in_session(other: &Other) -> Result<Act, BenchError> {
 
 /// Edits one after the other, each once the one before is answered.
 fn repeat_edits(
-    other: &Other,
+    other: &OtherClient,
     client: &mut Client,
     what: &str,
     command: impl Fn(usize) -> Result<Command, BenchError>,
@@ -90,17 +90,17 @@ fn repeat_edits(
     for n in 0.. {
         let (op_id, base_seq) = (format!("{what}-{n}"), client.welcome.seq);
         client.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq, command: command(n)? })?;
-        other.did(1);
+        other.count_done(1);
         loop {
             if other.is_over() {
                 return Ok(());
             }
-            let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
+            let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
             let ServerMessage::EditResult(result) = *message else { continue };
             if result.op_id == op_id {
                 match result.outcome.problem() {
-                    None => other.was_answered(1),
-                    Some(problem) => other.note(Err(BenchError::Refused(problem.message.clone()))),
+                    None => other.count_answered(1),
+                    Some(problem) => other.count_refusal(Err(BenchError::Refused(problem.message.clone()))),
                 }
                 break;
             }

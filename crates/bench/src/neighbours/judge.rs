@@ -10,19 +10,19 @@ use crate::Quantiles;
 use crate::circle::ms;
 
 /// Share of its frames that a victim keeps at least where the other client has nothing drawn.
-pub const LEAST_SHARE: f64 = 0.9;
+pub const MIN_FRAME_SHARE: f64 = 0.9;
 /// The same where the other has drawn all it can.
-pub const LEAST_SHARE_OF_TWO: f64 = 0.45;
+pub const MIN_SHARED_FRAME_SHARE: f64 = 0.45;
 /// The longest gap between two frames, over the usual 95th percentile, at most.
-pub const MOST_GAP: f64 = 4.0;
+pub const MAX_GAP_RATIO: f64 = 4.0;
 /// Time of the victim's own drags of features over the usual one, at most.
-pub const MOST_OWN_DRAG: f64 = 2.0;
+pub const MAX_OWN_DRAG_RATIO: f64 = 2.0;
 /// MiB that the server may hold more than before, once the other client has left and all have rested.
-pub const MOST_GROWN_MIB: f64 = 250.0;
+pub const MAX_MEMORY_GROWTH_MIB: f64 = 250.0;
 /// Bytes written for an edit where each is by another actor, over those with one actor, at most.
-pub const MOST_WRITES: f64 = 2.0;
+pub const MAX_WRITE_RATIO: f64 = 2.0;
 /// Share of its updates that a victim sends at least, or the bench itself was held up.
-const LEAST_UPDATES: f64 = 0.75;
+const MIN_UPDATE_SHARE: f64 = 0.75;
 
 /// What a victim saw.
 #[derive(Clone, Debug, Default)]
@@ -34,21 +34,21 @@ pub(super) struct Timeline {
     /// When each of its updates was sent.
     pub sent: Vec<Instant>,
     /// Its drags of features, in the order in which they were sent.
-    pub asks: Vec<Ask>,
+    pub timed_drags: Vec<TimedDrag>,
     /// Why its connections ended before it left.
-    pub broke: Option<String>,
+    pub disconnect_reason: Option<String>,
 }
 
 /// A drag of a feature.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ask {
+pub(super) struct TimedDrag {
     pub sent: Instant,
     pub answered: Option<Instant>,
 }
 
 /// A time that is measured.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Window {
+pub(super) struct MeasuredWindow {
     pub from: Instant,
     pub to: Instant,
     /// Until then what was open at its end was followed.
@@ -58,7 +58,7 @@ pub(super) struct Window {
 /// How the frames and answers of a victim came.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Pace {
+pub struct VictimPace {
     /// Frames that show something new of its drag.
     pub frames_per_second: f64,
     /// 95 in 100 gaps between two of them are shorter.
@@ -75,7 +75,7 @@ pub struct Pace {
 
 impl Timeline {
     /// When each frame came that shows an update of the victim's that none before had shown.
-    fn shown(&self) -> Vec<Instant> {
+    fn new_frame_times(&self) -> Vec<Instant> {
         let mut latest = 0;
         let mut shown = Vec::new();
         for (came, revision) in &self.frames {
@@ -88,18 +88,18 @@ impl Timeline {
         shown
     }
 
-    pub fn pace(&self, window: Window) -> Pace {
-        let Window { from, to, followed_to } = window;
+    pub fn pace(&self, window: MeasuredWindow) -> VictimPace {
+        let MeasuredWindow { from, to, followed_to } = window;
         let is_within = |at: &Instant| (from..to).contains(at);
         let seconds = to.saturating_duration_since(from).as_secs_f64().max(f64::MIN_POSITIVE);
-        let shown = self.shown();
+        let shown = self.new_frame_times();
         let gaps: Vec<f64> = gaps(&shown, window).into_iter().map(ms).collect();
-        let asked: Vec<f64> = (self.asks.iter())
+        let asked: Vec<f64> = (self.timed_drags.iter())
             .filter(|ask| is_within(&ask.sent))
             .map(|ask| ms(ask.answered.unwrap_or(followed_to).saturating_duration_since(ask.sent)))
             .collect();
         let a_second = |times: &[Instant]| times.iter().filter(|at| is_within(at)).count() as f64 / seconds;
-        Pace {
+        VictimPace {
             frames_per_second: a_second(&shown),
             p95_gap_ms: Quantiles::of(gaps.iter().copied()).p95,
             longest_gap_ms: gaps.into_iter().fold(0.0, f64::max),
@@ -111,8 +111,8 @@ impl Timeline {
 }
 
 /// Between frames, of which one at least came in the window, or one before it and the next behind.
-fn gaps(shown: &[Instant], window: Window) -> Vec<Duration> {
-    let Window { from, to, followed_to } = window;
+fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
+    let MeasuredWindow { from, to, followed_to } = window;
     let first = shown.partition_point(|at| *at < from);
     let last = shown.partition_point(|at| *at < to);
     // What lies before the window is another time's, but the gap that ends in it begins there.
@@ -126,7 +126,7 @@ fn gaps(shown: &[Instant], window: Window) -> Vec<Duration> {
 /// A bound that is missed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Missed {
+pub enum MissedBound {
     /// Too few of its usual frames.
     Share,
     /// A gap that is too long.
@@ -148,12 +148,12 @@ pub enum Missed {
 }
 
 /// Measurements of a row that are judged.
-pub(super) struct Measured<'a> {
-    pub draws: bool,
+pub(super) struct JudgedRow<'a> {
+    pub uses_renderer: bool,
     /// With nobody else.
-    pub alone: Pace,
+    pub alone: VictimPace,
     /// With the other client.
-    pub with: Pace,
+    pub with: VictimPace,
     pub grown_mib: f64,
     pub busy_threads: &'a [BusyThread],
     /// Bytes written for an edit of many actors over one of one actor.
@@ -163,39 +163,39 @@ pub(super) struct Measured<'a> {
     pub is_other_idle: bool,
 }
 
-impl Measured<'_> {
+impl JudgedRow<'_> {
     /// The share of its frames that the victim kept.
     pub fn share(&self) -> f64 {
-        of(self.with.frames_per_second, self.alone.frames_per_second)
+        ratio(self.with.frames_per_second, self.alone.frames_per_second)
     }
 
     /// The longest gap over the usual 95th percentile.
     pub fn gap(&self) -> f64 {
-        of(self.with.longest_gap_ms, self.alone.p95_gap_ms)
+        ratio(self.with.longest_gap_ms, self.alone.p95_gap_ms)
     }
 
     /// The median time of its own drags of features over the usual one.
     pub fn own_drag(&self) -> f64 {
-        of(self.with.own_drag_ms.p50, self.alone.own_drag_ms.p50)
+        ratio(self.with.own_drag_ms.p50, self.alone.own_drag_ms.p50)
     }
 
     pub fn least_share(&self) -> f64 {
-        if self.draws { LEAST_SHARE_OF_TWO } else { LEAST_SHARE }
+        if self.uses_renderer { MIN_SHARED_FRAME_SHARE } else { MIN_FRAME_SHARE }
     }
 
-    pub fn missed(&self) -> Vec<Missed> {
+    pub fn missed(&self) -> Vec<MissedBound> {
         // What cannot be told, such as a share of no frames, is missed too.
-        let updates = of(self.with.updates_per_second, self.alone.updates_per_second);
+        let updates = ratio(self.with.updates_per_second, self.alone.updates_per_second);
         [
-            (Missed::Share, self.share() >= self.least_share()),
-            (Missed::Gap, self.gap() <= MOST_GAP),
-            (Missed::OwnDrag, self.with.own_drags > 0 && self.own_drag() <= MOST_OWN_DRAG),
-            (Missed::Memory, self.grown_mib <= MOST_GROWN_MIB),
-            (Missed::BusyThreads, self.busy_threads.is_empty()),
-            (Missed::Writes, self.writes.is_none_or(|ratio| ratio <= MOST_WRITES)),
-            (Missed::Connection, self.is_connected),
-            (Missed::Updates, updates >= LEAST_UPDATES),
-            (Missed::Other, !self.is_other_idle),
+            (MissedBound::Share, self.share() >= self.least_share()),
+            (MissedBound::Gap, self.gap() <= MAX_GAP_RATIO),
+            (MissedBound::OwnDrag, self.with.own_drags > 0 && self.own_drag() <= MAX_OWN_DRAG_RATIO),
+            (MissedBound::Memory, self.grown_mib <= MAX_MEMORY_GROWTH_MIB),
+            (MissedBound::BusyThreads, self.busy_threads.is_empty()),
+            (MissedBound::Writes, self.writes.is_none_or(|ratio| ratio <= MAX_WRITE_RATIO)),
+            (MissedBound::Connection, self.is_connected),
+            (MissedBound::Updates, updates >= MIN_UPDATE_SHARE),
+            (MissedBound::Other, !self.is_other_idle),
         ]
         .into_iter()
         .filter_map(|(bound, holds)| (!holds).then_some(bound))
@@ -204,7 +204,7 @@ impl Measured<'_> {
 }
 
 /// A ratio; not a number where there is nothing to compare with.
-fn of(a: f64, b: f64) -> f64 {
+fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { f64::NAN }
 }
 
@@ -216,19 +216,19 @@ mod tests {
 
     /// A victim that sends an update each 20 ms for two seconds, a second before and after the window too, and sees each
     /// 5 ms later; `change` is told the frame's number and says whether it comes, and with which live revision.
-    fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, Window) {
+    fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, MeasuredWindow) {
         let began = Instant::now();
         let at = |update: u64| began + FRAME * update as u32;
         let shown = |update: u64| change(update).map(|revision| (at(update) + FRAME / 4, revision));
-        let ask = |n: u64| Ask { sent: at(10 * n), answered: Some(at(10 * n) + FRAME) };
+        let ask = |n: u64| TimedDrag { sent: at(10 * n), answered: Some(at(10 * n) + FRAME) };
         let timeline = Timeline {
             frames: (1..200).filter_map(shown).collect(),
             update_of: (1..200).map(|update| (2 * update as u32, update)).collect(),
             sent: (1..200).map(at).collect(),
-            asks: (0..20).map(ask).collect(),
-            broke: None,
+            timed_drags: (0..20).map(ask).collect(),
+            disconnect_reason: None,
         };
-        (timeline, Window { from: at(50), to: at(150), followed_to: at(160) })
+        (timeline, MeasuredWindow { from: at(50), to: at(150), followed_to: at(160) })
     }
 
     /// Every frame shows its own update.
@@ -237,14 +237,14 @@ mod tests {
         Some(2 * update as u32)
     }
 
-    fn pace(change: impl Fn(u64) -> Option<u32>) -> Pace {
+    fn pace(change: impl Fn(u64) -> Option<u32>) -> VictimPace {
         let (timeline, window) = victim(change);
         timeline.pace(window)
     }
 
-    fn measured(with: Pace) -> Measured<'static> {
-        Measured {
-            draws: false,
+    fn measured(with: VictimPace) -> JudgedRow<'static> {
+        JudgedRow {
+            uses_renderer: false,
             alone: pace(usual),
             with,
             grown_mib: 0.0,
@@ -268,24 +268,27 @@ mod tests {
     #[test]
     fn frames_that_show_nothing_of_the_victims_drag_do_not_count() {
         let of_another = measured(pace(|_| Some(1)));
-        assert_eq!((of_another.share(), of_another.missed()), (0.0, vec![Missed::Share, Missed::Gap]));
+        assert_eq!(
+            (of_another.share(), of_another.missed()),
+            (0.0, vec![MissedBound::Share, MissedBound::Gap])
+        );
         let again = measured(pace(|update| usual(update - update % 4)));
         assert!((again.share() - 0.25).abs() < 0.02, "{}", again.share());
-        assert!(again.missed().contains(&Missed::Share));
+        assert!(again.missed().contains(&MissedBound::Share));
     }
 
     #[test]
     fn a_few_frames_less_pass_and_more_do_not() {
         let every = |n: u64| pace(move |update| usual(update).filter(|_| !update.is_multiple_of(n)));
         assert_eq!(measured(every(11)).missed(), []);
-        assert_eq!(measured(every(8)).missed(), [Missed::Share]);
-        let shared = Measured { draws: true, ..measured(every(2)) };
+        assert_eq!(measured(every(8)).missed(), [MissedBound::Share]);
+        let shared = JudgedRow { uses_renderer: true, ..measured(every(2)) };
         assert_eq!(shared.missed(), []);
-        let shared = Measured {
-            draws: true,
+        let shared = JudgedRow {
+            uses_renderer: true,
             ..measured(pace(|update| usual(update).filter(|_| update.is_multiple_of(3))))
         };
-        assert_eq!(shared.missed(), [Missed::Share]);
+        assert_eq!(shared.missed(), [MissedBound::Share]);
     }
 
     /// Planted: no frame for a while, within the measured time, at its end, and from its beginning on.
@@ -294,7 +297,7 @@ mod tests {
         for (gap, ms) in [(100..103, 80.0), (100..104, 100.0), (147..152, 120.0), (40..54, 80.0)] {
             let with = pace(|update| usual(update).filter(|_| !gap.contains(&update)));
             assert!((with.longest_gap_ms - ms).abs() < 20.0 + 1e-9, "{gap:?}: {with:?}");
-            let is_missed = measured(with).missed().contains(&Missed::Gap);
+            let is_missed = measured(with).missed().contains(&MissedBound::Gap);
             assert_eq!(is_missed, with.longest_gap_ms > 80.0 + 1e-9, "{gap:?}: {with:?}");
         }
         let stopped = pace(|update| usual(update).filter(|_| update < 140));
@@ -310,29 +313,29 @@ mod tests {
             change(&mut timeline);
             measured(timeline.pace(window)).missed()
         };
-        assert_eq!(with(&|timeline| timeline.sent.truncate(100)), [Missed::Updates]);
+        assert_eq!(with(&|timeline| timeline.sent.truncate(100)), [MissedBound::Updates]);
         let late = |timeline: &mut Timeline| {
-            for ask in &mut timeline.asks {
+            for ask in &mut timeline.timed_drags {
                 ask.answered = Some(ask.sent + 3 * FRAME);
             }
         };
-        assert_eq!(with(&late), [Missed::OwnDrag]);
+        assert_eq!(with(&late), [MissedBound::OwnDrag]);
         let never = |timeline: &mut Timeline| {
-            for ask in &mut timeline.asks {
+            for ask in &mut timeline.timed_drags {
                 ask.answered = None;
             }
         };
-        assert_eq!(with(&never), [Missed::OwnDrag]);
-        assert_eq!(with(&|timeline| timeline.asks.clear()), [Missed::OwnDrag]);
+        assert_eq!(with(&never), [MissedBound::OwnDrag]);
+        assert_eq!(with(&|timeline| timeline.timed_drags.clear()), [MissedBound::OwnDrag]);
 
         let usual = pace(usual);
         let solves = [BusyThread { name: "solve".into(), share: 1.0 }];
         let all = [
-            (Measured { grown_mib: 251.0, ..measured(usual) }, Missed::Memory),
-            (Measured { busy_threads: &solves, ..measured(usual) }, Missed::BusyThreads),
-            (Measured { writes: Some(2.5), ..measured(usual) }, Missed::Writes),
-            (Measured { is_connected: false, ..measured(usual) }, Missed::Connection),
-            (Measured { is_other_idle: true, ..measured(usual) }, Missed::Other),
+            (JudgedRow { grown_mib: 251.0, ..measured(usual) }, MissedBound::Memory),
+            (JudgedRow { busy_threads: &solves, ..measured(usual) }, MissedBound::BusyThreads),
+            (JudgedRow { writes: Some(2.5), ..measured(usual) }, MissedBound::Writes),
+            (JudgedRow { is_connected: false, ..measured(usual) }, MissedBound::Connection),
+            (JudgedRow { is_other_idle: true, ..measured(usual) }, MissedBound::Other),
         ];
         for (measured, bound) in all {
             assert_eq!(measured.missed(), [bound]);

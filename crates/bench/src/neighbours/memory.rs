@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use super::other::{Act, CLIENTS, LOOK, Other};
+use super::other::{CLIENTS, ClientAction, OtherClient, POLL_INTERVAL};
 use super::setup::{edit, make_session};
 use crate::BenchError;
 use crate::client::say_hello;
@@ -28,7 +28,7 @@ const SENDERS: usize = 4;
 const HELD: Duration = Duration::from_secs(2);
 
 /// Sockets and requests that read nothing of a document of 16 MiB.
-pub(super) fn reads_nothing(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
     for number in (0..LIGHTS).step_by(50) {
@@ -46,13 +46,13 @@ pub(super) fn reads_nothing(other: &Other) -> Result<Act, BenchError> {
                     let actor = other.actor(reader);
                     sockets.push(say_hello(other.tcp()?, &other.address, &session, &actor, None)?);
                     requests.push(other.send_request("GET", &path, b"")?);
-                    other.did(2);
+                    other.count_done(2);
                     Ok(())
                 })();
-                other.note(asked);
+                other.count_refusal(asked);
             }
             while !other.is_over() {
-                std::thread::sleep(LOOK);
+                std::thread::sleep(POLL_INTERVAL);
             }
             Ok(())
         });
@@ -84,7 +84,7 @@ fn heavy_light(number: usize) -> Value {
 }
 
 /// Bodies that are cut off at their last byte, many at once.
-pub(super) fn cut_bodies(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn cut_bodies(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), "demo:vases")?;
     Ok(Box::new(|other| {
         let body = Arc::new(vec![b' '; BODY_BYTES - 1]);
@@ -95,14 +95,14 @@ pub(super) fn cut_bodies(other: &Other) -> Result<Act, BenchError> {
                 for _ in (0..BODIES / SENDERS).take_while(|_| !other.is_over()) {
                     match send_all_but_the_last(other, &body) {
                         Ok(connection) => held.push(connection),
-                        Err(why) => other.note(Err(why)),
+                        Err(why) => other.count_refusal(Err(why)),
                     }
                 }
                 let until = Instant::now() + HELD;
                 while Instant::now() < until && !other.is_over() {
-                    std::thread::sleep(LOOK);
+                    std::thread::sleep(POLL_INTERVAL);
                 }
-                other.did(held.len() as u64);
+                other.count_done(held.len() as u64);
                 for connection in held {
                     let _ = connection.shutdown(Shutdown::Both);
                 }
@@ -113,7 +113,7 @@ pub(super) fn cut_bodies(other: &Other) -> Result<Act, BenchError> {
     }))
 }
 
-fn send_all_but_the_last(other: &Other, body: &[u8]) -> Result<TcpStream, BenchError> {
+fn send_all_but_the_last(other: &OtherClient, body: &[u8]) -> Result<TcpStream, BenchError> {
     let mut tcp = other.tcp()?;
     tcp.set_write_timeout(Some(HELD))?;
     let path = format!("/sessions/{}/edits", other.session(0));

@@ -3,9 +3,9 @@
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::json;
 
-use super::other::{Act, LOOK, Other};
+use super::other::{ClientAction, OtherClient, POLL_INTERVAL};
 use super::setup::{make_session, rename};
-use crate::dragged::Circle;
+use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
 /// Messages that are sent at once; a ping after them tells when all have been carried out.
@@ -16,7 +16,7 @@ const TURN: f64 = 0.01;
 const SOCKETS: usize = 2;
 
 /// Pings, edits and updates of a drag, in a session of its own.
-pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn flood(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), "demo:vases")?;
     Ok(Box::new(move |other| {
         for socket in 0..SOCKETS {
@@ -25,7 +25,7 @@ pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
                 repeat(other, &mut client, |n| ClientMessage::Ping { sent: n as f64 })
             });
         }
-        let light = Circle::of(&*other.connect(0)?)?.light;
+        let light = DragCircle::of(&*other.connect(0)?)?.light;
         for socket in SOCKETS..2 * SOCKETS {
             other.spawn(move |other| {
                 let mut client = other.connect(socket)?;
@@ -45,8 +45,8 @@ pub(super) fn flood(other: &Other) -> Result<Act, BenchError> {
 }
 
 /// Drags a control point of its light.
-fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
-    let circle = Circle::of(client)?;
+fn drag(other: &OtherClient, client: &mut Client) -> Result<(), BenchError> {
+    let circle = DragCircle::of(client)?;
     let (gesture, base_seq) = (format!("flood-{:x}", fastrand::u64(..)), client.welcome.seq);
     let begin = ClientMessage::GestureBegin { gesture: gesture.clone(), light: circle.light, base_seq };
     client.send(&begin)?;
@@ -58,7 +58,7 @@ fn drag(other: &Other, client: &mut Client) -> Result<(), BenchError> {
 
 /// Sends messages some at a time, each of those once the ones before are carried out.
 fn repeat(
-    other: &Other,
+    other: &OtherClient,
     client: &mut Client,
     message: impl Fn(u64) -> ClientMessage,
 ) -> Result<(), BenchError> {
@@ -66,7 +66,7 @@ fn repeat(
         for n in 1..=AT_ONCE {
             client.send(&message(AT_ONCE * (round - 1) + n))?;
         }
-        other.did(AT_ONCE);
+        other.count_done(AT_ONCE);
         // Negative, so that it is none of those that are sent for their own sake.
         let last = -(round as f64);
         client.send(&ClientMessage::Ping { sent: last })?;
@@ -74,14 +74,14 @@ fn repeat(
             if other.is_over() {
                 return Ok(());
             }
-            let Some(Incoming::Message(answer)) = client.receive(LOOK)? else { continue };
+            let Some(Incoming::Message(answer)) = client.receive(POLL_INTERVAL)? else { continue };
             match *answer {
                 ServerMessage::Pong { sent, .. } if sent == last => break,
                 ServerMessage::Error { .. } => return Err(BenchError::Refused(json!(*answer).to_string())),
                 _ => {}
             }
         }
-        other.was_answered(AT_ONCE);
+        other.count_answered(AT_ONCE);
     }
     Ok(())
 }

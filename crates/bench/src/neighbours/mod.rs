@@ -24,30 +24,30 @@ use std::time::{Duration, Instant};
 use render::Backend;
 use serde::Serialize;
 
-use self::judge::{Measured, Window};
-pub use self::judge::{Missed, Pace};
-use self::other::Other;
-pub use self::other::{Deeds, Writes};
-pub use self::row::{ROWS, Row};
+use self::judge::{JudgedRow, MeasuredWindow};
+pub use self::judge::{MissedBound, VictimPace};
+use self::other::OtherClient;
+pub use self::other::{OtherClientCounts, Writes};
+pub use self::row::{NeighbourRow, ROWS};
 pub use self::usage::BusyThread;
 use self::victim::Victim;
 use crate::{BenchError, Progress, ServerProcess};
 
 /// How long the victim drags before anything is measured: by then its pictures are as they stay.
-const WARMS_UP: Duration = Duration::from_secs(3);
+const WARM_UP_TIME: Duration = Duration::from_secs(3);
 /// How long it drags before each measured time begins.
-const BEGINS: Duration = Duration::from_secs(1);
+const LEAD_IN_TIME: Duration = Duration::from_secs(1);
 /// How long a server may take to come to rest after a row was prepared.
-const SETTLES_WITHIN: Duration = Duration::from_mins(1);
+const SETTLE_TIMEOUT: Duration = Duration::from_mins(1);
 /// How long a gap or an answer is followed that was open at the end of the measured time.
-const PATIENCE: Duration = Duration::from_mins(1);
+const FOLLOW_TIMEOUT: Duration = Duration::from_mins(1);
 const MIB: f64 = 1024.0 * 1024.0;
 
 /// What to measure.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct NeighbourOptions {
     /// Rows, each by a server of its own.
-    pub rows: Vec<Row>,
+    pub rows: Vec<NeighbourRow>,
     /// Width and height of the victim's view in pixels.
     pub size: [u32; 2],
     /// How long each of the three times is: alone, with the other client, and alone again.
@@ -63,7 +63,7 @@ pub struct Options {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct NeighbourReport {
     /// Pixels of the victim's view.
     pub width: u32,
     /// Pixels of the victim's view.
@@ -83,13 +83,13 @@ pub struct Report {
 #[serde(rename_all = "camelCase")]
 pub struct RowReport {
     /// What it is asked for by.
-    pub row: Row,
+    pub row: NeighbourRow,
     /// What the other client did, for people.
     pub what: &'static str,
     /// Whether no bound is missed.
     pub passes: bool,
     /// The bounds that are missed.
-    pub missed: Vec<Missed>,
+    pub missed: Vec<MissedBound>,
     /// Frames of the victim's with the other client over those alone.
     pub share: f64,
     /// The least that it may be.
@@ -99,11 +99,11 @@ pub struct RowReport {
     /// The median time of the victim's own drags of features with the other client over that alone.
     pub own_drag_of_usual: f64,
     /// With nobody else, before: what all is compared with, or `alone_after` where that is faster.
-    pub alone: Pace,
+    pub alone: VictimPace,
     /// With the other client.
-    pub with: Pace,
+    pub with: VictimPace,
     /// With nobody else, after the rest.
-    pub alone_after: Pace,
+    pub alone_after: VictimPace,
     /// What the server held.
     pub memory: MemoryReport,
     /// Threads of the server that worked after the rest.
@@ -113,7 +113,7 @@ pub struct RowReport {
     /// CPU seconds of the bench itself in such a second, the victim and the other client included.
     pub bench_cpu_share: f64,
     /// What the other client did.
-    pub other: Deeds,
+    pub other: OtherClientCounts,
     /// Bytes written for edits, where that is the row's question.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub writes: Option<Writes>,
@@ -134,7 +134,7 @@ pub struct MemoryReport {
     pub after_mib: f64,
 }
 
-impl Report {
+impl NeighbourReport {
     /// Names of the rows that miss a bound.
     pub fn missed(&self) -> Vec<&'static str> {
         self.rows.iter().filter(|row| !row.passes).map(|row| row.row.name()).collect()
@@ -147,9 +147,9 @@ const STEPS: [&str; 6] = ["starts", "prepares", "alone", "with the other", "rest
 /// Measures each row by `program serve` on data of its own. Returns what was measured and the chart, an SVG.
 pub fn run(
     program: &Path,
-    options: &Options,
+    options: &NeighbourOptions,
     progress: &dyn Fn(Progress),
-) -> Result<(Report, String), BenchError> {
+) -> Result<(NeighbourReport, String), BenchError> {
     let mut rows = Vec::new();
     for (index, row) in options.rows.iter().enumerate() {
         let of = STEPS.len() * options.rows.len();
@@ -159,7 +159,7 @@ pub fn run(
         };
         rows.push(measure(program, *row, options, &step)?);
     }
-    let report = Report {
+    let report = NeighbourReport {
         width: options.size[0],
         height: options.size[1],
         seconds: options.time.as_secs_f64(),
@@ -173,8 +173,8 @@ pub fn run(
 
 fn measure(
     program: &Path,
-    row: Row,
-    options: &Options,
+    row: NeighbourRow,
+    options: &NeighbourOptions,
     step: &dyn Fn(usize),
 ) -> Result<RowReport, BenchError> {
     step(0);
@@ -185,19 +185,19 @@ fn measure(
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
     server.wait_until_ready()?;
     let (address, pid) = (&server.address, server.pid());
-    let link = if row == Row::SlowLink { slow_link::open(address)? } else { address.clone() };
-    let victim = Victim::arrive(address, &link, options.size)?;
-    victim.drags();
-    thread::sleep(WARMS_UP);
-    victim.rests();
-    usage::wait_until_at_rest(pid, SETTLES_WITHIN)?;
+    let link = if row == NeighbourRow::SlowLink { slow_link::open(address)? } else { address.clone() };
+    let victim = Victim::start(address, &link, options.size)?;
+    victim.start_dragging();
+    thread::sleep(WARM_UP_TIME);
+    victim.stop_dragging();
+    usage::wait_until_at_rest(pid, SETTLE_TIMEOUT)?;
     let before = usage::memory(pid)?;
-    usage::forget_peak(pid)?;
+    usage::reset_peak(pid)?;
 
     step(1);
-    let other = Other::new(address.clone(), row, pid, options.time, options.many_actors);
+    let other = OtherClient::new(address.clone(), row, pid, options.time, options.many_actors);
     let act = acts::prepare(row, &other)?;
-    usage::wait_until_at_rest(pid, SETTLES_WITHIN)?;
+    usage::wait_until_at_rest(pid, SETTLE_TIMEOUT)?;
 
     step(2);
     let alone = alone(&victim, options.time);
@@ -207,8 +207,8 @@ fn measure(
     if row.has_views_open() {
         act.take().map_or(Ok(()), |act| act(&other))?;
     }
-    victim.drags();
-    thread::sleep(BEGINS);
+    victim.start_dragging();
+    thread::sleep(LEAD_IN_TIME);
     let (server_cpu, bench_cpu) = (usage::cpu_s(pid)?, usage::cpu_s(std::process::id())?);
     let from = Instant::now();
     act.take().map_or(Ok(()), |act| act(&other))?;
@@ -217,11 +217,11 @@ fn measure(
     let seconds = (to - from).as_secs_f64();
     let server_cpu_share = (usage::cpu_s(pid)? - server_cpu) / seconds;
     let bench_cpu_share = (usage::cpu_s(std::process::id())? - bench_cpu) / seconds;
-    let followed_to = victim.follow(to, PATIENCE);
+    let followed_to = victim.follow(to, FOLLOW_TIMEOUT);
     other.leave();
-    let with = Window { from, to, followed_to };
+    let with = MeasuredWindow { from, to, followed_to };
     let left = Instant::now();
-    victim.rests();
+    victim.stop_dragging();
 
     step(4);
     thread::sleep(options.rest.saturating_sub(left.elapsed()));
@@ -231,18 +231,19 @@ fn measure(
     step(5);
     let alone_after = self::alone(&victim, options.time);
     let timeline = victim.leave()?;
-    let deeds = other.deeds();
+    let deeds = other.counts();
     let (alone, with, alone_after) = (timeline.pace(alone), timeline.pace(with), timeline.pace(alone_after));
     let faster = if alone_after.frames_per_second > alone.frames_per_second { alone_after } else { alone };
-    let measured = Measured {
-        draws: row.draws(),
+    let measured = JudgedRow {
+        uses_renderer: row.uses_renderer(),
         alone: faster,
         with,
         grown_mib: (after.rss_bytes - before.rss_bytes) / MIB,
         busy_threads: &busy_threads,
         writes: other.writes().map(|writes| writes.ratio),
-        is_connected: timeline.broke.is_none(),
-        is_other_idle: row != Row::Nobody && (deeds.done == 0 || row.is_answered() && deeds.answered == 0),
+        is_connected: timeline.disconnect_reason.is_none(),
+        is_other_idle: row != NeighbourRow::Nobody
+            && (deeds.done == 0 || row.expects_answers() && deeds.answered == 0),
     };
     let missed = measured.missed();
     Ok(RowReport {
@@ -267,18 +268,18 @@ fn measure(
         bench_cpu_share,
         other: deeds,
         writes: other.writes(),
-        victim_broke: timeline.broke,
+        victim_broke: timeline.disconnect_reason,
     })
 }
 
 /// Drags with nobody else.
-fn alone(victim: &Victim, time: Duration) -> Window {
-    victim.drags();
-    thread::sleep(BEGINS);
+fn alone(victim: &Victim, time: Duration) -> MeasuredWindow {
+    victim.start_dragging();
+    thread::sleep(LEAD_IN_TIME);
     let from = Instant::now();
     thread::sleep(time);
     let to = Instant::now();
-    let followed_to = victim.follow(to, PATIENCE);
-    victim.rests();
-    Window { from, to, followed_to }
+    let followed_to = victim.follow(to, FOLLOW_TIMEOUT);
+    victim.stop_dragging();
+    MeasuredWindow { from, to, followed_to }
 }

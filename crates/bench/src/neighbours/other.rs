@@ -10,14 +10,14 @@ use std::time::Duration;
 
 use serde::Serialize;
 
-use super::row::Row;
-use crate::{Address, BenchError, Client};
+use super::row::NeighbourRow;
+use crate::{BenchError, Client, ServerAddress};
 
 /// Begins to do what a row is about, and returns; its threads go on until the other client leaves.
-pub(super) type Act = Box<dyn FnOnce(&Other) -> Result<(), BenchError>>;
+pub(super) type ClientAction = Box<dyn FnOnce(&OtherClient) -> Result<(), BenchError>>;
 
 /// How often a thread looks whether all is over.
-pub(super) const LOOK: Duration = Duration::from_millis(100);
+pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// How long a client waits that was refused.
 const AFTER_REFUSAL: Duration = Duration::from_millis(50);
 /// By so much less important to the system than the server's drawing are its threads.
@@ -25,14 +25,14 @@ const NICE: i32 = 15;
 /// Bytes of an answer that are kept; the rest is counted.
 const KEPT_BYTES: usize = 4096;
 /// Connections from which on it is looked which have ended.
-const MANY: usize = 512;
+const PRUNE_CONNECTIONS_ABOVE: usize = 512;
 /// Clients in one session, at most: what a server takes.
 pub(super) const CLIENTS: usize = 64;
 
 /// What the other client did.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Deeds {
+pub struct OtherClientCounts {
     /// What was done or asked for: drags, moves of views, views opened, requests, edits, bodies.
     pub done: u64,
     /// Of that, what was answered: frames, pictures, answers, edits.
@@ -45,9 +45,9 @@ pub struct Deeds {
 
 /// The other client, as each of its threads knows it.
 #[derive(Clone, Debug)]
-pub(super) struct Other {
-    pub address: Address,
-    pub row: Row,
+pub(super) struct OtherClient {
+    pub address: ServerAddress,
+    pub row: NeighbourRow,
     /// Process id of the server.
     pub pid: u32,
     /// How long it is measured.
@@ -82,12 +82,12 @@ pub struct Writes {
 }
 
 /// A client whose connection ends with it, though others know the connection too.
-pub(super) struct Connected {
+pub(super) struct TrackedClient {
     client: Client,
     tcp: TcpStream,
 }
 
-impl Deref for Connected {
+impl Deref for TrackedClient {
     type Target = Client;
 
     fn deref(&self) -> &Client {
@@ -95,13 +95,13 @@ impl Deref for Connected {
     }
 }
 
-impl DerefMut for Connected {
+impl DerefMut for TrackedClient {
     fn deref_mut(&mut self) -> &mut Client {
         &mut self.client
     }
 }
 
-impl Drop for Connected {
+impl Drop for TrackedClient {
     fn drop(&mut self) {
         let _ = self.tcp.shutdown(Shutdown::Both);
     }
@@ -124,8 +124,14 @@ impl Answer {
     }
 }
 
-impl Other {
-    pub fn new(address: Address, row: Row, pid: u32, span: Duration, many_actors: bool) -> Self {
+impl OtherClient {
+    pub fn new(
+        address: ServerAddress,
+        row: NeighbourRow,
+        pid: u32,
+        span: Duration,
+        many_actors: bool,
+    ) -> Self {
         Self { address, row, pid, span, many_actors, shared: Arc::default() }
     }
 
@@ -143,15 +149,15 @@ impl Other {
     }
 
     /// Connects its socket of this number.
-    pub fn connect(&self, socket: usize) -> Result<Connected, BenchError> {
+    pub fn connect(&self, socket: usize) -> Result<TrackedClient, BenchError> {
         self.connect_to(&self.session(socket), socket)
     }
 
-    pub fn connect_to(&self, session: &str, socket: usize) -> Result<Connected, BenchError> {
+    pub fn connect_to(&self, session: &str, socket: usize) -> Result<TrackedClient, BenchError> {
         let tcp = self.tcp()?;
         let also = tcp.try_clone()?;
         let client = Client::connect_over(tcp, &self.address, session, &self.actor(socket), None)?;
-        Ok(Connected { client, tcp: also })
+        Ok(TrackedClient { client, tcp: also })
     }
 
     /// A connection that is closed when it leaves.
@@ -159,7 +165,7 @@ impl Other {
         let tcp = TcpStream::connect(&self.address.host)?;
         let mut connections = self.connections();
         // Those that have ended need not be closed.
-        if connections.len() > MANY {
+        if connections.len() > PRUNE_CONNECTIONS_ABOVE {
             connections.retain(|connection| connection.peer_addr().is_ok());
         }
         connections.push(tcp.try_clone()?);
@@ -183,7 +189,7 @@ impl Other {
             while !other.is_over() {
                 let acted = act(&other);
                 if !other.is_over() {
-                    other.note(acted);
+                    other.count_refusal(acted);
                 }
             }
         });
@@ -191,7 +197,7 @@ impl Other {
     }
 
     /// Counts a refusal, and waits a little before the next try.
-    pub fn note(&self, acted: Result<(), BenchError>) {
+    pub fn count_refusal(&self, acted: Result<(), BenchError>) {
         let Err(why) = acted else { return };
         self.shared.refused.fetch_add(1, Ordering::Relaxed);
         self.shared.refusal.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(why.to_string());
@@ -199,17 +205,17 @@ impl Other {
     }
 
     /// Counts something that was done or asked for.
-    pub fn did(&self, count: u64) {
+    pub fn count_done(&self, count: u64) {
         self.shared.done.fetch_add(count, Ordering::Relaxed);
     }
 
     /// Counts answers to such.
-    pub fn was_answered(&self, count: u64) {
+    pub fn count_answered(&self, count: u64) {
         self.shared.answered.fetch_add(count, Ordering::Relaxed);
     }
 
-    pub fn deeds(&self) -> Deeds {
-        Deeds {
+    pub fn counts(&self) -> OtherClientCounts {
+        OtherClientCounts {
             done: self.shared.done.load(Ordering::Relaxed),
             answered: self.shared.answered.load(Ordering::Relaxed),
             refused: self.shared.refused.load(Ordering::Relaxed),
@@ -245,10 +251,10 @@ impl Other {
 
     /// Sends a request on a connection of its own. Of the answer only the beginning is kept; it is given up when all is over.
     pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
-        self.did(1);
+        self.count_done(1);
         let mut tcp = self.send_request(method, path, body)?;
         self.read_answer(&mut tcp)?.refusal()?;
-        self.was_answered(1);
+        self.count_answered(1);
         Ok(())
     }
 
@@ -264,7 +270,7 @@ impl Other {
 
     /// Head of a request whose body has so many bytes.
     pub fn head(&self, method: &str, path: &str, body_bytes: usize) -> String {
-        let Address { host, token } = &self.address;
+        let ServerAddress { host, token } = &self.address;
         format!(
             "{method} {path} HTTP/1.1\r\nHost: {host}\r\nAuthorization: Bearer {token}\r\nConnection: close\r\n\
              Content-Type: application/json\r\nContent-Length: {body_bytes}\r\n\r\n"
@@ -272,7 +278,7 @@ impl Other {
     }
 
     fn read_answer(&self, tcp: &mut TcpStream) -> Result<Answer, BenchError> {
-        tcp.set_read_timeout(Some(LOOK))?;
+        tcp.set_read_timeout(Some(POLL_INTERVAL))?;
         let (mut start, mut bytes) = (Vec::new(), vec![0; 1 << 16]);
         while !self.is_over() {
             match tcp.read(&mut bytes) {

@@ -4,7 +4,7 @@ use serde::{Serialize, Serializer};
 
 /// What the other client does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Row {
+pub enum NeighbourRow {
     Nobody,
     Solves,
     SolvesInSession,
@@ -25,27 +25,27 @@ pub enum Row {
 }
 
 /// All rows, in the order in which they are measured.
-pub const ROWS: [Row; 17] = [
-    Row::Nobody,
-    Row::Solves,
-    Row::SolvesInSession,
-    Row::LargeViews,
-    Row::SilentViews,
-    Row::Stills16000,
-    Row::Stills64000,
-    Row::StillsOfPrimitives,
-    Row::Imports,
-    Row::Asks,
-    Row::RestingViews,
-    Row::ClosingViews,
-    Row::ReadsNothing,
-    Row::CutBodies,
-    Row::Actors,
-    Row::Messages,
-    Row::SlowLink,
+pub const ROWS: [NeighbourRow; 17] = [
+    NeighbourRow::Nobody,
+    NeighbourRow::Solves,
+    NeighbourRow::SolvesInSession,
+    NeighbourRow::LargeViews,
+    NeighbourRow::SilentViews,
+    NeighbourRow::Stills16000,
+    NeighbourRow::Stills64000,
+    NeighbourRow::StillsOfPrimitives,
+    NeighbourRow::Imports,
+    NeighbourRow::Asks,
+    NeighbourRow::RestingViews,
+    NeighbourRow::ClosingViews,
+    NeighbourRow::ReadsNothing,
+    NeighbourRow::CutBodies,
+    NeighbourRow::Actors,
+    NeighbourRow::Messages,
+    NeighbourRow::SlowLink,
 ];
 
-impl Row {
+impl NeighbourRow {
     /// By which it is asked for.
     pub fn name(self) -> &'static str {
         match self {
@@ -104,7 +104,7 @@ impl Row {
     }
 
     /// Whether the other client has much drawn: the victim then shares the renderer with it.
-    pub fn draws(self) -> bool {
+    pub fn uses_renderer(self) -> bool {
         match self {
             Self::LargeViews
             | Self::SilentViews
@@ -127,7 +127,7 @@ impl Row {
     }
 
     /// Whether some of what the other client asks for is to be answered within the measured time. A still can take longer.
-    pub(super) fn is_answered(self) -> bool {
+    pub(super) fn expects_answers(self) -> bool {
         match self {
             Self::SolvesInSession
             | Self::LargeViews
@@ -150,7 +150,7 @@ impl Row {
     }
 }
 
-impl Serialize for Row {
+impl Serialize for NeighbourRow {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.name())
     }

@@ -4,7 +4,7 @@ use light::parameters::NAME;
 use protocol::{Camera, Command};
 use serde_json::{Value, json};
 
-use crate::{Address, BenchError, Response};
+use crate::{BenchError, Response, ServerAddress};
 
 /// Width and height in pixels of the picture that features are dragged in.
 pub(super) const SIZE: [u32; 2] = [640, 360];
@@ -15,7 +15,7 @@ const MAX_CHOSEN: usize = 128;
 
 /// A pixel, and the place in the world that it sees.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lit {
+pub(super) struct LitPixel {
     pub pixel: [f64; 2],
     pub at: [f64; 3],
 }
@@ -28,20 +28,20 @@ pub(super) struct Draggable {
     points: usize,
     camera: Camera,
     /// What it lights.
-    pub lit: Vec<Lit>,
+    pub lit: Vec<LitPixel>,
 }
 
-pub(super) fn make_session(address: &Address, session: &str, scene: &str) -> Result<(), BenchError> {
+pub(super) fn make_session(address: &ServerAddress, session: &str, scene: &str) -> Result<(), BenchError> {
     post(address, "/sessions", &json!({"name": session, "scene": scene})).map(drop)
 }
 
 /// What a server answers to JSON.
-pub(super) fn post(address: &Address, path: &str, body: &Value) -> Result<Value, BenchError> {
+pub(super) fn post(address: &ServerAddress, path: &str, body: &Value) -> Result<Value, BenchError> {
     read(&address.post(path, body.to_string().as_bytes())?)
 }
 
 /// A session's document.
-pub(super) fn document(address: &Address, session: &str) -> Result<Value, BenchError> {
+pub(super) fn document(address: &ServerAddress, session: &str) -> Result<Value, BenchError> {
     let mut state = read(&address.get(&format!("/sessions/{session}"))?)?;
     Ok(state["document"].take())
 }
@@ -55,7 +55,7 @@ fn read(response: &Response) -> Result<Value, BenchError> {
 
 /// Edits a session; the first command that is rejected is an error.
 pub(super) fn edit(
-    address: &Address,
+    address: &ServerAddress,
     session: &str,
     actor: &str,
     commands: &[Value],
@@ -79,7 +79,7 @@ pub(super) fn rename(light: u64, n: u64) -> Command {
 
 /// Adds a light like the first of a session, bent anew into so many segments where that is said. Its id.
 pub(super) fn add_light(
-    address: &Address,
+    address: &ServerAddress,
     session: &str,
     actor: &str,
     segments: Option<usize>,
@@ -99,7 +99,7 @@ pub(super) fn add_light(
 
 /// Gives a light so many pins where it shows, two of them hard.
 pub(super) fn pin(
-    address: &Address,
+    address: &ServerAddress,
     session: &str,
     actor: &str,
     light: u64,
@@ -112,7 +112,7 @@ pub(super) fn pin(
         lights.get(index).and_then(|placed| placed["light"]["points"].as_array()).map_or(0, Vec::len);
     let camera = serde_json::from_value(document["cameras"][0]["camera"].clone())
         .map_err(|error| BenchError::Refused(error.to_string()))?;
-    let lit = lit_by(address, session, index)?;
+    let lit = lit_pixels(address, session, index)?;
     let kinds = ["direction", "lit"];
     let pin = |n: usize| {
         let at = lit[n * 7 % lit.len()].at;
@@ -124,7 +124,7 @@ pub(super) fn pin(
 }
 
 /// Where the light with this place in the order of a session's lights shows: hotspots that are dragged to where they are.
-fn lit_by(address: &Address, session: &str, index: usize) -> Result<Vec<Lit>, BenchError> {
+fn lit_pixels(address: &ServerAddress, session: &str, index: usize) -> Result<Vec<LitPixel>, BenchError> {
     let seen = (120..340).step_by(20).flat_map(|y| (60..600).step_by(20).map(move |x| (x, y)));
     let asked: Vec<Value> = seen
         .map(|(x, y)| [f64::from(x) + 0.5, f64::from(y) + 0.5])
@@ -132,11 +132,11 @@ fn lit_by(address: &Address, session: &str, index: usize) -> Result<Vec<Lit>, Be
         .collect();
     let answers = post(address, &format!("/sessions/{session}/drags"), &json!(asked))?;
     let pairs = asked.iter().zip(answers.as_array().into_iter().flatten());
-    let lit: Vec<Lit> = pairs
+    let lit: Vec<LitPixel> = pairs
         .filter(|(_, answer)| answer["status"] == "landed")
         .filter_map(|(asked, answer)| {
             let pixel = serde_json::from_value(asked["from"].clone()).ok()?;
-            Some(Lit { pixel, at: serde_json::from_value(answer["fromWorld"].clone()).ok()? })
+            Some(LitPixel { pixel, at: serde_json::from_value(answer["fromWorld"].clone()).ok()? })
         })
         .collect();
     if lit.is_empty() {

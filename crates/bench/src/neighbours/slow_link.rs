@@ -5,7 +5,7 @@ use std::net::{Shutdown, TcpListener, TcpStream};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::{Address, BenchError};
+use crate::{BenchError, ServerAddress};
 
 /// Bytes a second towards the client: 2 Mbit/s.
 const BYTES_PER_SECOND: f64 = 250_000.0;
@@ -13,7 +13,7 @@ const BYTES_PER_SECOND: f64 = 250_000.0;
 const PIECE: usize = 3_000;
 
 /// A place that leads to `address`; what comes from there does so slowly. It lasts as long as the connections over it.
-pub(super) fn open(address: &Address) -> Result<Address, BenchError> {
+pub(super) fn open(address: &ServerAddress) -> Result<ServerAddress, BenchError> {
     let listener = TcpListener::bind("127.0.0.1:0")?;
     let host = listener.local_addr()?.to_string();
     let server = address.host.clone();
@@ -25,18 +25,18 @@ pub(super) fn open(address: &Address) -> Result<Address, BenchError> {
             server.set_nodelay(true)?;
             client.set_nodelay(true)?;
             let (up_from, up_to) = (client.try_clone()?, server.try_clone()?);
-            thread::spawn(move || pass(up_from, up_to, f64::INFINITY));
-            pass(server, client, BYTES_PER_SECOND);
+            thread::spawn(move || forward_slowly(up_from, up_to, f64::INFINITY));
+            forward_slowly(server, client, BYTES_PER_SECOND);
             Ok(())
         };
         // A client whose connection fails says so itself.
         let _ = linked();
     });
-    Ok(Address { host, token: address.token.clone() })
+    Ok(ServerAddress { host, token: address.token.clone() })
 }
 
 /// Passes on what comes, at most so many bytes a second, until one side closes.
-fn pass(mut from: TcpStream, mut to: TcpStream, bytes_per_second: f64) {
+fn forward_slowly(mut from: TcpStream, mut to: TcpStream, bytes_per_second: f64) {
     let mut bytes = [0; PIECE];
     let mut free_at = Instant::now();
     loop {

@@ -15,14 +15,14 @@ const BUSY_SHARE: f64 = 0.015;
 /// Share of a core that a process takes at most that is at rest.
 const REST_SHARE: f64 = 0.1;
 /// Span over which it is looked whether a process rests.
-const LOOK: Duration = Duration::from_millis(500);
+const REST_CHECK_SPAN: Duration = Duration::from_millis(500);
 
 /// Bytes of memory that a process holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Memory {
     /// Now.
     pub rss_bytes: f64,
-    /// The most since [`forget_peak`].
+    /// The most since [`reset_peak`].
     pub peak_bytes: f64,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn memory(pid: u32) -> Result<Memory, BenchError> {
 }
 
 /// Has the peak count from now on.
-pub(super) fn forget_peak(pid: u32) -> Result<(), BenchError> {
+pub(super) fn reset_peak(pid: u32) -> Result<(), BenchError> {
     // 5 is the number that resets the peak alone.
     std::fs::write(path(pid, "clear_refs"), "5")
         .map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
@@ -96,8 +96,8 @@ pub(super) fn wait_until_at_rest(pid: u32, within: Duration) -> Result<(), Bench
     let until = Instant::now() + within;
     while Instant::now() < until {
         let before = cpu_s(pid)?;
-        std::thread::sleep(LOOK);
-        if cpu_s(pid)? - before < REST_SHARE * LOOK.as_secs_f64() {
+        std::thread::sleep(REST_CHECK_SPAN);
+        if cpu_s(pid)? - before < REST_SHARE * REST_CHECK_SPAN.as_secs_f64() {
             break;
         }
     }

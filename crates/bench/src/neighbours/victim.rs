@@ -7,11 +7,11 @@ use std::time::{Duration, Instant};
 
 use protocol::{ClientMessage, GestureState, ServerMessage, ViewSettings, ViewSource};
 
-use super::judge::{Ask, Timeline};
+use super::judge::{TimedDrag, Timeline};
 use super::setup::{Draggable, add_light, pin};
 use crate::circle::ANIMATION_FRAME;
-use crate::dragged::Circle;
-use crate::{Address, BenchError, Client, Incoming};
+use crate::dragged::DragCircle;
+use crate::{BenchError, Client, Incoming, ServerAddress};
 
 /// Its session and its actor, in which the other client takes no part but in one row.
 pub(super) const SESSION: &str = "main";
@@ -21,27 +21,27 @@ const STEP: f64 = 0.05;
 /// Pins of the light whose features it drags: with them a drag takes tens of milliseconds.
 const PINS: usize = 3;
 /// From the answer of a drag of a feature to the next.
-const BETWEEN_ASKS: Duration = Duration::from_millis(200);
+const FEATURE_DRAG_INTERVAL: Duration = Duration::from_millis(200);
 /// How long it looks for what comes while it rests.
-const LOOK: Duration = Duration::from_millis(50);
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
-const RESTS: u8 = 0;
-const DRAGS: u8 = 1;
-const LEAVES: u8 = 2;
+const RESTING: u8 = 0;
+const DRAGGING: u8 = 1;
+const LEAVING: u8 = 2;
 
 /// What the victim's threads and the bench tell each other.
 #[derive(Debug, Default)]
 struct Shared {
-    does: AtomicU8,
+    activity: AtomicU8,
     /// When the latest frame had come.
     latest_frame: Mutex<Option<Instant>>,
     /// Since when a drag of a feature is not answered.
-    open_ask: Mutex<Option<Instant>>,
+    unanswered_since: Mutex<Option<Instant>>,
 }
 
 impl Shared {
-    fn does(&self) -> u8 {
-        self.does.load(Ordering::Relaxed)
+    fn activity(&self) -> u8 {
+        self.activity.load(Ordering::Relaxed)
     }
 }
 
@@ -49,34 +49,34 @@ impl Shared {
 #[derive(Debug)]
 pub(super) struct Victim {
     shared: Arc<Shared>,
-    hand: JoinHandle<Timeline>,
-    asker: JoinHandle<Timeline>,
+    drag_thread: JoinHandle<Timeline>,
+    feature_thread: JoinHandle<Timeline>,
 }
 
 impl Victim {
     /// Adds a light to its session, opens a view of so many pixels over `link`, and rests.
-    pub fn arrive(address: &Address, link: &Address, size: [u32; 2]) -> Result<Self, BenchError> {
+    pub fn start(address: &ServerAddress, link: &ServerAddress, size: [u32; 2]) -> Result<Self, BenchError> {
         let light = add_light(address, SESSION, ACTOR, None)?;
         let draggable = pin(address, SESSION, ACTOR, light, PINS)?;
         let mut hand = Client::connect(link, SESSION, ACTOR, None)?;
-        let circle = Circle::of(&hand)?;
+        let circle = DragCircle::of(&hand)?;
         open_view(&mut hand, size, circle.light)?;
         let asker = Client::connect(address, SESSION, ACTOR, None)?;
         let shared = Arc::new(Shared::default());
         let (for_hand, for_asker) = (shared.clone(), shared.clone());
         Ok(Self {
             shared,
-            hand: thread::spawn(move || Hand::new(hand, circle).drag(&for_hand)),
-            asker: thread::spawn(move || ask(asker, &draggable, &for_asker)),
+            drag_thread: thread::spawn(move || DragThread::new(hand, circle).drag(&for_hand)),
+            feature_thread: thread::spawn(move || drag_features(asker, &draggable, &for_asker)),
         })
     }
 
-    pub fn drags(&self) {
-        self.shared.does.store(DRAGS, Ordering::Relaxed);
+    pub fn start_dragging(&self) {
+        self.shared.activity.store(DRAGGING, Ordering::Relaxed);
     }
 
-    pub fn rests(&self) {
-        self.shared.does.store(RESTS, Ordering::Relaxed);
+    pub fn stop_dragging(&self) {
+        self.shared.activity.store(RESTING, Ordering::Relaxed);
     }
 
     /// Waits for a frame later than `to`, and for answers to what was asked before; until when.
@@ -84,8 +84,8 @@ impl Victim {
         let get = |of: &Mutex<Option<Instant>>| *of.lock().unwrap_or_else(PoisonError::into_inner);
         while to.elapsed() < patience {
             let has_frame = get(&self.shared.latest_frame).is_some_and(|came| came > to);
-            let is_answered = get(&self.shared.open_ask).is_none_or(|asked| asked > to);
-            let is_gone = self.hand.is_finished() || self.asker.is_finished();
+            let is_answered = get(&self.shared.unanswered_since).is_none_or(|asked| asked > to);
+            let is_gone = self.drag_thread.is_finished() || self.feature_thread.is_finished();
             if is_gone || has_frame && is_answered {
                 break;
             }
@@ -96,12 +96,12 @@ impl Victim {
 
     /// Leaves. What it saw.
     pub fn leave(self) -> Result<Timeline, BenchError> {
-        self.shared.does.store(LEAVES, Ordering::Relaxed);
+        self.shared.activity.store(LEAVING, Ordering::Relaxed);
         let panicked = |_| BenchError::Refused("the victim's thread panicked".into());
-        let mut timeline = self.hand.join().map_err(panicked)?;
-        let asked = self.asker.join().map_err(panicked)?;
-        timeline.asks = asked.asks;
-        timeline.broke = timeline.broke.or(asked.broke);
+        let mut timeline = self.drag_thread.join().map_err(panicked)?;
+        let asked = self.feature_thread.join().map_err(panicked)?;
+        timeline.timed_drags = asked.timed_drags;
+        timeline.disconnect_reason = timeline.disconnect_reason.or(asked.disconnect_reason);
         Ok(timeline)
     }
 }
@@ -118,30 +118,34 @@ fn open_view(client: &mut Client, [width, height]: [u32; 2], light: u64) -> Resu
         stats: false,
     })?;
     client.wait_for("a first lossless picture", |incoming| {
-        matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(())
+        matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
     })
 }
 
 /// Who drags the control point.
-struct Hand {
+struct DragThread {
     client: Client,
-    circle: Circle,
+    circle: DragCircle,
     timeline: Timeline,
     gestures: u64,
     update: u64,
 }
 
-impl Hand {
-    fn new(client: Client, circle: Circle) -> Self {
+impl DragThread {
+    fn new(client: Client, circle: DragCircle) -> Self {
         Self { client, circle, timeline: Timeline::default(), gestures: 0, update: 0 }
     }
 
     /// Drags while it is to; an end of the connection ends it too.
     fn drag(mut self, shared: &Shared) -> Timeline {
-        while shared.does() != LEAVES {
-            let done = if shared.does() == DRAGS { self.one_drag(shared) } else { self.take(shared, LOOK) };
+        while shared.activity() != LEAVING {
+            let done = if shared.activity() == DRAGGING {
+                self.one_drag(shared)
+            } else {
+                self.take(shared, POLL_INTERVAL)
+            };
             if let Err(why) = done {
-                self.timeline.broke = Some(why.to_string());
+                self.timeline.disconnect_reason = Some(why.to_string());
                 break;
             }
         }
@@ -155,7 +159,7 @@ impl Hand {
         let gesture = self.gesture();
         self.client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
         let mut next = Instant::now();
-        while shared.does() == DRAGS {
+        while shared.activity() == DRAGGING {
             self.update += 1;
             let command = self.circle.command(STEP * self.update as f64);
             let message =
@@ -204,22 +208,22 @@ fn is_of(state: &GestureState, client: &Client, gesture: &str) -> bool {
 }
 
 /// Drags features of another light, one after the other, and gives each up once it is answered.
-fn ask(mut client: Client, draggable: &Draggable, shared: &Shared) -> Timeline {
+fn drag_features(mut client: Client, draggable: &Draggable, shared: &Shared) -> Timeline {
     let mut timeline = Timeline::default();
     for n in 1.. {
         if let Err(why) = rest(&mut client, shared) {
-            timeline.broke = Some(why.to_string());
+            timeline.disconnect_reason = Some(why.to_string());
         }
-        if shared.does() == LEAVES || timeline.broke.is_some() {
+        if shared.activity() == LEAVING || timeline.disconnect_reason.is_some() {
             break;
         }
         let sent = Instant::now();
-        *shared.open_ask.lock().unwrap_or_else(PoisonError::into_inner) = Some(sent);
-        let answered = ask_once(&mut client, draggable, n, shared);
-        *shared.open_ask.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        *shared.unanswered_since.lock().unwrap_or_else(PoisonError::into_inner) = Some(sent);
+        let answered = drag_feature_once(&mut client, draggable, n, shared);
+        *shared.unanswered_since.lock().unwrap_or_else(PoisonError::into_inner) = None;
         match answered {
-            Ok(answered) => timeline.asks.push(Ask { sent, answered }),
-            Err(why) => timeline.broke = Some(why.to_string()),
+            Ok(answered) => timeline.timed_drags.push(TimedDrag { sent, answered }),
+            Err(why) => timeline.disconnect_reason = Some(why.to_string()),
         }
     }
     timeline
@@ -227,15 +231,15 @@ fn ask(mut client: Client, draggable: &Draggable, shared: &Shared) -> Timeline {
 
 /// Takes what comes, for a while and as long as nothing is dragged.
 fn rest(client: &mut Client, shared: &Shared) -> Result<(), BenchError> {
-    let until = Instant::now() + BETWEEN_ASKS;
-    while Instant::now() < until || shared.does() == RESTS {
-        client.receive(LOOK)?;
+    let until = Instant::now() + FEATURE_DRAG_INTERVAL;
+    while Instant::now() < until || shared.activity() == RESTING {
+        client.receive(POLL_INTERVAL)?;
     }
     Ok(())
 }
 
 /// When the answer to a drag had come; `None` where it was left without one.
-fn ask_once(
+fn drag_feature_once(
     client: &mut Client,
     draggable: &Draggable,
     n: u64,
@@ -249,8 +253,8 @@ fn ask_once(
         base_seq,
     })?;
     client.send(&ClientMessage::GestureUpdate { gesture: gesture.clone(), update: n, command })?;
-    while shared.does() != LEAVES {
-        let Some(Incoming::Message(message)) = client.receive(LOOK)? else { continue };
+    while shared.activity() != LEAVING {
+        let Some(Incoming::Message(message)) = client.receive(POLL_INTERVAL)? else { continue };
         let ServerMessage::GestureState(state) = *message else { continue };
         if !is_of(&state, client, &gesture) || state.update != n {
             continue;

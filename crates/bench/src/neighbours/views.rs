@@ -6,19 +6,19 @@ use glam::DQuat;
 use protocol::{Camera, ClientMessage, ViewSource};
 use stream::FrameHeader;
 
-use super::other::{Act, CLIENTS, Connected, LOOK, Other};
+use super::other::{CLIENTS, ClientAction, OtherClient, POLL_INTERVAL, TrackedClient};
 use super::setup::make_session;
-use crate::dragged::Circle;
+use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
 /// Views that move, and their size in pixels: the largest that a server takes.
 const LARGE_VIEWS: usize = 8;
-const LARGE: [u32; 2] = [3840, 2160];
+const LARGE_VIEW_SIZE: [u32; 2] = [3840, 2160];
 /// Sockets with a view that nobody acknowledges: all that the victim's two and those that drag leave of 256.
 const SILENT_VIEWS: usize = 250;
 /// Sessions that they are in, each with one that drags.
 const SILENT_SESSIONS: usize = 4;
-const MIDDLE: [u32; 2] = [1280, 720];
+const MEDIUM_VIEW_SIZE: [u32; 2] = [1280, 720];
 /// Views that rest, and that are opened and closed.
 const RESTING_VIEWS: usize = 30;
 /// After how long a view that moves does so again though no frame has come.
@@ -34,13 +34,13 @@ const TURNS: u32 = 40;
 const SCENE: &str = "demo:vases";
 
 /// Views that have been seen once before they are measured, and then move as fast as their frames come.
-pub(super) fn large(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn large(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
         let mut views = Vec::new();
         for socket in 0..LARGE_VIEWS {
             let mut client = other.connect(socket)?;
-            begin_view(&mut client, LARGE)?;
+            begin_view(&mut client, LARGE_VIEW_SIZE)?;
             views.push(client);
         }
         wait_for_all(&mut views, OPENS_WITHIN, |_| true)?;
@@ -55,7 +55,7 @@ pub(super) fn large(other: &Other) -> Result<Act, BenchError> {
 
 /// Moves a view, and again with its next frame or as soon as a hand would.
 fn move_view(
-    other: &Other,
+    other: &OtherClient,
     client: &mut Client,
     camera: &Camera,
     camera_revision: &mut u32,
@@ -63,12 +63,12 @@ fn move_view(
     *camera_revision += 1;
     let (camera, camera_revision) = (turned(camera, *camera_revision), *camera_revision);
     client.send(&ClientMessage::SetCamera { camera, camera_revision })?;
-    other.did(1);
+    other.count_done(1);
     let until = Instant::now() + MOVES_EVERY;
     while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
         if let Some(Incoming::Frame(header, _)) = client.receive(left)? {
             client.ack(&header)?;
-            other.was_answered(1);
+            other.count_answered(1);
             break;
         }
     }
@@ -97,7 +97,7 @@ fn begin_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), Benc
 }
 
 /// Views that nobody reads, of lights that are dragged.
-pub(super) fn silent(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn silent(other: &OtherClient) -> Result<ClientAction, BenchError> {
     for session in 0..SILENT_SESSIONS {
         make_session(&other.address, &other.session(session * CLIENTS), SCENE)?;
     }
@@ -110,12 +110,12 @@ pub(super) fn silent(other: &Other) -> Result<Act, BenchError> {
                 let mut views = Vec::new();
                 for socket in silent.clone().take_while(|_| !other.is_over()) {
                     let opened = other.connect(socket).and_then(|mut client| {
-                        begin_view(&mut client, MIDDLE)?;
+                        begin_view(&mut client, MEDIUM_VIEW_SIZE)?;
                         views.push(client);
-                        other.did(1);
+                        other.count_done(1);
                         Ok(())
                     });
-                    other.note(opened);
+                    other.count_refusal(opened);
                 }
                 wait(other);
                 Ok(())
@@ -125,16 +125,16 @@ pub(super) fn silent(other: &Other) -> Result<Act, BenchError> {
     }))
 }
 
-fn wait(other: &Other) {
+fn wait(other: &OtherClient) {
     while !other.is_over() {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
 }
 
 /// Drags a control point without a view of its own.
-fn drag(other: &Other, socket: usize) -> Result<(), BenchError> {
+fn drag(other: &OtherClient, socket: usize) -> Result<(), BenchError> {
     let mut client = other.connect(socket)?;
-    let circle = Circle::of(&client)?;
+    let circle = DragCircle::of(&client)?;
     let (gesture, light, base_seq) = ("other".to_owned(), circle.light, client.welcome.seq);
     client.send(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq })?;
     for update in 1.. {
@@ -149,17 +149,17 @@ fn drag(other: &Other, socket: usize) -> Result<(), BenchError> {
 }
 
 /// Views that are whole and at rest before they are measured.
-pub(super) fn resting(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn resting(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
         let mut views = open_many(other)?;
-        wait_for_all(&mut views, OPENS_WITHIN, |header| header.flags.settle)?;
+        wait_for_all(&mut views, OPENS_WITHIN, |header| header.flags.is_settled)?;
         other.spawn(move |other| {
             while !other.is_over() {
                 for client in &mut views {
                     client.receive(Duration::from_millis(1))?;
                 }
-                std::thread::sleep(LOOK);
+                std::thread::sleep(POLL_INTERVAL);
             }
             views.clear();
             Ok(())
@@ -169,13 +169,13 @@ pub(super) fn resting(other: &Other) -> Result<Act, BenchError> {
 }
 
 /// Views that are closed a moment after they were opened.
-pub(super) fn closing(other: &Other) -> Result<Act, BenchError> {
+pub(super) fn closing(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
         other.spawn(|other| {
             let mut views = open_many(other)?;
             wait_for_all(&mut views, CLOSES_AFTER, |_| {
-                other.was_answered(1);
+                other.count_answered(1);
                 true
             })
         });
@@ -183,11 +183,11 @@ pub(super) fn closing(other: &Other) -> Result<Act, BenchError> {
     }))
 }
 
-fn open_many(other: &Other) -> Result<Vec<Connected>, BenchError> {
+fn open_many(other: &OtherClient) -> Result<Vec<TrackedClient>, BenchError> {
     let open = |socket| {
         let mut client = other.connect(socket)?;
-        begin_view(&mut client, MIDDLE)?;
-        other.did(1);
+        begin_view(&mut client, MEDIUM_VIEW_SIZE)?;
+        other.count_done(1);
         Ok(client)
     };
     (0..RESTING_VIEWS).map(open).collect()
@@ -195,7 +195,7 @@ fn open_many(other: &Other) -> Result<Vec<Connected>, BenchError> {
 
 /// Waits until each view has had a frame that is wanted, or for so long. Frames of all are acknowledged meanwhile.
 fn wait_for_all(
-    views: &mut [Connected],
+    views: &mut [TrackedClient],
     within: Duration,
     is_wanted: impl Fn(&FrameHeader) -> bool,
 ) -> Result<(), BenchError> {

@@ -2,14 +2,14 @@
 
 use plotters::prelude::*;
 
-use super::{BackendDrag, Report, Stages};
+use super::{BackendDrag, LatencyStages, SessionBenchReport};
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, GREY, ORANGE, VIOLET};
-use crate::circle::Shown;
+use crate::circle::ShownFrame;
 use crate::{BenchError, Quantiles, cases};
 
-type Stage = (&'static str, RGBColor, fn(&Stages<f64>) -> f64);
+type StageSeries = (&'static str, RGBColor, fn(&LatencyStages<f64>) -> f64);
 
-const STAGES: [Stage; 5] = [
+const STAGES: [StageSeries; 5] = [
     ("wait", GREY, |s| s.wait),
     ("render", BLUE, |s| s.render),
     ("encode", ORANGE, |s| s.encode),
@@ -25,8 +25,8 @@ const DRAGS: u32 = 400;
 const WIDE: f64 = 4.0;
 
 /// The frames of each drag of the report, in its order.
-pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, BenchError> {
-    let Report { scene, width, height, .. } = report;
+pub(super) fn draw(shown: &[&[ShownFrame]], report: &SessionBenchReport) -> Result<String, BenchError> {
+    let SessionBenchReport { scene, width, height, .. } = report;
     let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
     chart::svg(SIZE, &title, |area| {
         let (above, rest) = area.split_vertically(KEY);
@@ -42,7 +42,7 @@ pub(super) fn draw(shown: &[&[Shown]], report: &Report) -> Result<String, BenchE
     })
 }
 
-fn total(shown: &Shown) -> f64 {
+fn total(shown: &ShownFrame) -> f64 {
     STAGES.iter().map(|(_, _, of)| of(&shown.stages)).sum()
 }
 
@@ -56,7 +56,7 @@ fn key(area: &Area) -> ChartResult {
 }
 
 /// A bar a frame, its stages stacked, and the quantiles of all updates as lines, up to `top` milliseconds.
-fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> ChartResult {
+fn one(area: &Area, shown: &[ShownFrame], drag: &BackendDrag, top: f64) -> ChartResult {
     let BackendDrag { backend, frames_per_second, edit_to_decoded_ms, .. } = drag;
     let Quantiles { p50, p95, .. } = *edit_to_decoded_ms;
     let caption = format!("{backend}: p50 {p50:.0} ms, p95 {p95:.0} ms, {frames_per_second:.0} frames/s");
@@ -76,7 +76,7 @@ fn one(area: &Area, shown: &[Shown], drag: &BackendDrag, top: f64) -> ChartResul
     let is_wide = f64::from(plot.plotting_area().dim_in_pixel().0) >= WIDE * frames;
     let beside = if is_wide { 0.08 } else { 0.0 };
     for (index, (_, color, of)) in STAGES.iter().enumerate() {
-        let bar = |(frame, shown): (usize, &Shown)| {
+        let bar = |(frame, shown): (usize, &ShownFrame)| {
             let bottom: f64 = STAGES[..index].iter().map(|(_, _, of)| of(&shown.stages)).sum();
             let (left, right) = (frame as f64 + beside, (frame + 1) as f64 - beside);
             Rectangle::new([(left, bottom), (right, bottom + of(&shown.stages))], color.filled())
@@ -100,7 +100,7 @@ mod tests {
             frames: 1,
             frames_per_second: 1.0,
             edit_to_decoded_ms: none,
-            stages_ms: Stages { wait: none, render: none, encode: none, send: none, decode: none },
+            stages_ms: LatencyStages { wait: none, render: none, encode: none, send: none, decode: none },
             release_to_lossless_ms: 0.0,
             frame_bytes_p50: 0,
         }
@@ -108,9 +108,10 @@ mod tests {
 
     /// The chart of drags of one frame each, which is nothing but a render of so many milliseconds.
     fn chart_of(drags: &[(&'static str, f64)]) -> String {
-        let frame = |render| Shown { stages: Stages { render, ..Stages::default() }, bytes: 0 };
-        let shown: Vec<[Shown; 1]> = drags.iter().map(|(_, ms)| [frame(*ms)]).collect();
-        let report = Report {
+        let frame =
+            |render| ShownFrame { stages: LatencyStages { render, ..LatencyStages::default() }, bytes: 0 };
+        let shown: Vec<[ShownFrame; 1]> = drags.iter().map(|(_, ms)| [frame(*ms)]).collect();
+        let report = SessionBenchReport {
             scene: "ball".into(),
             what: String::new(),
             width: 64,
@@ -120,7 +121,7 @@ mod tests {
             cases: Vec::new(),
             peers: Vec::new(),
         };
-        let shown: Vec<&[Shown]> = shown.iter().map(|shown| &shown[..]).collect();
+        let shown: Vec<&[ShownFrame]> = shown.iter().map(|shown| &shown[..]).collect();
         draw(&shown, &report).expect("drawn")
     }
 

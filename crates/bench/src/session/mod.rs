@@ -10,17 +10,17 @@ use protocol::ClientMessage;
 use render::Backend;
 use serde::Serialize;
 
-use crate::cases::{self, Case};
-pub use crate::circle::Stages;
-use crate::circle::{Drag, GESTURE, decode, drag_in_a_circle, ms, open_view};
-use crate::dragged::{Circle, bend_where_all_is_straight};
+use crate::cases::{self, SessionCase};
+pub use crate::circle::LatencyStages;
+use crate::circle::{CircleDrag, GESTURE, decode, drag_in_a_circle, ms, open_view};
+use crate::dragged::{DragCircle, ensure_bent_light};
 use crate::frame::backends;
 use crate::peers::{FEWEST_FRAMES, Peer, Peers, RUNS};
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
+pub struct SessionBenchOptions<'a> {
     /// What the server loads: `demo:NAME` or a glTF file.
     pub scene: &'a str,
     /// What the report calls it.
@@ -40,7 +40,7 @@ pub struct Options<'a> {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct SessionBenchReport {
     /// `demo:NAME`, or a file's name without its folder.
     pub scene: String,
     /// What was dragged.
@@ -55,7 +55,7 @@ pub struct Report {
     /// wgpu's first.
     pub drags: Vec<BackendDrag>,
     /// The same drag by the first of those in views of two sizes, alone and watched.
-    pub cases: Vec<Case>,
+    pub cases: Vec<SessionCase>,
     /// Other renderers; empty where that was not asked for.
     pub peers: Vec<PeerFrames>,
 }
@@ -73,7 +73,7 @@ pub struct BackendDrag {
     /// From sending an update to having decoded the first frame that shows it or a later one.
     pub edit_to_decoded_ms: Quantiles,
     /// Where the time of the newest update of each frame went.
-    pub stages_ms: Stages<Quantiles>,
+    pub stages_ms: LatencyStages<Quantiles>,
     /// From letting go to having decoded the lossless picture.
     pub release_to_lossless_ms: f64,
     /// Bytes of a moving frame, the middle of all.
@@ -98,9 +98,9 @@ pub struct PeerFrames {
 /// measures; before it by wgpu where that is another; then other renderers. Returns what was measured and the chart, an SVG.
 pub fn run(
     program: &Path,
-    options: &Options,
+    options: &SessionBenchOptions,
     progress: &dyn Fn(Progress),
-) -> Result<(Report, String), BenchError> {
+) -> Result<(SessionBenchReport, String), BenchError> {
     let backends = backends(options.backend)?;
     let of = backends.len() + 1 + RUNS * options.peers.map_or(0, Peers::count);
     let mut done = 0;
@@ -119,8 +119,8 @@ pub fn run(
         let more = ["--scene", options.scene, "--backend", backend.name()];
         let server = ServerProcess::start(program, &data, &more)?;
         server.wait_until_ready()?;
-        let made = bend_where_all_is_straight(&server)?;
-        let (circle, drag, report) = dragged(&server, options, backend)?;
+        let made = ensure_bent_light(&server)?;
+        let (circle, drag, report) = measure_drag(&server, options, backend)?;
         measured.push((drag, report));
         if index == 0 {
             step("sizes and viewers".into());
@@ -130,9 +130,9 @@ pub fn run(
     }
     measured.reverse();
     let p50_ms = measured.first().map_or(0.0, |(_, report)| report.edit_to_decoded_ms.p50);
-    let peers = options.peers.map_or(Ok(Vec::new()), |peers| beside(peers, p50_ms, &mut step))?;
-    let (drags, reports): (Vec<Drag>, Vec<BackendDrag>) = measured.into_iter().unzip();
-    let report = Report {
+    let peers = options.peers.map_or(Ok(Vec::new()), |peers| measure_peers(peers, p50_ms, &mut step))?;
+    let (drags, reports): (Vec<CircleDrag>, Vec<BackendDrag>) = measured.into_iter().unzip();
+    let report = SessionBenchReport {
         scene: options.name.into(),
         what,
         width: options.width,
@@ -148,21 +148,21 @@ pub fn run(
 }
 
 /// The drag, until its lossless picture is there.
-fn dragged(
+fn measure_drag(
     server: &ServerProcess,
-    options: &Options,
+    options: &SessionBenchOptions,
     backend: Backend,
-) -> Result<(Circle, Drag, BackendDrag), BenchError> {
+) -> Result<(DragCircle, CircleDrag, BackendDrag), BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     open_view(&mut client, [options.width, options.height])?;
-    let circle = Circle::of(&client)?;
+    let circle = DragCircle::of(&client)?;
     let base_seq = client.welcome.seq;
     let (mut drag, seconds) = drag_in_a_circle(&mut client, options.updates)?;
     let released = Instant::now();
     let gesture = GESTURE.into();
     client.send(&ClientMessage::GestureCommit { gesture, op_id: "bench-commit".into() })?;
     client.wait_for("the lossless picture", |incoming| match incoming {
-        Incoming::Frame(header, tiles) if header.flags.settle && header.log_seq > base_seq => {
+        Incoming::Frame(header, tiles) if header.flags.is_settled && header.log_seq > base_seq => {
             Some(decode(&header, &tiles, &mut drag.picture))
         }
         _ => None,
@@ -173,7 +173,11 @@ fn dragged(
 }
 
 /// Each in turn, and all of them again.
-fn beside(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<Vec<PeerFrames>, BenchError> {
+fn measure_peers(
+    peers: &Peers,
+    p50_ms: f64,
+    step: &mut impl FnMut(String),
+) -> Result<Vec<PeerFrames>, BenchError> {
     let mut lines = Vec::new();
     for _ in 0..RUNS {
         for index in 0..peers.count() {
@@ -189,15 +193,16 @@ fn beside(peers: &Peers, p50_ms: f64, step: &mut impl FnMut(String)) -> Result<V
 }
 
 impl BackendDrag {
-    fn of(drag: &Drag, backend: Backend, seconds: f64, release_to_lossless_ms: f64) -> Self {
-        let stage = |of: fn(&Stages<f64>) -> f64| Quantiles::of(drag.shown.iter().map(|s| of(&s.stages)));
+    fn of(drag: &CircleDrag, backend: Backend, seconds: f64, release_to_lossless_ms: f64) -> Self {
+        let stage =
+            |of: fn(&LatencyStages<f64>) -> f64| Quantiles::of(drag.shown.iter().map(|s| of(&s.stages)));
         let bytes = drag.frame_bytes();
         Self {
             backend: backend.name(),
             frames: drag.shown.len(),
             frames_per_second: drag.shown.len() as f64 / seconds,
             edit_to_decoded_ms: drag.edit_to_decoded_ms(),
-            stages_ms: Stages {
+            stages_ms: LatencyStages {
                 wait: stage(|s| s.wait),
                 render: stage(|s| s.render),
                 encode: stage(|s| s.encode),

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use render::ShadowSettings;
 
-use super::{Report, Run, SceneReport};
+use super::{SceneReport, ShadowBenchReport, ShadowRun};
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED, VIOLET, range};
 
@@ -14,7 +14,7 @@ const COLORS: [RGBColor; 5] = [BLUE, RED, GREEN, ORANGE, VIOLET];
 struct Knob {
     title: &'static str,
     of: fn(&ShadowSettings, &ShadowSettings) -> bool,
-    label: fn(&Run) -> String,
+    label: fn(&ShadowRun) -> String,
 }
 
 const KNOBS: [Knob; 4] = [
@@ -36,14 +36,14 @@ const KNOBS: [Knob; 4] = [
     Knob {
         title: "mesh error in world units",
         of: |s, d| *s == ShadowSettings { mesh_error: s.mesh_error, ..*d },
-        label: Run::mesh,
+        label: ShadowRun::mesh,
     },
 ];
 
 /// An error: its name with its unit, and what it is of a run.
 struct Measure {
     title: &'static str,
-    of: fn(&Run) -> f64,
+    of: fn(&ShadowRun) -> f64,
 }
 
 const MEASURES: [Measure; 2] = [
@@ -52,8 +52,8 @@ const MEASURES: [Measure; 2] = [
 ];
 
 /// An SVG.
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
-    let Report { width, height, adapter, .. } = report;
+pub(super) fn draw(report: &ShadowBenchReport) -> Result<String, BenchError> {
+    let ShadowBenchReport { width, height, adapter, .. } = report;
     let title = format!("bent shadows: run time against error, {width} x {height} pixels on {adapter}");
     chart::svg((1100, 1644), &title, |area| {
         let panels = area.split_evenly((KNOBS.len(), MEASURES.len()));
@@ -84,7 +84,7 @@ struct Axes {
 
 fn panel(
     area: &Area,
-    report: &Report,
+    report: &ShadowBenchReport,
     (knob, measure): (&Knob, &Measure),
     Axes { end_ms, errors }: Axes,
     key: bool,
@@ -131,7 +131,7 @@ fn panel(
 fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64, String)> {
     let default = ShadowSettings::default();
     let mut turned: Vec<_> = scene.runs.iter().filter(|run| (knob.of)(&run.settings, &default)).collect();
-    let edge_error = |run: &Run| run.settings.edge_error_texels.unwrap_or(f32::INFINITY);
+    let edge_error = |run: &ShadowRun| run.settings.edge_error_texels.unwrap_or(f32::INFINITY);
     // All but one of these are equal.
     turned.sort_by(|a, b| {
         let by_edge = edge_error(b).total_cmp(&edge_error(a));
@@ -150,7 +150,7 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
 }
 
 /// Of the stages that the knobs are about.
-fn milliseconds(run: &Run) -> f64 {
+fn milliseconds(run: &ShadowRun) -> f64 {
     run.stages.shadow_ms + run.stages.lighting_ms
 }
 

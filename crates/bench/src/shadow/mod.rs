@@ -8,10 +8,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-use render::{Gpu, Recording, Renderer, ShadowFilter, ShadowSettings, Stage};
+use render::{FrameStage, Gpu, Recording, Renderer, ShadowFilter, ShadowSettings};
 use serde::Serialize;
 
-use crate::compare::{Comparison, Drawn, Expected, Subject};
+use crate::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use crate::{BenchError, Progress};
 
 /// Texels along each side of a map.
@@ -25,12 +25,18 @@ const MESH_ERRORS: [f64; 4] = [0.0, 1e-4, 1e-3, 1e-2];
 const TIMINGS: usize = 7;
 
 /// What makes a shadow map.
-const SHADOW: [Stage; 6] =
-    [Stage::Vertices, Stage::Triangles, Stage::Clip, Stage::Split, Stage::Draw, Stage::Counts];
+const SHADOW: [FrameStage; 6] = [
+    FrameStage::Vertices,
+    FrameStage::Triangles,
+    FrameStage::Clip,
+    FrameStage::Split,
+    FrameStage::Draw,
+    FrameStage::Counts,
+];
 
 /// What to measure.
 #[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
+pub struct ShadowBenchOptions<'a> {
     /// Pixels.
     pub width: u32,
     /// Pixels.
@@ -42,7 +48,7 @@ pub struct Options<'a> {
 /// What was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct ShadowBenchReport {
     /// Driver and device.
     pub adapter: String,
     /// Pixels.
@@ -62,13 +68,13 @@ pub struct SceneReport {
     /// How long the reference took for it.
     pub reference_seconds: f64,
     /// One knob turned at a time.
-    pub runs: Vec<Run>,
+    pub runs: Vec<ShadowRun>,
 }
 
 /// One way to make shadows.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Run {
+pub struct ShadowRun {
     /// Texels along each side of the map.
     pub resolution: u32,
     /// Texels by which a bent edge may be off; null splits none.
@@ -78,7 +84,7 @@ pub struct Run {
     /// How far casters may stray from the surface, in world units.
     pub mesh_error: f64,
     /// Nothing kept from a picture before; milliseconds.
-    pub stages: Stages,
+    pub stages: ShadowCosts,
     /// Against the reference.
     pub error: Comparison,
     /// The same four.
@@ -89,7 +95,7 @@ pub struct Run {
 /// The fastest of several, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Stages {
+pub struct ShadowCosts {
     /// What each pixel sees.
     pub gbuffer_ms: f64,
     /// The shadow map.
@@ -118,9 +124,9 @@ fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
 /// an SVG.
 pub fn run(
     gpu: &Arc<Gpu>,
-    options: Options,
+    options: ShadowBenchOptions,
     progress: impl Fn(Progress) + Sync,
-) -> Result<(Report, String), BenchError> {
+) -> Result<(ShadowBenchReport, String), BenchError> {
     let mut renderer = Renderer::new(Arc::clone(gpu))?;
     let subjects = scenes::subjects(options.width, options.height);
     // As many in every scene; the reference's picture is one step more.
@@ -136,30 +142,34 @@ pub fn run(
         };
         scenes.push(run_scene(&mut renderer, subject, options.pictures, step)?);
     }
-    let report =
-        Report { adapter: gpu.adapter_name().into(), width: options.width, height: options.height, scenes };
+    let report = ShadowBenchReport {
+        adapter: gpu.adapter_name().into(),
+        width: options.width,
+        height: options.height,
+        scenes,
+    };
     let chart = chart::draw(&report)?;
     Ok((report, chart))
 }
 
 fn run_scene(
     renderer: &mut Renderer,
-    subject: &Subject,
+    subject: &ComparisonSubject,
     pictures: Option<&Path>,
     step: impl Fn(usize),
 ) -> Result<SceneReport, BenchError> {
     step(0);
     let start = Instant::now();
-    let expected = Expected::new(subject, || {})?;
+    let expected = ExpectedPicture::new(subject, || {})?;
     let reference_seconds = start.elapsed().as_secs_f64();
     renderer.set_scene(expected.posed())?;
     let diagonal = 2.0 * expected.posed().half_extent.length();
     let mut runs = Vec::new();
     for (index, shadows) in all_settings(diagonal).into_iter().enumerate() {
         step(1 + index);
-        let drawn = Drawn::new(renderer, subject, shadows)?;
+        let drawn = RenderedSubject::new(renderer, subject, shadows)?;
         let error = expected.compare(&drawn);
-        let run = Run {
+        let run = ShadowRun {
             resolution: shadows.resolution,
             edge_error_texels: shadows.edge_error_texels,
             filter: name(shadows.filter),
@@ -177,22 +187,22 @@ fn run_scene(
 }
 
 /// What the picture's stages take.
-fn time(renderer: &mut Renderer, subject: &Subject) -> Result<Stages, BenchError> {
+fn time(renderer: &mut Renderer, subject: &ComparisonSubject) -> Result<ShadowCosts, BenchError> {
     let lights = subject.lights()?;
     let mut record = || {
         renderer.invalidate();
         renderer.record_display(&subject.view, &lights).map(|(_, recording)| recording)
     };
     let recordings = (0..TIMINGS).map(|_| record()).collect::<Result<Vec<_>, _>>()?;
-    let fastest = |stages: &[Stage]| {
+    let fastest = |stages: &[FrameStage]| {
         let sum =
             |recording: &Recording| stages.iter().map(|stage| recording.cost(*stage).wall_ms).sum::<f64>();
         recordings.iter().map(sum).fold(f64::INFINITY, f64::min)
     };
-    Ok(Stages {
-        gbuffer_ms: fastest(&[Stage::Gbuffer]),
+    Ok(ShadowCosts {
+        gbuffer_ms: fastest(&[FrameStage::Gbuffer]),
         shadow_ms: fastest(&SHADOW),
-        lighting_ms: fastest(&[Stage::Fill, Stage::Light]),
+        lighting_ms: fastest(&[FrameStage::Fill, FrameStage::Light]),
     })
 }
 
@@ -204,7 +214,7 @@ fn name(filter: ShadowFilter) -> &'static str {
     }
 }
 
-impl Run {
+impl ShadowRun {
     fn file_name(&self, scene: &str) -> String {
         let edge = self.edge_error_texels.map_or("unsplit".into(), |texels| format!("{texels}"));
         format!("{scene}-{}-{edge}-{}-{}.png", self.resolution, self.filter, self.mesh())

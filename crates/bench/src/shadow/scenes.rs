@@ -5,13 +5,13 @@ use light::Light;
 use light::parameters::TRANSLATION;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
-use crate::compare::Subject;
+use crate::compare::ComparisonSubject;
 use crate::solids::{ball, block};
 
 /// All of them, `width` x `height` pixels.
-pub(crate) fn subjects(width: u32, height: u32) -> Vec<Subject> {
+pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
     let view = view(width, height);
-    let subject = |name, parts, light| Subject::new(name, scene_of(parts), light, view.clone());
+    let subject = |name, parts, light| ComparisonSubject::new(name, scene_of(parts), light, view.clone());
     vec![
         subject("straight", still_life(), straight()),
         subject("bent", still_life(), bent()),
@@ -40,7 +40,7 @@ fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let source = DVec3::from_array(points[0]);
     let points = points.map(|point| DVec3::from_array(point) - source).to_vec();
     let light = Light::bendy(points, radii.to_vec()).with(TRANSLATION, source);
-    light.with_points(|_, point| point.intensity = 3.0)
+    light.map_points(|_, point| point.intensity = 3.0)
 }
 
 /// A cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
@@ -68,7 +68,7 @@ fn tapered() -> Light {
 }
 
 /// A mesh at a place.
-pub(crate) struct Part(pub Primitive, pub DAffine3);
+pub(crate) struct PlacedPrimitive(pub Primitive, pub DAffine3);
 
 pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
     let (scale, at) = (DVec3::from_array(scale), DVec3::from_array(at));
@@ -76,7 +76,7 @@ pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
 }
 
 /// Two large triangles.
-pub(crate) fn floor() -> Part {
+pub(crate) fn floor() -> PlacedPrimitive {
     let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
     let primitive = Primitive {
         positions: corners.map(|[x, z]| Vec3::new(x, 0.0, z)).to_vec(),
@@ -84,46 +84,46 @@ pub(crate) fn floor() -> Part {
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
     };
-    Part(primitive, DAffine3::IDENTITY)
+    PlacedPrimitive(primitive, DAffine3::IDENTITY)
 }
 
 /// Balls and boxes on the floor and above it.
-fn still_life() -> Vec<Part> {
+fn still_life() -> Vec<PlacedPrimitive> {
     vec![
         floor(),
-        Part(ball(48), place([0.45; 3], 0.0, [0.2, 0.45, 0.5])),
-        Part(ball(48), place([0.3; 3], 0.0, [1.5, 0.9, -0.5])),
-        Part(block(), place([0.25, 0.6, 0.25], 0.5, [0.9, 0.6, -0.9])),
-        Part(block(), place([0.9, 0.04, 0.06], 0.3, [0.9, 1.3, 0.2])),
-        Part(block(), place([0.05, 0.5, 0.05], 0.2, [1.9, 0.5, 0.6])),
+        PlacedPrimitive(ball(48), place([0.45; 3], 0.0, [0.2, 0.45, 0.5])),
+        PlacedPrimitive(ball(48), place([0.3; 3], 0.0, [1.5, 0.9, -0.5])),
+        PlacedPrimitive(block(), place([0.25, 0.6, 0.25], 0.5, [0.9, 0.6, -0.9])),
+        PlacedPrimitive(block(), place([0.9, 0.04, 0.06], 0.3, [0.9, 1.3, 0.2])),
+        PlacedPrimitive(block(), place([0.05, 0.5, 0.05], 0.2, [1.9, 0.5, 0.6])),
     ]
 }
 
 /// Long beams that enter and leave the tube, so that most of each lies outside of it.
-fn beams() -> Vec<Part> {
+fn beams() -> Vec<PlacedPrimitive> {
     vec![
         floor(),
-        Part(block(), place([4.0, 0.05, 0.1], 0.4, [0.0, 2.6, 0.2])),
-        Part(block(), place([0.08, 0.06, 4.0], 0.2, [0.2, 1.5, 0.0])),
-        Part(block(), place([0.1, 3.0, 0.1], 0.7, [1.6, 3.0, -0.5])),
+        PlacedPrimitive(block(), place([4.0, 0.05, 0.1], 0.4, [0.0, 2.6, 0.2])),
+        PlacedPrimitive(block(), place([0.08, 0.06, 4.0], 0.2, [0.2, 1.5, 0.0])),
+        PlacedPrimitive(block(), place([0.1, 3.0, 0.1], 0.7, [1.6, 3.0, -0.5])),
     ]
 }
 
 /// Fifteen hundred small blocks in the air, at even spacings that never repeat (the R3 lattice).
-fn leaves() -> Vec<Part> {
+fn leaves() -> Vec<PlacedPrimitive> {
     const PLASTIC: f64 = 1.220_744_084_605_759_5;
     let leaf = |k: u32| {
         let along = |power: i32| (0.5 + f64::from(k) / PLASTIC.powi(power)).fract();
         let at = [-0.6 + 2.6 * along(1), 0.15 + 1.9 * along(2), -1.2 + 2.4 * along(3)];
-        Part(block(), place([0.04, 0.008, 0.025], 6.0 * along(1), at))
+        PlacedPrimitive(block(), place([0.04, 0.008, 0.025], 6.0 * along(1), at))
     };
     std::iter::once(floor()).chain((0..1500).map(leaf)).collect()
 }
 
-pub(crate) fn scene_of(parts: Vec<Part>) -> Scene {
+pub(crate) fn scene_of(parts: Vec<PlacedPrimitive>) -> Scene {
     let material = Material { base_color: Vec4::new(0.7, 0.7, 0.7, 1.0), ..Material::default() };
     let mut scene = Scene { materials: vec![material], ..Scene::default() };
-    for (mesh, Part(primitive, parent_from_local)) in parts.into_iter().enumerate() {
+    for (mesh, PlacedPrimitive(primitive, parent_from_local)) in parts.into_iter().enumerate() {
         scene.meshes.push(Mesh { name: String::new(), primitives: vec![primitive] });
         scene.nodes.push(Node { name: String::new(), parent: None, parent_from_local, mesh: Some(mesh) });
     }

@@ -20,8 +20,8 @@ pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let hessian = [a * c - b * b, a * d - b * c, b * d - c * c];
     let discriminant = two * two * hessian[0] * hessian[2] - hessian[1] * hessian[1];
     // Depressed from the side of the leading coefficient, or from that of the last.
-    let leading = Side { outer: a, bar_c: hessian[0], bar_d: -two * b * hessian[0] + a * hessian[1] };
-    let trailing = Side { outer: d, bar_c: hessian[2], bar_d: -d * hessian[1] + two * c * hessian[2] };
+    let leading = BlinnCubic { outer: a, bar_c: hessian[0], bar_d: -two * b * hessian[0] + a * hessian[1] };
+    let trailing = BlinnCubic { outer: d, bar_c: hessian[2], bar_d: -d * hessian[1] + two * c * hessian[2] };
     if discriminant <= F::zero() {
         return if b * b * b * d >= a * c * c * c {
             [Some((leading.single(discriminant) - b) / a), None, None]
@@ -43,13 +43,13 @@ pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
 }
 
 /// A depressed cubic, `t^3 + 3 bar_c t + bar_d`.
-struct Side<F> {
+struct BlinnCubic<F> {
     outer: F,
     bar_c: F,
     bar_d: F,
 }
 
-impl<F: Float> Side<F> {
+impl<F: Float> BlinnCubic<F> {
     /// Its only real root.
     fn single(&self, discriminant: F) -> F {
         let two = F::one() + F::one();

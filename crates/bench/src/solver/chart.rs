@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 
 use super::family::FAMILIES;
-use super::report::{Measured, Report};
+use super::report::{MeasuredMethod, SolverBenchReport};
 use super::width::Precision;
 use crate::BenchError;
 use crate::chart::{self, BLUE, ChartResult, ORANGE, range};
@@ -17,11 +17,11 @@ const LETTER: i32 = 7;
 type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 /// A marker a method and width, filled where nothing was wrong, and each width's Pareto front.
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
+pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
     let methods = &report.methods;
     chart::svg((1000, 640), "", |area| {
         let (fastest, slowest) = range(methods.iter().map(|m| m.nanoseconds));
-        let (least, most) = range(methods.iter().map(Measured::error));
+        let (least, most) = range(methods.iter().map(MeasuredMethod::error));
         let cases = report.inputs_per_family * FAMILIES.len() as u64;
         let caption =
             format!("Where is the curve square to a point? {cases} points, {} kinds", FAMILIES.len());
@@ -58,7 +58,7 @@ pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
 }
 
 /// The steps of what is fastest for each error, up to the time `end`.
-fn front(methods: &[&Measured], end: f64) -> Vec<(f64, f64)> {
+fn front(methods: &[&MeasuredMethod], end: f64) -> Vec<(f64, f64)> {
     let mut best: Vec<_> =
         methods.iter().filter(|m| m.on_pareto_front).map(|m| (m.nanoseconds, m.error())).collect();
     best.sort_by(|x, y| x.0.total_cmp(&y.0));
@@ -66,7 +66,7 @@ fn front(methods: &[&Measured], end: f64) -> Vec<(f64, f64)> {
     best.iter().zip(until).flat_map(|(&(from, error), until)| [(from, error), (until, error)]).collect()
 }
 
-fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
+fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartResult {
     for method in methods {
         let color = color(method);
         let style = if failures(method).is_empty() { color.filled() } else { color.stroke_width(2) };
@@ -76,7 +76,7 @@ fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
 }
 
 /// Each marker's name beside it, moved down where another stands there, with a line back to its marker.
-fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
+fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartResult {
     let mut markers: Vec<_> =
         methods.iter().map(|m| (plot.backend_coord(&(m.nanoseconds, m.error())), m)).collect();
     markers.sort_by_key(|((_, y), _)| *y);
@@ -108,18 +108,18 @@ fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[Measured]) -> ChartResult {
     Ok(())
 }
 
-fn color(method: &Measured) -> RGBColor {
+fn color(method: &MeasuredMethod) -> RGBColor {
     if method.precision == Precision::F32 { WIDTHS[0].1 } else { WIDTHS[1].1 }
 }
 
-fn name(method: &Measured) -> String {
+fn name(method: &MeasuredMethod) -> String {
     let failures = failures(method);
     let separator = if failures.is_empty() { "" } else { ": " };
     format!("{:?}{separator}{failures}", method.method)
 }
 
 /// How many answers went wrong, in words; nothing where none did.
-fn failures(method: &Measured) -> String {
+fn failures(method: &MeasuredMethod) -> String {
     let accuracy = &method.accuracy;
     let wrong = accuracy.missed + accuracy.spurious + accuracy.inaccurate;
     let counts = [(wrong, "wrong"), (accuracy.nan, "NaN")];

@@ -3,8 +3,8 @@
 use light::Curve;
 use num_traits::Float;
 
-use super::found::Found;
-use super::width::Width;
+use super::found::FoundRoots;
+use super::width::FloatWidth;
 
 /// `c3 u^3 + c2 u^2 + c1 u + c0`, half the derivative of the squared distance from the curve to a point.
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +15,7 @@ pub struct Cubic<F> {
     pub c3: F,
 }
 
-impl<F: Width> Cubic<F> {
+impl<F: FloatWidth> Cubic<F> {
     /// Of a segment and a point (light model, section 5).
     pub fn of(curve: &Curve<F>, q: F::Vec3) -> Self {
         let (d0, a, from_start) = (curve.d0, curve.a, q - curve.b0);
@@ -28,10 +28,10 @@ impl<F: Width> Cubic<F> {
     }
 
     /// Those of `roots` that are wanted: on the segment, and where the distance has a minimum. NaN stays in.
-    pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> Found<F> {
+    pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
         let slack = F::of(F::END_SLACK);
         let outside = |u: F| u < -slack || u > F::one() + slack;
-        let mut found = Found::none();
+        let mut found = FoundRoots::none();
         for u in roots {
             let is_maximum = self.slope(u) < F::zero();
             if !outside(u) && !is_maximum {

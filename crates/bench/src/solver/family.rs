@@ -5,7 +5,7 @@ use glam::DVec3;
 use light::{Curve, TubeBox};
 use serde::Serialize;
 
-use super::width::Width;
+use super::width::FloatWidth;
 
 /// A kind of segment and point; cases are numbered, and the same number gives the same case on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -64,47 +64,47 @@ pub const FAMILIES: [Family; 15] = [
 
 /// One question: where on `curve` is the point `q` square to it?
 #[derive(Clone, Debug)]
-pub struct Case<F: Width> {
+pub struct SolverCase<F: FloatWidth> {
     /// Only positions and derivatives count.
     pub curve: Curve<F>,
     /// The point.
     pub q: F::Vec3,
 }
 
-impl Case<f64> {
+impl SolverCase<f64> {
     /// The same case with every number rounded to `F`, as a light is prepared for it.
-    pub fn rounded<F: Width>(&self) -> Case<F> {
-        Case { curve: F::curve(&self.curve), q: F::vec(self.q) }
+    pub fn rounded<F: FloatWidth>(&self) -> SolverCase<F> {
+        SolverCase { curve: F::curve(&self.curve), q: F::vec(self.q) }
     }
 }
 
 impl Family {
     /// Whether `P'` all but vanishes somewhere on its curves.
-    pub fn may_stop(self) -> bool {
+    pub fn has_vanishing_derivative(self) -> bool {
         matches!(self, Self::Hairpin | Self::Cusp | Self::Coincident)
     }
 
     /// Case `index` of this family.
-    pub fn case(self, index: u64) -> Case<f64> {
+    pub fn case(self, index: u64) -> SolverCase<f64> {
         let rng = &mut Rng::with_seed((self as u64 + 1) << 48 | index);
         let strength = (index % 10) as f64;
         match self {
             Self::Ordinary => {
                 let curve = bent(rng, 1.0);
                 let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::NearlyStraight => {
                 let curve = bent(rng, libm::exp10(-1.0 - strength));
                 let q = in_tube(rng, &curve, 0.9);
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::Straight => {
                 let (b0, d0) = (cube(rng), direction(rng));
-                let speed = if rng.bool() { 1.0 } else { between(rng, 0.2, 5.0) };
+                let speed = if rng.bool() { 1.0 } else { uniform(rng, 0.2, 5.0) };
                 let curve = curve_of(b0, d0, d0 * speed);
                 let q = if rng.bool() { in_tube(rng, &curve, 0.9) } else { around(rng, &curve, 1.0) };
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::Uneven => {
                 let mut curve = bent(rng, 1.0);
@@ -115,42 +115,45 @@ impl Family {
                     curve_of(curve.b0, curve.d0, curve.d1 * ratio)
                 };
                 let q = around(rng, &curve, 1.0);
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::Hairpin => {
                 let (b0, d0) = (cube(rng), direction(rng));
                 let width = magnitude(rng, -3.0, -0.5);
-                let curve = curve_of(b0, d0, d0 * -between(rng, 0.5, 2.0) + direction(rng) * width);
+                let curve = curve_of(b0, d0, d0 * -uniform(rng, 0.5, 2.0) + direction(rng) * width);
                 let q = near_slowest(rng, &curve);
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::Cusp => end_speed(rng, libm::exp10(-2.0 - strength % 6.0)),
             Self::Coincident => end_speed(rng, 0.0),
             Self::FarOffset => {
-                let Case { curve, q } = Self::Ordinary.case(index);
+                let SolverCase { curve, q } = Self::Ordinary.case(index);
                 let offset = direction(rng) * magnitude(rng, 3.0, 6.0);
-                Case { curve: curve_of(curve.b0 + offset, curve.d0, curve.d1), q: q + offset }
+                SolverCase { curve: curve_of(curve.b0 + offset, curve.d0, curve.d1), q: q + offset }
             }
             Self::Scaled => {
-                let Case { curve, q } = Self::Ordinary.case(index);
+                let SolverCase { curve, q } = Self::Ordinary.case(index);
                 let scale = magnitude(rng, -4.0, 4.0);
-                Case { curve: curve_of(curve.b0 * scale, curve.d0 * scale, curve.d1 * scale), q: q * scale }
+                SolverCase {
+                    curve: curve_of(curve.b0 * scale, curve.d0 * scale, curve.d1 * scale),
+                    q: q * scale,
+                }
             }
             Self::OnCurve => {
                 let curve = bent(rng, 1.0);
                 let q = curve.position(rng.f64());
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::Boundary => {
                 let curve = bent(rng, 1.0);
                 let u = rng.f64();
                 let q = curve.position(u) + across(rng, &curve, u) * (0.9 * narrowest(&curve));
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::FarPoint => {
                 let curve = bent(rng, 1.0);
                 let q = curve.b0 + direction(rng) * magnitude(rng, 1.0, 4.0);
-                Case { curve, q }
+                SolverCase { curve, q }
             }
             Self::NearEvolute => {
                 let curve = bent(rng, 1.0);
@@ -163,27 +166,27 @@ impl Family {
                 let to_center = a_across * (2.0 * d.length_squared() / a_across.length_squared());
                 let q = curve.position(u)
                     + to_center * short
-                    + d.cross(a).normalize_or_zero() * between(rng, -1.0, 1.0);
-                Case { curve, q }
+                    + d.cross(a).normalize_or_zero() * uniform(rng, -1.0, 1.0);
+                SolverCase { curve, q }
             }
             Self::AtEnd => {
                 let curve = bent(rng, 1.0);
                 let u = f64::from(rng.bool());
                 let q = curve.position(u) + across(rng, &curve, u) * (rng.f64() * narrowest(&curve));
                 let past =
-                    if rng.bool() { 0.0 } else { between(rng, -1.0, 1.0) * magnitude(rng, -9.0, -5.0) };
-                Case { q: q + curve.d(u) * past, curve }
+                    if rng.bool() { 0.0 } else { uniform(rng, -1.0, 1.0) * magnitude(rng, -9.0, -5.0) };
+                SolverCase { q: q + curve.d(u) * past, curve }
             }
             Self::Anywhere => {
                 let (c0, c1, c2) = (cube(rng), cube(rng), cube(rng));
-                Case { curve: curve_of(c0, c1 - c0, c2 - c1), q: cube(rng) * 2.0 }
+                SolverCase { curve: curve_of(c0, c1 - c0, c2 - c1), q: cube(rng) * 2.0 }
             }
         }
     }
 }
 
 /// A curve one of whose end tangents is `ratio` times as long as the other.
-fn end_speed(rng: &mut Rng, ratio: f64) -> Case<f64> {
+fn end_speed(rng: &mut Rng, ratio: f64) -> SolverCase<f64> {
     let curve = bent(rng, 1.0);
     let curve = if rng.bool() {
         curve_of(curve.b0, curve.d0 * ratio, curve.d1)
@@ -191,21 +194,21 @@ fn end_speed(rng: &mut Rng, ratio: f64) -> Case<f64> {
         curve_of(curve.b0, curve.d0, curve.d1 * ratio)
     };
     let q = near_slowest(rng, &curve);
-    Case { curve, q }
+    SolverCase { curve, q }
 }
 
 /// From `10^low` to `10^high`, every order as likely as the others.
 fn magnitude(rng: &mut Rng, low: f64, high: f64) -> f64 {
-    libm::exp10(between(rng, low, high))
+    libm::exp10(uniform(rng, low, high))
 }
 
-fn between(rng: &mut Rng, low: f64, high: f64) -> f64 {
+fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.f64()
 }
 
 /// Uniform in the cube of half width 1.
 fn cube(rng: &mut Rng) -> DVec3 {
-    DVec3::new(between(rng, -1.0, 1.0), between(rng, -1.0, 1.0), between(rng, -1.0, 1.0))
+    DVec3::new(uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0))
 }
 
 /// Uniform over the unit sphere.
@@ -218,10 +221,10 @@ fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A segment whose end tangents differ by up to `bend` times their length.
+/// A segment whose end tangents differ by up to `bent` times their length.
 fn bent(rng: &mut Rng, bend: f64) -> Curve<f64> {
-    let (b0, d0) = (cube(rng), direction(rng) * between(rng, 0.5, 1.0));
-    curve_of(b0, d0, d0 + direction(rng) * (d0.length() * bend * between(rng, 0.1, 0.9)))
+    let (b0, d0) = (cube(rng), direction(rng) * uniform(rng, 0.5, 1.0));
+    curve_of(b0, d0, d0 + direction(rng) * (d0.length() * bend * uniform(rng, 0.1, 0.9)))
 }
 
 /// The narrowest radius of curvature, or the segment's length where that is less.

@@ -1,15 +1,15 @@
 //! What a solver says: up to three parameters.
 
-use super::width::Width;
+use super::width::FloatWidth;
 
 /// Parameters that a solver reports. NaN is kept, so that it can be counted.
 #[derive(Clone, Copy, Debug)]
-pub struct Found<F> {
+pub struct FoundRoots<F> {
     roots: [F; 3],
     count: usize,
 }
 
-impl<F: Width> Found<F> {
+impl<F: FloatWidth> FoundRoots<F> {
     /// Nothing yet.
     pub fn none() -> Self {
         Self { roots: [F::zero(); 3], count: 0 }
@@ -27,7 +27,7 @@ impl<F: Width> Found<F> {
     }
 }
 
-impl<F: Width> Extend<F> for Found<F> {
+impl<F: FloatWidth> Extend<F> for FoundRoots<F> {
     fn extend<T: IntoIterator<Item = F>>(&mut self, roots: T) {
         for u in roots {
             self.push(u);

@@ -2,23 +2,23 @@
 
 use twofloat::TwoFloat;
 
-use super::family::{Case, Family, kappa_max, slowest};
-use super::found::Found;
+use super::family::{Family, SolverCase, kappa_max, slowest};
+use super::found::FoundRoots;
 use super::histogram::Histogram;
-use super::truth::{TrueRoot, Truth};
-use super::width::{Precision, Width};
+use super::truth::{ExactCubic, TrueRoot};
+use super::width::{FloatWidth, Precision};
 
 /// A root further than this from every true one is another root.
-const SAME: f64 = 1.0 / 64.0;
+const SAME_ROOT_DISTANCE: f64 = 1.0 / 64.0;
 
 /// What is known about the answers to some cases.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct AnswerTally {
     /// Cases.
     pub inputs: u64,
     /// Errors in u, of the wanted roots that were found.
     pub error: Histogram,
-    /// The same in units of `eps cond`, where the light model bounds it: see [`Bars::well_shaped`].
+    /// The same in units of `eps cond`, where the light model bounds it: see [`ErrorBounds::is_well_conditioned`].
     pub error_eps_cond: Histogram,
     /// Wanted roots that were not found.
     pub missed: u64,
@@ -44,7 +44,7 @@ pub struct WrongCase {
     pub precision: Precision,
 }
 
-impl Tally {
+impl AnswerTally {
     /// Wrong roots of all three kinds: missed, spurious and inaccurate.
     pub fn wrong(&self) -> u64 {
         self.missed + self.spurious + self.inaccurate
@@ -70,7 +70,13 @@ impl Tally {
     }
 
     /// Adds the answer to one case.
-    pub fn count<F: Width>(&mut self, family: Family, index: u64, bars: &Bars<F>, found: &Found<F>) {
+    pub fn count<F: FloatWidth>(
+        &mut self,
+        family: Family,
+        index: u64,
+        bars: &ErrorBounds<F>,
+        found: &FoundRoots<F>,
+    ) {
         let before = self.wrong() + self.nan;
         self.inputs += 1;
         let reported = found.roots();
@@ -89,45 +95,51 @@ impl Tally {
         }
     }
 
-    fn measure<F: Width>(&mut self, bars: &Bars<F>, root: &TrueRoot, u: f64) {
+    fn measure<F: FloatWidth>(&mut self, bars: &ErrorBounds<F>, root: &TrueRoot, u: f64) {
         let (error, eps_cond) = (root.error(u), F::PRECISION.eps() * bars.cond(root.u.hi()));
         self.error.record(error);
-        if bars.well_shaped {
+        if bars.is_well_conditioned {
             self.error_eps_cond.record(error / eps_cond);
         }
-        let held = bars.well_shaped && error <= 16.0 * eps_cond;
+        let held = bars.is_well_conditioned && error <= 16.0 * eps_cond;
         self.inaccurate += u64::from(!held && !bars.is_within_backward(u));
     }
 }
 
 /// The truth about a case, and how far from it an answer in `F` may be (light model, section 5).
-pub struct Bars<F: Width> {
-    truth: Truth,
-    case: Case<F>,
+pub struct ErrorBounds<F: FloatWidth> {
+    truth: ExactCubic,
+    case: SolverCase<F>,
     /// The bar `K` on the backward error.
     backward: f64,
     /// `|d0| + |d1|`.
     length: f64,
     /// Whether the bar on u holds: a tube as wide as the point is off the curve has `R kappa <= 0.9`, and
     /// `|P'| >= 0.1 L`. Elsewhere only the backward error is bounded.
-    well_shaped: bool,
+    is_well_conditioned: bool,
 }
 
-impl<F: Width> Bars<F> {
+impl<F: FloatWidth> ErrorBounds<F> {
     /// The bars for a case as it is in `F`.
-    pub fn new(family: Family, exact: &Case<f64>) -> Self {
+    pub fn new(family: Family, exact: &SolverCase<f64>) -> Self {
         let case = exact.rounded::<F>();
-        let truth = Truth::of(&case.curve, case.q);
+        let truth = ExactCubic::of(&case.curve, case.q);
         let s = &exact.curve;
         let length = s.d0.length() + s.d1.length();
         let widest = truth.roots.iter().flatten().map(|root| (exact.q - s.position(root.u.hi())).length());
         let radius = widest.fold(0.0, f64::max);
-        let well_shaped = radius * kappa_max(s) <= 0.9 && 2.0 * slowest(s) >= 0.1 * length;
-        Self { truth, case, backward: F::BACKWARD[usize::from(family.may_stop())], length, well_shaped }
+        let is_well_conditioned = radius * kappa_max(s) <= 0.9 && 2.0 * slowest(s) >= 0.1 * length;
+        Self {
+            truth,
+            case,
+            backward: F::BACKWARD_ERROR_BOUNDS[usize::from(family.has_vanishing_derivative())],
+            length,
+            is_well_conditioned,
+        }
     }
 
     /// The case in `F`.
-    pub fn case(&self) -> &Case<F> {
+    pub fn case(&self) -> &SolverCase<F> {
         &self.case
     }
 
@@ -156,7 +168,8 @@ impl<F: Width> Bars<F> {
     /// Whether `u` can be meant for `root`.
     fn is_answer(&self, root: &TrueRoot, u: f64) -> bool {
         let [low, high] = root.piece;
-        root.error(u) <= SAME || (root.is_wanted() && (low..=high).contains(&u) && self.is_within_backward(u))
+        root.error(u) <= SAME_ROOT_DISTANCE
+            || (root.is_wanted() && (low..=high).contains(&u) && self.is_within_backward(u))
     }
 
     fn is_within_backward(&self, u: f64) -> bool {
@@ -172,9 +185,9 @@ impl<F: Width> Bars<F> {
 
     /// Whether a wanted root lies at `u`, but for what rounding can do.
     fn is_root(&self, u: f64) -> bool {
-        let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME);
+        let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME_ROOT_DISTANCE);
         let rising =
-            || self.truth.slope(u) >= 0.0 || self.truth.turns.iter().any(|&turn| self.is_double(turn));
+            || self.truth.slope(u) >= 0.0 || self.truth.extrema.iter().any(|&turn| self.is_double(turn));
         near || (self.is_within_backward(u) && rising())
     }
 

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use super::closed_form::RealRoots;
 use super::cubic::Cubic;
-use super::found::Found;
-use super::width::Width;
+use super::found::FoundRoots;
+use super::width::FloatWidth;
 use super::{blinn, closed_form, iterative};
 
 /// A way to find where a curve is square to a point.
@@ -47,11 +47,11 @@ pub const METHODS: [Method; 9] = [
 ];
 
 /// A solver: the parameters on the segment at which the distance to the point has a minimum.
-pub type Solve<F> = fn(&Curve<F>, <F as light::Lanes>::Vec3) -> Found<F>;
+pub type SolverFn<F> = fn(&Curve<F>, <F as light::Lanes>::Vec3) -> FoundRoots<F>;
 
 impl Method {
     /// The solver itself.
-    pub fn solver<F: Width>(self) -> Solve<F> {
+    pub fn solver<F: FloatWidth>(self) -> SolverFn<F> {
         match self {
             Self::Ours => ours,
             Self::Naive => |s, q| from_cubic(s, q, closed_form::naive),
@@ -66,21 +66,21 @@ impl Method {
     }
 }
 
-fn ours<F: Width>(curve: &Curve<F>, q: F::Vec3) -> Found<F> {
+fn ours<F: FloatWidth>(curve: &Curve<F>, q: F::Vec3) -> FoundRoots<F> {
     let f0 = -F::dot(q - curve.b0, curve.d0);
     let f1 = -F::dot(q - curve.b2, curve.d1);
-    let mut found = Found::none();
+    let mut found = FoundRoots::none();
     found.extend(light::increasing_roots(curve, q, f0, f1).found());
     found
 }
 
 /// Inlined, so that each method's code is one piece.
 #[inline]
-fn from_cubic<F: Width>(
+fn from_cubic<F: FloatWidth>(
     curve: &Curve<F>,
     q: F::Vec3,
     roots: impl FnOnce(&Cubic<F>) -> RealRoots<F>,
-) -> Found<F> {
+) -> FoundRoots<F> {
     let cubic = Cubic::of(curve, q);
     cubic.wanted(roots(&cubic).into_iter().flatten())
 }

@@ -27,7 +27,7 @@ mod width;
 pub use family::{FAMILIES, Family};
 pub use judge::WrongCase;
 pub use method::{METHODS, Method};
-pub use report::{Accuracy, InFamily, Measured, Report, Throughput, Verdict};
+pub use report::{Accuracy, FamilyAccuracy, MeasuredMethod, SolverBenchReport, SolverVerdict, Throughput};
 pub use width::Precision;
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -35,14 +35,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use glam::Vec3;
 use light::Curve;
 use rayon::prelude::*;
-use relight::{SixteenCases, roots_of_sixteen};
+use relight::{SolverBatch, solve_batch};
 use render::Gpu;
 
-use self::family::Case;
-use self::found::Found;
-use self::judge::{Bars, Tally};
+use self::family::SolverCase;
+use self::found::FoundRoots;
+use self::judge::{AnswerTally, ErrorBounds};
 use self::timing::nanoseconds;
-use self::width::Width;
+use self::width::FloatWidth;
 use crate::{BenchError, Progress};
 
 /// Cases that one thread judges in one go.
@@ -52,13 +52,13 @@ const TIMED: u64 = 2048;
 /// Cases that are solved at once.
 const SIXTEEN: usize = 16;
 /// Most cases of a family that are solved sixteen-wide and on the adapter: they fit into its buffers.
-const MOST_IN_BULK: u64 = 60_000;
+const MAX_BULK_CASES: u64 = 60_000;
 /// How often the adapter solves them for its run time.
 const DISPATCHES: u32 = 8;
 
 /// What to compare.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct SolverBenchOptions {
     /// Cases of each family.
     pub inputs_per_family: u64,
     /// The methods to compare; the product's own is always among them.
@@ -70,10 +70,10 @@ pub struct Options {
 /// Cases are made as they are needed and every thread keeps counts only, so any number can be asked for. The adapter
 /// is left out where `gpu` is `None`.
 pub fn run(
-    options: &Options,
+    options: &SolverBenchOptions,
     gpu: Option<&Gpu>,
     progress: impl Fn(Progress) + Sync,
-) -> Result<(Report, String), BenchError> {
+) -> Result<(SolverBenchReport, String), BenchError> {
     let mut contestants = vec![Method::Ours];
     contestants.extend(options.methods.iter().filter(|&&m| m != Method::Ours));
     // In f32 each, then in f64 each.
@@ -89,7 +89,7 @@ pub fn run(
 
     let measured = times.iter().enumerate().map(|(row, times)| {
         let precision = if row < contestants.len() { Precision::F32 } else { Precision::F64 };
-        Measured::new(
+        MeasuredMethod::new(
             contestants[row % contestants.len()],
             precision,
             times,
@@ -97,12 +97,12 @@ pub fn run(
         )
     });
     let mut methods: Vec<_> = measured.collect();
-    Measured::find_front(&mut methods);
+    MeasuredMethod::find_front(&mut methods);
     let ours = tallies.iter().flat_map(|of_family| [&of_family[0], &of_family[contestants.len()]]);
-    let in_bulk = options.inputs_per_family.min(MOST_IN_BULK);
-    let report = Report {
+    let in_bulk = options.inputs_per_family.min(MAX_BULK_CASES);
+    let report = SolverBenchReport {
         inputs_per_family: options.inputs_per_family,
-        ours: Verdict::of(&Tally::sum(ours)),
+        ours: SolverVerdict::of(&AnswerTally::sum(ours)),
         methods,
         sixteen_wide: sixteen_wide(in_bulk),
         adapter: gpu.map(|gpu| on_adapter(gpu, in_bulk)).transpose()?,
@@ -112,7 +112,7 @@ pub fn run(
 }
 
 /// Nanoseconds a solve in `F` of each method, in each family.
-fn times_in<F: Width>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
+fn times_in<F: FloatWidth>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
     let cases = FAMILIES.map(|family| (0..TIMED).map(|i| family.case(i).rounded::<F>()).collect::<Vec<_>>());
     let of_method = |method: &Method| {
         let solve = method.solver::<F>();
@@ -122,8 +122,13 @@ fn times_in<F: Width>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
 }
 
 /// What each method's answers to a family are worth, in f32 and then in f64.
-fn judge(family: Family, inputs: u64, methods: &[Method], judged: &(impl Fn(u64) + Sync)) -> Vec<Tally> {
-    let none = || vec![Tally::default(); 2 * methods.len()];
+fn judge(
+    family: Family,
+    inputs: u64,
+    methods: &[Method],
+    judged: &(impl Fn(u64) + Sync),
+) -> Vec<AnswerTally> {
+    let none = || vec![AnswerTally::default(); 2 * methods.len()];
     let chunk = |chunk: u64| {
         let indices = chunk * CHUNK..inputs.min((chunk + 1) * CHUNK);
         let mut tallies = none();
@@ -136,21 +141,21 @@ fn judge(family: Family, inputs: u64, methods: &[Method], judged: &(impl Fn(u64)
         judged(indices.end - indices.start);
         tallies
     };
-    let add = |mut tallies: Vec<Tally>, others: Vec<Tally>| {
+    let add = |mut tallies: Vec<AnswerTally>, others: Vec<AnswerTally>| {
         tallies.iter_mut().zip(&others).for_each(|(tally, other)| tally.add(other));
         tallies
     };
     (0..inputs.div_ceil(CHUNK)).into_par_iter().map(chunk).reduce(none, add)
 }
 
-fn judge_in<F: Width>(
+fn judge_in<F: FloatWidth>(
     family: Family,
     index: u64,
-    exact: &Case<f64>,
+    exact: &SolverCase<f64>,
     methods: &[Method],
-    tallies: &mut [Tally],
+    tallies: &mut [AnswerTally],
 ) {
-    let bars = Bars::<F>::new(family, exact);
+    let bars = ErrorBounds::<F>::new(family, exact);
     for (method, tally) in methods.iter().zip(tallies) {
         let found = method.solver::<F>()(&bars.case().curve, bars.case().q);
         tally.count(family, index, &bars, &found);
@@ -160,55 +165,55 @@ fn judge_in<F: Width>(
 /// Sixteen at once, over the first `inputs` cases of each family.
 fn sixteen_wide(inputs: u64) -> Throughput {
     let all = |family: Family, inputs: u64| {
-        (0..inputs).step_by(SIXTEEN).map(move |first| (first, SixteenCases::new(&sixteen(family, first))))
+        (0..inputs).step_by(SIXTEEN).map(move |first| (first, SolverBatch::new(&sixteen(family, first))))
     };
-    let mut tally = Tally::default();
+    let mut tally = AnswerTally::default();
     for family in FAMILIES {
         for (first, cases) in all(family, inputs) {
-            for (index, roots) in (first..inputs).zip(roots_of_sixteen(&cases)) {
-                let mut found = Found::none();
+            for (index, roots) in (first..inputs).zip(solve_batch(&cases)) {
+                let mut found = FoundRoots::none();
                 found.extend(roots.found());
-                tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), &found);
+                tally.count(family, index, &ErrorBounds::<f32>::new(family, &family.case(index)), &found);
             }
         }
     }
     let time = |family| {
         let cases: Vec<_> = all(family, TIMED).collect();
-        nanoseconds(&cases, |(_, cases)| roots_of_sixteen(cases)) / SIXTEEN as f64
+        nanoseconds(&cases, |(_, cases)| solve_batch(cases)) / SIXTEEN as f64
     };
     Throughput {
         on: format!("one core, {SIXTEEN} at once"),
         solves_per_second: FAMILIES.len() as f64 * 1e9 / FAMILIES.map(time).iter().sum::<f64>(),
-        verdict: Verdict::of(&tally),
+        verdict: SolverVerdict::of(&tally),
     }
 }
 
 /// Cases of a family from `first` on.
 fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
     std::array::from_fn(|lane| {
-        let case: Case<f32> = family.case(first + lane as u64).rounded();
+        let case: SolverCase<f32> = family.case(first + lane as u64).rounded();
         (case.curve, case.q)
     })
 }
 
 /// The shaders' twin over the first `inputs` cases of each family.
 fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, BenchError> {
-    let mut tally = Tally::default();
+    let mut tally = AnswerTally::default();
     let mut seconds = 0.0;
     for family in FAMILIES {
-        let cases: Vec<Case<f32>> = (0..inputs).map(|index| family.case(index).rounded()).collect();
+        let cases: Vec<SolverCase<f32>> = (0..inputs).map(|index| family.case(index).rounded()).collect();
         let questions: Vec<_> = cases.iter().map(|case| (case.curve, case.q)).collect();
         let (answers, each) = render::increasing_roots(gpu, &questions, DISPATCHES)?;
         seconds += each.as_secs_f64();
         for (index, roots) in (0..inputs).zip(answers) {
-            let mut found = Found::none();
+            let mut found = FoundRoots::none();
             found.extend(roots.found());
-            tally.count(family, index, &Bars::<f32>::new(family, &family.case(index)), &found);
+            tally.count(family, index, &ErrorBounds::<f32>::new(family, &family.case(index)), &found);
         }
     }
     Ok(Throughput {
         on: gpu.adapter_name().to_owned(),
         solves_per_second: tally.inputs as f64 / seconds,
-        verdict: Verdict::of(&tally),
+        verdict: SolverVerdict::of(&tally),
     })
 }

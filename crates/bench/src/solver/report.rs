@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::family::{FAMILIES, Family};
-use super::judge::{Tally, WrongCase};
+use super::judge::{AnswerTally, WrongCase};
 use super::method::Method;
 use super::width::Precision;
 use crate::Quantiles;
@@ -11,14 +11,14 @@ use crate::Quantiles;
 /// The whole answer.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct SolverBenchReport {
     /// Cases of each family.
     pub inputs_per_family: u64,
     /// The product's solver in both widths: nothing may be wrong.
-    pub ours: Verdict,
+    pub ours: SolverVerdict,
     /// Every method in every width.
-    pub methods: Vec<Measured>,
-    /// The product's solver in f32, sixteen at once: [`relight::roots_of_sixteen`].
+    pub methods: Vec<MeasuredMethod>,
+    /// The product's solver in f32, sixteen at once: [`relight::solve_batch`].
     pub sixteen_wide: Throughput,
     /// The product's solver in f32 on the adapter; nothing where there is none.
     pub adapter: Option<Throughput>,
@@ -27,7 +27,7 @@ pub struct Report {
 /// Whether a solver holds what is asked of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Verdict {
+pub struct SolverVerdict {
     /// Cases solved, one in f32 and one in f64 counting as two.
     pub solves: u64,
     /// Roots missed, reported where there is none, or over the bars.
@@ -41,7 +41,7 @@ pub struct Verdict {
 /// Run time and error of a method in one width.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Measured {
+pub struct MeasuredMethod {
     /// The method.
     pub method: Method,
     /// The width.
@@ -54,13 +54,13 @@ pub struct Measured {
     /// Over all families.
     pub accuracy: Accuracy,
     /// Family by family.
-    pub families: Vec<InFamily>,
+    pub families: Vec<FamilyAccuracy>,
 }
 
 /// The same of one family.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct InFamily {
+pub struct FamilyAccuracy {
     /// The family.
     pub family: Family,
     /// Nanoseconds a solve on one core.
@@ -100,21 +100,21 @@ pub struct Throughput {
     /// Solves a second, the mean over the families.
     pub solves_per_second: f64,
     /// What they are worth.
-    pub verdict: Verdict,
+    pub verdict: SolverVerdict,
 }
 
-impl Verdict {
+impl SolverVerdict {
     /// Of what was counted.
-    pub fn of(tally: &Tally) -> Self {
-        let Tally { inputs, nan, first_wrong, .. } = *tally;
+    pub fn of(tally: &AnswerTally) -> Self {
+        let AnswerTally { inputs, nan, first_wrong, .. } = *tally;
         Self { solves: inputs, wrong: tally.wrong(), nan, first_wrong }
     }
 }
 
 impl Accuracy {
     /// Of what was counted.
-    pub fn of(tally: &Tally) -> Self {
-        let Tally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
+    pub fn of(tally: &AnswerTally) -> Self {
+        let AnswerTally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
         Self {
             inputs,
             error_u: tally.error.quantiles(),
@@ -128,15 +128,15 @@ impl Accuracy {
     }
 }
 
-impl Measured {
+impl MeasuredMethod {
     /// From the time and the count of each family.
     pub fn new(
         method: Method,
         precision: Precision,
         times: &[f64; FAMILIES.len()],
-        tallies: [&Tally; FAMILIES.len()],
+        tallies: [&AnswerTally; FAMILIES.len()],
     ) -> Self {
-        let in_family = |k: usize| InFamily {
+        let in_family = |k: usize| FamilyAccuracy {
             family: FAMILIES[k],
             nanoseconds: times[k],
             accuracy: Accuracy::of(tallies[k]),
@@ -146,7 +146,7 @@ impl Measured {
             precision,
             nanoseconds: times.iter().sum::<f64>() / times.len() as f64,
             on_pareto_front: false,
-            accuracy: Accuracy::of(&Tally::sum(tallies)),
+            accuracy: Accuracy::of(&AnswerTally::sum(tallies)),
             families: (0..FAMILIES.len()).map(in_family).collect(),
         }
     }

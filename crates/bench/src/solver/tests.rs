@@ -1,36 +1,37 @@
 use glam::DVec3;
 use render::Gpu;
 
-use relight::{SixteenCases, roots_of_sixteen};
+use relight::{SolverBatch, solve_batch};
 
-use super::family::Case;
-use super::found::Found;
-use super::judge::{Bars, Tally};
-use super::truth::Truth;
-use super::width::Width;
+use super::family::SolverCase;
+use super::found::FoundRoots;
+use super::judge::{AnswerTally, ErrorBounds};
+use super::truth::ExactCubic;
+use super::width::FloatWidth;
 use super::{
-    Accuracy, FAMILIES, Family, METHODS, Measured, Method, Options, Precision, Report, SIXTEEN, run, sixteen,
+    Accuracy, FAMILIES, Family, METHODS, MeasuredMethod, Method, Precision, SIXTEEN, SolverBenchOptions,
+    SolverBenchReport, run, sixteen,
 };
 use crate::Progress;
 
 /// The tally of a method's answers, each passed through `alter` first.
-fn tally<F: Width>(
+fn tally<F: FloatWidth>(
     family: Family,
     inputs: u64,
     method: Method,
-    alter: impl Fn(Found<F>) -> Found<F>,
-) -> Tally {
-    let mut tally = Tally::default();
+    alter: impl Fn(FoundRoots<F>) -> FoundRoots<F>,
+) -> AnswerTally {
+    let mut tally = AnswerTally::default();
     for index in 0..inputs {
-        let bars = Bars::<F>::new(family, &family.case(index));
+        let bars = ErrorBounds::<F>::new(family, &family.case(index));
         let found = method.solver::<F>()(&bars.case().curve, bars.case().q);
         tally.count(family, index, &bars, &alter(found));
     }
     tally
 }
 
-fn found<F: Width>(roots: impl IntoIterator<Item = F>) -> Found<F> {
-    let mut found = Found::none();
+fn found<F: FloatWidth>(roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
+    let mut found = FoundRoots::none();
     found.extend(roots);
     found
 }
@@ -38,7 +39,7 @@ fn found<F: Width>(roots: impl IntoIterator<Item = F>) -> Found<F> {
 /// None of the others is a straw man: where nothing is degenerate they find every root, half of them to 20 eps.
 #[test]
 fn all_solve_the_ordinary() {
-    fn solves<F: Width>(method: Method) {
+    fn solves<F: FloatWidth>(method: Method) {
         let tally = tally::<F>(Family::Ordinary, 2000, method, |found| found);
         assert_eq!(
             (tally.missed, tally.spurious, tally.nan),
@@ -65,7 +66,7 @@ fn cardano_fails_near_straight() {
 
 #[test]
 fn ours_is_never_wrong() {
-    fn holds<F: Width>(family: Family) {
+    fn holds<F: FloatWidth>(family: Family) {
         let tally = tally::<F>(family, 1000, Method::Ours, |found| found);
         assert_eq!((tally.wrong(), tally.nan), (0, 0), "{:?}", tally.first_wrong);
     }
@@ -78,12 +79,12 @@ fn ours_is_never_wrong() {
 /// Each kind of wrong answer, planted into right ones, is counted as what it is.
 #[test]
 fn planted_faults_are_judged() {
-    let judge = |alter: fn(Found<f32>) -> Found<f32>| {
+    let judge = |alter: fn(FoundRoots<f32>) -> FoundRoots<f32>| {
         let tally = tally(Family::Ordinary, 300, Method::Ours, alter);
         [tally.missed, tally.spurious, tally.inaccurate, tally.nan].map(|count| count > 0)
     };
     assert_eq!(judge(|right| right), [false, false, false, false]);
-    assert_eq!(judge(|_| Found::none()), [true, false, false, false]);
+    assert_eq!(judge(|_| FoundRoots::none()), [true, false, false, false]);
     assert_eq!(
         judge(|right| found(right.roots().iter().copied().chain([0.123]))),
         [false, true, false, false]
@@ -99,18 +100,18 @@ fn planted_faults_are_judged() {
 /// A parabola's nearest point, known by construction, and every root's residual in 106 bits.
 #[test]
 fn truth_is_true() {
-    let mut case: Case<f64> = Family::Ordinary.case(0);
+    let mut case: SolverCase<f64> = Family::Ordinary.case(0);
     let s = &mut case.curve;
     (s.b0, s.d0, s.a) = (DVec3::ZERO, DVec3::X, DVec3::Y);
     // At u = 1/2: P = (1, 1/4), d = (1, 1/2); one step to the outer side, across d.
     let q = DVec3::new(1.5, -0.75, 0.0);
-    let truth = Truth::of(&case.curve, q);
+    let truth = ExactCubic::of(&case.curve, q);
     let root = truth.roots.iter().flatten().next().expect("one root");
     assert!(root.error(0.5) < 1e-30, "{:?}", root.u);
     for family in FAMILIES {
         for index in 0..200 {
-            let Case { curve, q } = family.case(index);
-            let truth = Truth::of(&curve, q);
+            let SolverCase { curve, q } = family.case(index);
+            let truth = ExactCubic::of(&curve, q);
             let size = (q - curve.b0).length() + curve.d0.length() + curve.d1.length();
             for root in truth.roots.iter().flatten() {
                 // f is a sum of products of two lengths, each rounded to 2^-104; f64 would leave 1e-16.
@@ -129,12 +130,12 @@ fn truth_is_true() {
 #[test]
 fn sixteen_are_as_one() {
     let scalar = Method::Ours.solver::<f32>();
-    let bits = |found: &Found<f32>| found.roots().iter().map(|u| u.to_bits()).collect::<Vec<_>>();
+    let bits = |found: &FoundRoots<f32>| found.roots().iter().map(|u| u.to_bits()).collect::<Vec<_>>();
     let mut differ = 0;
     for family in FAMILIES {
         for first in (0..800).step_by(SIXTEEN) {
             let cases = sixteen(family, first);
-            let mut many = roots_of_sixteen(&SixteenCases::new(&cases)).map(|roots| found(roots.found()));
+            let mut many = solve_batch(&SolverBatch::new(&cases)).map(|roots| found(roots.found()));
             for (lane, (curve, q)) in cases.iter().enumerate() {
                 let one = scalar(curve, *q);
                 assert_eq!(bits(&many[lane]), bits(&one), "{family:?} {}", first + lane as u64);
@@ -148,7 +149,7 @@ fn sixteen_are_as_one() {
 
 /// What docs/accuracy.md says: over all families ours alone is never wrong, and the most accurate; but far from the origin
 /// some others are never wrong either, and in f32 more accurate.
-fn says_what_the_docs_say(report: &Report) {
+fn says_what_the_docs_say(report: &SolverBenchReport) {
     let failures = |a: &Accuracy| a.missed + a.spurious + a.inaccurate + a.nan;
     for precision in [Precision::F32, Precision::F64] {
         let (ours, others): (Vec<_>, Vec<_>) = report
@@ -162,7 +163,7 @@ fn says_what_the_docs_say(report: &Report) {
             assert!(other.error() > ours[0].error(), "{:?} {precision:?}", other.method);
         }
     }
-    let far_offset = |measured: &Measured| {
+    let far_offset = |measured: &MeasuredMethod| {
         let of_family = measured.families.iter().find(|f| f.family == Family::FarOffset);
         of_family.expect("every family").accuracy
     };
@@ -183,7 +184,7 @@ fn says_what_the_docs_say(report: &Report) {
 fn whole_run() {
     let gpu = Gpu::new().expect("a GPU, be it software");
     let judged = std::sync::atomic::AtomicUsize::new(0);
-    let options = Options { inputs_per_family: 300, methods: METHODS.to_vec() };
+    let options = SolverBenchOptions { inputs_per_family: 300, methods: METHODS.to_vec() };
     let (report, svg) = run(&options, Some(&gpu), |Progress { done, of, .. }| {
         assert!(done <= of);
         judged.fetch_max(done, std::sync::atomic::Ordering::Relaxed);

@@ -35,23 +35,23 @@ impl TrueRoot {
 
 /// A case's cubic `f(u) = (P(u) - q) . d(u)`, exact but for 2^-100, and its roots.
 #[derive(Clone, Debug)]
-pub struct Truth {
+pub struct ExactCubic {
     coefficients: [TwoFloat; 4],
     /// Where `f'` changes sign from plus to minus and back; equal where it never does.
-    pub turns: [f64; 2],
+    pub extrema: [f64; 2],
     /// The root on the left increasing piece and the one on the right.
     pub roots: [Option<TrueRoot>; 2],
 }
 
-impl Truth {
+impl ExactCubic {
     /// The truth about the point `q`; the curve is that of `b0`, `d0` and `a`.
     pub fn of<F: Real>(curve: &Curve<F>, q: F::Vec3) -> Self {
         let [b0, d0, a, q] = [curve.b0, curve.d0, curve.a, q].map(F::vec_f64);
         let [x, y, z] = [(q.x, b0.x), (q.y, b0.y), (q.z, b0.z)].map(|(q, b0)| TwoFloat::new_sub(q, b0));
         let offset_dot = |v: DVec3| x * v.x + y * v.y + z * v.z;
         let coefficients = [-offset_dot(d0), dot(d0, d0) * 2.0 - offset_dot(a), dot(d0, a) * 3.0, dot(a, a)];
-        let turns = turns(coefficients.map(|c| c.hi()));
-        let mut truth = Self { coefficients, turns, roots: [None; 2] };
+        let turns = extrema_of(coefficients.map(|c| c.hi()));
+        let mut truth = Self { coefficients, extrema: turns, roots: [None; 2] };
         let within = |u: f64| u.clamp(0.0, 1.0);
         let pieces = [(-BEYOND, turns[0].min(1.0 + BEYOND)), (turns[1].max(-BEYOND), 1.0 + BEYOND)];
         truth.roots = if turns[0] == turns[1] {
@@ -131,7 +131,7 @@ fn dot(x: DVec3, y: DVec3) -> TwoFloat {
 }
 
 /// The zeros of `f'`, ascending, or its least value twice where it has none.
-fn turns([_, c1, c2, c3]: [f64; 4]) -> [f64; 2] {
+fn extrema_of([_, c1, c2, c3]: [f64; 4]) -> [f64; 2] {
     let discriminant = c2 * c2 - 3.0 * c3 * c1;
     if discriminant <= 0.0 {
         let inflection = if c3 > 0.0 { -c2 / (3.0 * c3) } else { 0.0 };

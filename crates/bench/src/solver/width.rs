@@ -25,11 +25,11 @@ impl Precision {
 }
 
 /// A width of float that solvers are compared in.
-pub trait Width: Real + Float + Send + Sync + 'static {
+pub trait FloatWidth: Real + Float + Send + Sync + 'static {
     /// As answers call it.
     const PRECISION: Precision;
     /// The bar `K` on the backward error (light model, section 5), ordinarily and where `P'` may all but vanish.
-    const BACKWARD: [f64; 2];
+    const BACKWARD_ERROR_BOUNDS: [f64; 2];
     /// How far past an end the others' roots may lie and still be taken for one at the end: what rounding moves an
     /// ordinary root by, so that none is lost between two segments. The best of three that were tried.
     const END_SLACK: f64;
@@ -38,9 +38,9 @@ pub trait Width: Real + Float + Send + Sync + 'static {
     fn curve(curve: &Curve<f64>) -> Curve<Self>;
 }
 
-impl Width for f32 {
+impl FloatWidth for f32 {
     const PRECISION: Precision = Precision::F32;
-    const BACKWARD: [f64; 2] = [16.0, 64.0];
+    const BACKWARD_ERROR_BOUNDS: [f64; 2] = [16.0, 64.0];
     const END_SLACK: f64 = 1e-6;
 
     fn curve(curve: &Curve<f64>) -> Curve<Self> {
@@ -48,9 +48,9 @@ impl Width for f32 {
     }
 }
 
-impl Width for f64 {
+impl FloatWidth for f64 {
     const PRECISION: Precision = Precision::F64;
-    const BACKWARD: [f64; 2] = [4.0, 4.0];
+    const BACKWARD_ERROR_BOUNDS: [f64; 2] = [4.0, 4.0];
     const END_SLACK: f64 = 1e-15;
 
     fn curve(curve: &Curve<f64>) -> Curve<Self> {

@@ -2,7 +2,7 @@
 
 use plotters::prelude::*;
 
-use super::{Report, SHAPES};
+use super::{SHAPES, SweepReport};
 use crate::BenchError;
 use crate::chart::{self, BLUE, ORANGE, WRONG};
 
@@ -12,8 +12,8 @@ const LEAST_ERROR: f64 = 1e-6;
 
 /// A panel a shape: how long each pose's picture took, and how far its radiance is off; red rings are around those with wrong
 /// pixels.
-pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
-    let Report { width, height, .. } = report;
+pub(super) fn draw(report: &SweepReport) -> Result<String, BenchError> {
+    let SweepReport { width, height, .. } = report;
     let title =
         format!("random lights over random scenes, {width}x{height}: run time against error of radiance");
     chart::svg((900, 640), &title, |area| {
@@ -32,7 +32,7 @@ pub(super) fn draw(report: &Report) -> Result<String, BenchError> {
             let poses: Vec<_> = report.poses.iter().filter(|pose| pose.shape == shape).collect();
             let rows = report.rows.iter().filter(|row| row.shape == shape);
             for ((index, row), color) in rows.enumerate().zip(COLORS) {
-                let at = |index: usize, pose: &super::Pose| {
+                let at = |index: usize, pose: &super::SweepPose| {
                     let drawn = &pose.by[index];
                     (drawn.frame_ms, drawn.radiance_rmse.max(LEAST_ERROR))
                 };

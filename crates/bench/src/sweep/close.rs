@@ -2,7 +2,7 @@
 
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
-use reference::{Reference, Source, Surface};
+use reference::{Reference, ReferenceLight, ShadedPoint};
 use scene::{Camera, Projection, View};
 
 use super::stage::camera;
@@ -23,7 +23,7 @@ const DIRECTIONS: u32 = 8;
 
 /// A place where surfaces meet at a shadow.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
+pub(super) struct ShadowCorner {
     /// World position.
     target: DVec3,
     /// Unit vector from there to where it was seen from: nothing is in the way.
@@ -35,7 +35,7 @@ pub(super) struct Corner {
     yfov: f64,
 }
 
-impl Corner {
+impl ShadowCorner {
     /// One that looks at it from so many times the distance, but from nowhere that something may be in the way.
     pub fn camera(&self, times: f64) -> Camera {
         let distance = (self.distance * times).min(self.farthest);
@@ -47,11 +47,11 @@ impl Corner {
 /// is found.
 pub(super) fn find(
     reference: &Reference,
-    source: &Source,
+    source: &ReferenceLight,
     view: &View,
-    texel: impl Fn(&Surface) -> f64,
+    texel: impl Fn(&ShadedPoint) -> f64,
     rng: &mut Rng,
-) -> Option<Corner> {
+) -> Option<ShadowCorner> {
     let Projection::Perspective { yfov, .. } = view.camera.projection else { return None };
     let size = DVec2::new(f64::from(view.width), f64::from(view.height));
     let corner = (0..TRIES).find_map(|_| {
@@ -65,27 +65,33 @@ pub(super) fn find(
     let pixel = texel(&corner) * (least + (most - least) * rng.f64());
     let distance = pixel * size.y / (2.0 * (yfov / 2.0).tan());
     let target = reference.bvh.posed.origin_in_world + corner.position;
-    Some(Corner { target, to_eye: corner.to_eye, distance, farthest: corner.depth, yfov })
+    Some(ShadowCorner { target, to_eye: corner.to_eye, distance, farthest: corner.depth, yfov })
 }
 
 /// Whether light arrives on a surface's plane around a place, and somewhere there it does not.
-fn is_near_a_shadow(reference: &Reference, source: &Source, surface: &Surface, texel: f64) -> bool {
+fn is_near_a_shadow(
+    reference: &Reference,
+    source: &ReferenceLight,
+    surface: &ShadedPoint,
+    texel: f64,
+) -> bool {
     let (x, y) = surface.geometric_normal.any_orthonormal_pair();
     let is_lit = |k: u32| {
         let step = DVec2::from_angle(f64::from(k) / f64::from(DIRECTIONS) * std::f64::consts::TAU);
         let mut beside = *surface;
         beside.seen.position += (x * step.x + y * step.y) * (LIT_WITHIN * texel);
-        reference.sample(source, &beside).is_some_and(|sample| sample.visible)
+        reference.sample(source, &beside).is_some_and(|sample| sample.is_visible)
     };
     let lit = (0..DIRECTIONS).filter(|k| is_lit(*k)).count();
     0 < lit && lit < DIRECTIONS as usize
 }
 
 /// Two surfaces that meet between two pixels and face each other there: each lies before the other's plane.
-fn inner_corner(reference: &Reference, view: &View, [mut a, mut b]: [DVec2; 2]) -> Option<[Surface; 2]> {
+fn inner_corner(reference: &Reference, view: &View, [mut a, mut b]: [DVec2; 2]) -> Option<[ShadedPoint; 2]> {
     let (mut here, mut there) = (reference.surface(view, a)?, reference.surface(view, b)?);
-    let is_same =
-        |one: &Surface, other: &Surface| one.geometric_normal.dot(other.geometric_normal) > SAME_COSINE;
+    let is_same = |one: &ShadedPoint, other: &ShadedPoint| {
+        one.geometric_normal.dot(other.geometric_normal) > SAME_COSINE
+    };
     let way = there.position - here.position;
     let faces = here.geometric_normal.dot(way) > 0.0 && there.geometric_normal.dot(way) < 0.0;
     if is_same(&here, &there) || !faces {

@@ -18,40 +18,40 @@ use std::time::Instant;
 use fastrand::Rng;
 use glam::{DVec2, DVec3, UVec2};
 use light::parameters::CONE_ANGLE;
-use light::{CheckedLight, Light, LightInstance, Owner};
-use reference::{LinkedSource, Source, Surface};
+use light::{CheckedLight, Light, LightInstance, ParameterOwner};
+use reference::{LinkedReferenceLight, ReferenceLight, ShadedPoint};
 use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::{Aov, Camera, Scene, View};
 use serde::Serialize;
 
 use crate::{BenchError, Progress};
-use judge::Judged;
-use stage::{Setting, Stage};
+use judge::JudgedView;
+use stage::{Surroundings, SweepStage};
 
 /// Backends that are compared, in the order of reports.
 pub const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 /// Shapes of lights by their names in JSON, in the order of reports.
-pub const SHAPES: [(&str, Owner); 4] = [
-    ("directional", Owner::Directional),
-    ("omni", Owner::Omni),
-    ("spot", Owner::Spot),
-    ("bendy", Owner::Bendy),
+pub const SHAPES: [(&str, ParameterOwner); 4] = [
+    ("directional", ParameterOwner::Directional),
+    ("omni", ParameterOwner::Omni),
+    ("spot", ParameterOwner::Spot),
+    ("bendy", ParameterOwner::Bendy),
 ];
 
 /// A pixel is wrong whose visibility is off by more: weights of a filter add up to 1 within some ulps.
 const WRONG: f32 = 1e-3;
 /// Less of a pose than this share of what is seen is calm, and the pose counts as failed.
-const LEAST_CALM: f64 = 0.5;
+const MIN_STABLE_SHARE: f64 = 0.5;
 
 /// A light is taken where it holds at least this share of what is seen, by one pixel of so many along each axis; of so many
 /// the last is taken in any case.
-const LEAST_IN_LIGHT: f64 = 0.3;
+const MIN_SHARE_IN_LIGHT: f64 = 0.3;
 const LATTICE: u32 = 4;
 const TRIES: usize = 60;
 /// The share of poses that are looked at from close by.
-const CLOSE: f64 = 0.5;
+const CLOSE_UP_SHARE: f64 = 0.5;
 /// Times the distance of those from which one looks where less than enough is calm.
-const FARTHER: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
+const CLOSE_UP_DISTANCE_FACTORS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
 /// A scene of a file to sweep over besides the random ones.
 #[derive(Clone, Debug)]
@@ -66,7 +66,7 @@ pub struct SceneFile {
 
 /// What to sweep over.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct SweepOptions {
     /// Poses of each shape.
     pub poses: usize,
     /// The same seed makes the same poses.
@@ -88,7 +88,7 @@ pub struct Options {
 /// What a sweep found.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct SweepReport {
     /// Driver and device.
     pub adapter: String,
     /// Pixels.
@@ -100,18 +100,18 @@ pub struct Report {
     /// Texels along each side of shadow maps.
     pub resolution: u32,
     /// A row a shape and backend.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SweepRow>,
     /// One a pose that is not right.
-    pub faults: Vec<Pose>,
+    pub faults: Vec<SweepPose>,
     /// All poses.
     #[serde(skip)]
-    pub poses: Vec<Pose>,
+    pub poses: Vec<SweepPose>,
 }
 
 /// A shape of light by a backend.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Row {
+pub struct SweepRow {
     /// As parameters call it.
     pub shape: &'static str,
     /// `wgpu` or `native`.
@@ -139,7 +139,7 @@ pub struct Row {
 /// A pose of a light over a stage, and what became of it.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Pose {
+pub struct SweepPose {
     /// As parameters call it.
     pub shape: &'static str,
     /// Its number: with the seed and the shape it makes the pose again.
@@ -155,13 +155,13 @@ pub struct Pose {
     /// Of a bent light, the largest `R kappa`.
     pub r_kappa: Option<f64>,
     /// By each backend.
-    pub by: Vec<Drawn>,
+    pub by: Vec<PoseResult>,
 }
 
 /// A backend's picture of a pose.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Drawn {
+pub struct PoseResult {
     /// `wgpu` or `native`.
     pub backend: &'static str,
     /// Calm pixels whose shadow is another.
@@ -173,7 +173,7 @@ pub struct Drawn {
 }
 
 /// Sweeps by both backends of the machine's device. Returns what was found and the chart, an SVG.
-pub fn run(options: &Options, progress: impl Fn(Progress)) -> Result<(Report, String), BenchError> {
+pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(SweepReport, String), BenchError> {
     let open = |backend| Ok(Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?));
     let gpus = BACKENDS.into_iter().map(open).collect::<Result<Vec<_>, BenchError>>()?;
     let mut renderers: Vec<Renderer> =
@@ -187,18 +187,18 @@ pub fn run(options: &Options, progress: impl Fn(Progress)) -> Result<(Report, St
 pub fn sweep(
     renderers: &mut [Renderer],
     adapter: &str,
-    options: &Options,
+    options: &SweepOptions,
     progress: impl Fn(Progress),
-) -> Result<Report, BenchError> {
+) -> Result<SweepReport, BenchError> {
     let [width, height] = options.size;
     let numbers = options.only.map_or(0..options.poses, |only| only..only + 1);
     let of = numbers.len() * options.shapes.len();
-    let files: Vec<Stage> = options
+    let files: Vec<SweepStage> = options
         .scenes
         .iter()
         .map(|file| {
             let aspect_ratio = f64::from(width) / f64::from(height);
-            Stage::of_file(&file.name, file.scene.clone(), &file.cameras, aspect_ratio)
+            SweepStage::of_file(&file.name, file.scene.clone(), &file.cameras, aspect_ratio)
         })
         .collect();
     for renderer in renderers.iter_mut() {
@@ -211,17 +211,17 @@ pub fn sweep(
     let shapes = SHAPES.into_iter().filter(|(name, _)| options.shapes.contains(name));
     for shape in shapes.clone() {
         for number in numbers.clone() {
-            let pose = posed(renderers, shape, number, &files, options)?;
+            let pose = measure_pose(renderers, shape, number, &files, options)?;
             wrong += pose.by.iter().map(|drawn| drawn.wrong).sum::<usize>();
             poses.push(pose);
             progress(Progress { done: poses.len(), of, what: format!("{wrong} pixels wrong") });
         }
     }
     let rows = shapes.flat_map(|(name, _)| {
-        let of_shape: Vec<&Pose> = poses.iter().filter(|pose| pose.shape == name).collect();
+        let of_shape: Vec<&SweepPose> = poses.iter().filter(|pose| pose.shape == name).collect();
         (0..renderers.len()).map(move |index| row(&of_shape, index))
     });
-    Ok(Report {
+    Ok(SweepReport {
         adapter: adapter.into(),
         width,
         height,
@@ -234,7 +234,7 @@ pub fn sweep(
 }
 
 /// The random numbers of a pose, the same whatever else is swept over.
-fn rng(seed: u64, shape: Owner, number: usize) -> Rng {
+fn rng(seed: u64, shape: ParameterOwner, number: usize) -> Rng {
     let mut rng = Rng::with_seed(seed ^ (shape as u64) << 56 ^ (number as u64) << 32);
     // Seeds that are alike begin alike.
     (0..8).for_each(|_| {
@@ -243,29 +243,29 @@ fn rng(seed: u64, shape: Owner, number: usize) -> Rng {
     rng
 }
 
-fn posed(
+fn measure_pose(
     renderers: &mut [Renderer],
-    (name, shape): (&'static str, Owner),
+    (name, shape): (&'static str, ParameterOwner),
     number: usize,
-    files: &[Stage],
-    options: &Options,
-) -> Result<Pose, BenchError> {
+    files: &[SweepStage],
+    options: &SweepOptions,
+) -> Result<SweepPose, BenchError> {
     let rng = &mut rng(options.seed, shape, number);
     let made;
-    let kind = number % (Setting::ALL.len() + files.len());
-    let stage = match Setting::ALL.get(kind) {
+    let kind = number % (Surroundings::ALL.len() + files.len());
+    let stage = match Surroundings::ALL.get(kind) {
         Some(setting) => {
-            made = Stage::random(*setting, rng);
+            made = SweepStage::random(*setting, rng);
             &made
         }
-        None => &files[kind - Setting::ALL.len()],
+        None => &files[kind - Surroundings::ALL.len()],
     };
     let whole = View { samples: 1, ..View::beauty(stage.camera.clone(), options.size) };
-    let light = seen(shape, stage, &whole, rng);
+    let light = random_visible_light(shape, stage, &whole, rng);
     let lights = LightInstance::numbered([light.clone()])?;
-    let source = Source::new(&lights[0].light);
-    let texel = |surface: &Surface| texel(&source, &light, stage, surface, options.resolution);
-    let is_close = rng.f64() < CLOSE;
+    let source = ReferenceLight::new(&lights[0].light);
+    let texel = |surface: &ShadedPoint| texel(&source, &light, stage, surface, options.resolution);
+    let is_close = rng.f64() < CLOSE_UP_SHARE;
     let corner = is_close.then(|| close::find(&stage.reference, &source, &whole, texel, rng)).flatten();
     let judged = |camera: Camera| {
         let view = View { camera, ..whole.clone() };
@@ -276,9 +276,9 @@ fn posed(
         Some(corner) => far_enough(|times| judged(corner.camera(times))),
         None => judged(stage.camera.clone()),
     };
-    let linked = [LinkedSource::new(&stage.reference.bvh.posed, &lights[0].light)];
-    let radiance = |surface: &Surface| stage.reference.radiance(&linked, 0.0, surface);
-    let expected: Vec<DVec3> = judged.calm.iter().map(|calm| radiance(&calm.surface)).collect();
+    let linked = [LinkedReferenceLight::new(&stage.reference.bvh.posed, &lights[0].light)];
+    let radiance = |surface: &ShadedPoint| stage.reference.radiance(&linked, 0.0, surface);
+    let expected: Vec<DVec3> = judged.stable.iter().map(|calm| radiance(&calm.surface)).collect();
     let mut by = Vec::with_capacity(renderers.len());
     let mut shown = Vec::new();
     for (renderer, backend) in renderers.iter_mut().zip(BACKENDS) {
@@ -287,16 +287,16 @@ fn posed(
         let beauty = renderer.render(&view, &lights)?;
         let frame_ms = begun.elapsed().as_secs_f64() * 1e3;
         let visibility = renderer.render(&View { aov: Aov::Visibility, ..view.clone() }, &lights)?;
-        let is_off = |calm: &judge::Calm| {
+        let is_off = |calm: &judge::StablePixel| {
             let [share, .., inside] = visibility.pixels[calm.pixel];
             let expected = calm.is_lit.map_or(0.0, f32::from);
             (share * inside - expected).abs() > WRONG
         };
         let (mut error2, mut expected2) = (0.0, 0.0);
         let mut wrong = Vec::new();
-        for (calm, expected) in judged.calm.iter().zip(&expected) {
+        for (calm, expected) in judged.stable.iter().zip(&expected) {
             if is_off(calm) {
-                if judge::is_surely_calm(&stage.reference, &source, calm, texel(&calm.surface)) {
+                if judge::is_surely_stable(&stage.reference, &source, calm, texel(&calm.surface)) {
                     wrong.push(calm.pixel);
                 }
                 continue;
@@ -306,20 +306,20 @@ fn posed(
             expected2 += expected.length_squared();
         }
         let radiance_rmse = if error2 == 0.0 { 0.0 } else { (error2 / expected2).sqrt() };
-        by.push(Drawn { backend: backend.name(), wrong: wrong.len(), radiance_rmse, frame_ms });
+        by.push(PoseResult { backend: backend.name(), wrong: wrong.len(), radiance_rmse, frame_ms });
         shown.push((beauty, wrong));
     }
     let r_kappa = match &source {
-        Source::Bendy(tube) => Some(tube.r_kappa_max().into_iter().fold(0.0, f64::max)),
+        ReferenceLight::Bendy(tube) => Some(tube.r_kappa_max().into_iter().fold(0.0, f64::max)),
         _ => None,
     };
-    let pose = Pose {
+    let pose = SweepPose {
         shape: name,
         pose: number,
         stage: stage.name.clone(),
         is_close: corner.is_some(),
         surfaces: judged.surfaces,
-        calm: judged.calm.len(),
+        calm: judged.stable.len(),
         r_kappa,
         by,
     };
@@ -339,11 +339,11 @@ fn posed(
 }
 
 /// The first look from farther and farther of which enough is calm, or the farthest.
-fn far_enough(look: impl Fn(f64) -> (View, Judged)) -> (View, Judged) {
-    let [first, farther @ ..] = FARTHER;
+fn far_enough(look: impl Fn(f64) -> (View, JudgedView)) -> (View, JudgedView) {
+    let [first, farther @ ..] = CLOSE_UP_DISTANCE_FACTORS;
     let mut found = look(first);
     for times in farther {
-        if judge::calm_share(found.1.calm.len(), found.1.surfaces) >= LEAST_CALM {
+        if judge::stable_share(found.1.stable.len(), found.1.surfaces) >= MIN_STABLE_SHARE {
             break;
         }
         found = look(times);
@@ -352,16 +352,16 @@ fn far_enough(look: impl Fn(f64) -> (View, Judged)) -> (View, Judged) {
 }
 
 /// A random light of a shape that holds enough of what is seen for its shadows to be judged, or the last that was tried.
-fn seen(shape: Owner, stage: &Stage, view: &View, rng: &mut Rng) -> Light {
+fn random_visible_light(shape: ParameterOwner, stage: &SweepStage, view: &View, rng: &mut Rng) -> Light {
     let [columns, rows] = [view.width / LATTICE, view.height / LATTICE];
     let places = (0..columns * rows).map(|k| UVec2::new(k % columns, k / columns) * LATTICE);
-    let surfaces: Vec<Surface> =
+    let surfaces: Vec<ShadedPoint> =
         places.filter_map(|at| stage.reference.surface(view, at.as_dvec2() + 0.5)).collect();
     let holds_enough = |light: &Light| {
         let Ok(checked) = CheckedLight::new(light.clone()) else { return false };
-        let source = Source::new(&checked);
+        let source = ReferenceLight::new(&checked);
         let inside = surfaces.iter().filter(|surface| stage.reference.sample(&source, surface).is_some());
-        inside.count() as f64 >= LEAST_IN_LIGHT * surfaces.len() as f64
+        inside.count() as f64 >= MIN_SHARE_IN_LIGHT * surfaces.len() as f64
     };
     let mut light = pose::random(shape, stage, rng);
     for _ in 1..TRIES {
@@ -374,20 +374,26 @@ fn seen(shape: Owner, stage: &Stage, view: &View, rng: &mut Rng) -> Light {
 }
 
 /// The width of a texel across the light at a surface, in world units, at most: maps may be fitted to less, never to more.
-fn texel(source: &Source, light: &Light, stage: &Stage, surface: &Surface, resolution: u32) -> f64 {
+fn texel(
+    source: &ReferenceLight,
+    light: &Light,
+    stage: &SweepStage,
+    surface: &ShadedPoint,
+    resolution: u32,
+) -> f64 {
     // Four texels around what is fitted to are room for the filter.
     let texels = |resolution: u32| f64::from(resolution) - 4.0;
     let origin = stage.reference.bvh.posed.origin_in_world;
     let away = |source_in_world: DVec3| (surface.position + origin).distance(source_in_world);
     match source {
-        Source::Directional(_) => 2.0 * stage.casters_radius / texels(resolution),
+        ReferenceLight::Directional(_) => 2.0 * stage.casters_radius / texels(resolution),
         // The faces of cubes have half the texels a side, and slopes from -1 to 1.
-        Source::Omni(omni) => 2.0 * away(omni.translation) / texels(resolution / 2),
-        Source::Spot(cone) if light.get(CONE_ANGLE) > 60.0 => {
+        ReferenceLight::Omni(omni) => 2.0 * away(omni.translation) / texels(resolution / 2),
+        ReferenceLight::Spot(cone) if light.get(CONE_ANGLE) > 60.0 => {
             2.0 * away(cone.translation) / texels(resolution / 2)
         }
-        Source::Spot(cone) => 2.0 * cone.tan_outer * away(cone.translation) / texels(resolution),
-        Source::Bendy(tube) => {
+        ReferenceLight::Spot(cone) => 2.0 * cone.tan_outer * away(cone.translation) / texels(resolution),
+        ReferenceLight::Bendy(tube) => {
             let placement = &tube.placement;
             let root = tube.nearest_root(placement.tube_from_world(surface.position + origin));
             // Of the widest map that it may have.
@@ -396,14 +402,14 @@ fn texel(source: &Source, light: &Light, stage: &Stage, surface: &Surface, resol
     }
 }
 
-fn row(poses: &[&Pose], index: usize) -> Row {
-    let by: Vec<&Drawn> = poses.iter().map(|pose| &pose.by[index]).collect();
-    let median = |of: &dyn Fn(&Drawn) -> f64| {
+fn row(poses: &[&SweepPose], index: usize) -> SweepRow {
+    let by: Vec<&PoseResult> = poses.iter().map(|pose| &pose.by[index]).collect();
+    let median = |of: &dyn Fn(&PoseResult) -> f64| {
         let mut values: Vec<f64> = by.iter().map(|drawn| of(drawn)).collect();
         values.sort_by(f64::total_cmp);
         values.get(values.len() / 2).copied().unwrap_or(0.0)
     };
-    Row {
+    SweepRow {
         shape: poses.first().map_or("", |pose| pose.shape),
         backend: by.first().map_or("", |drawn| drawn.backend),
         poses: poses.len(),
@@ -418,9 +424,9 @@ fn row(poses: &[&Pose], index: usize) -> Row {
     }
 }
 
-impl Pose {
+impl SweepPose {
     fn has_failed(&self) -> bool {
-        judge::calm_share(self.calm, self.surfaces) < LEAST_CALM
+        judge::stable_share(self.calm, self.surfaces) < MIN_STABLE_SHARE
     }
 
     fn is_right(&self) -> bool {

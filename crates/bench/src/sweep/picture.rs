@@ -4,7 +4,7 @@ use glam::DVec3;
 use image::{Rgb, RgbImage};
 use render::Picture;
 
-use super::judge::Judged;
+use super::judge::JudgedView;
 
 /// Each pixel as large as this, to be seen.
 const ENLARGED: u32 = 3;
@@ -13,11 +13,11 @@ const ENLARGED: u32 = 3;
 pub(super) fn panels(
     [width, height]: [u32; 2],
     reference: &[DVec3],
-    judged: &Judged,
+    judged: &JudgedView,
     drawn: &[(Picture, Vec<usize>)],
 ) -> RgbImage {
     let mut is_calm = vec![false; (width * height) as usize];
-    judged.calm.iter().for_each(|calm| is_calm[calm.pixel] = true);
+    judged.stable.iter().for_each(|calm| is_calm[calm.pixel] = true);
     let brightest = reference.iter().map(|pixel| pixel.max_element()).fold(f64::MIN_POSITIVE, f64::max);
     let shown = |[r, g, b]: [f64; 3]| {
         Rgb([r, g, b].map(|x| ((x / brightest).clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8))

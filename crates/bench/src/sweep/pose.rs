@@ -5,9 +5,9 @@ use glam::{DQuat, DVec3};
 use light::parameters::{
     CONE_ANGLE, END_MODE, FRAME, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, UP, WIDTH,
 };
-use light::{CheckedLight, EndMode, Frame, Light, Owner, Tube};
+use light::{CheckedLight, EndMode, FrameMode, Light, ParameterOwner, Tube};
 
-use super::stage::{Stage, direction};
+use super::stage::{SweepStage, direction};
 
 /// Suns stand at least so high, in degrees, and at most so high.
 const ELEVATION: [f64; 2] = [15.0, 89.0];
@@ -20,25 +20,25 @@ const CLEARANCE: f64 = 2e-3;
 const THIN: f64 = 1e-9;
 
 /// A random light of a shape.
-pub(super) fn random(shape: Owner, stage: &Stage, rng: &mut Rng) -> Light {
+pub(super) fn random(shape: ParameterOwner, stage: &SweepStage, rng: &mut Rng) -> Light {
     match shape {
-        Owner::Directional => sun(stage, rng),
-        Owner::Omni => Light::omni()
+        ParameterOwner::Directional => sun(stage, rng),
+        ParameterOwner::Omni => Light::omni()
             .with(TRANSLATION, place(stage, rng))
             .with(ROTATION, turned(direction(rng), rng))
-            .with(RANGE, (rng.u8(..4) == 0).then(|| stage.unit * (1.0 + 3.0 * rng.f64())))
+            .with(RANGE, (rng.u8(..4) == 0).then(|| stage.things_radius * (1.0 + 3.0 * rng.f64())))
             .with(INTENSITY, 4.0),
-        Owner::Spot => {
+        ParameterOwner::Spot => {
             let source = place(stage, rng);
             Light::spot()
                 .with(TRANSLATION, source)
                 .with(ROTATION, turned(aim(stage, rng) - source, rng))
                 .with(CONE_ANGLE, 5.0 + 80.0 * rng.f64())
-                .with(RANGE, (rng.u8(..4) == 0).then(|| stage.unit * (1.0 + 4.0 * rng.f64())))
+                .with(RANGE, (rng.u8(..4) == 0).then(|| stage.things_radius * (1.0 + 4.0 * rng.f64())))
                 .with(INTENSITY, 4.0)
         }
         // Points and cameras are no lights.
-        Owner::Bendy | Owner::Point | Owner::Camera => loop {
+        ParameterOwner::Bendy | ParameterOwner::Point | ParameterOwner::Camera => loop {
             let light = bent(stage, rng);
             if CheckedLight::new(light.clone()).is_ok() {
                 return light;
@@ -53,14 +53,14 @@ fn turned(towards: DVec3, rng: &mut Rng) -> DQuat {
     DQuat::from_rotation_arc(DVec3::NEG_Z, towards.normalize_or(DVec3::NEG_Y)) * about
 }
 
-fn sun(stage: &Stage, rng: &mut Rng) -> Light {
+fn sun(stage: &SweepStage, rng: &mut Rng) -> Light {
     let [low, high] = ELEVATION;
     let (up, across) = (low + (high - low) * rng.f64()).to_radians().sin_cos();
     let (sin, cos) = (rng.f64() * std::f64::consts::TAU).sin_cos();
     let to_light = DVec3::new(across * cos, up, across * sin);
-    let window = |rng: &mut Rng| (rng.u8(..4) == 0).then(|| stage.unit * (0.6 + 2.0 * rng.f64()));
+    let window = |rng: &mut Rng| (rng.u8(..4) == 0).then(|| stage.things_radius * (0.6 + 2.0 * rng.f64()));
     Light::directional()
-        .with(TRANSLATION, stage.ground)
+        .with(TRANSLATION, stage.ground_in_world)
         .with(ROTATION, turned(-to_light, rng))
         .with(WIDTH, window(rng))
         .with(HEIGHT, window(rng))
@@ -68,11 +68,11 @@ fn sun(stage: &Stage, rng: &mut Rng) -> Light {
 
 /// A place for a source: at each scale of height over the floor as often, from a hundredth of the highest, and clear of
 /// surfaces.
-fn place(stage: &Stage, rng: &mut Rng) -> DVec3 {
+fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| stage.lights_half * (2.0 * rng.f64() - 1.0);
     loop {
         let height = stage.lights_height * 0.01_f64.powf(rng.f64());
-        let place = stage.ground + DVec3::new(aside(rng), height, aside(rng));
+        let place = stage.ground_in_world + DVec3::new(aside(rng), height, aside(rng));
         if stage.is_clear(place, CLEARANCE) {
             return place;
         }
@@ -80,17 +80,17 @@ fn place(stage: &Stage, rng: &mut Rng) -> DVec3 {
 }
 
 /// A place among the things.
-fn aim(stage: &Stage, rng: &mut Rng) -> DVec3 {
-    let aside = |rng: &mut Rng| 0.8 * stage.unit * (2.0 * rng.f64() - 1.0);
-    stage.ground + DVec3::new(aside(rng), 0.5 * stage.unit * rng.f64(), aside(rng))
+fn aim(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
+    let aside = |rng: &mut Rng| 0.8 * stage.things_radius * (2.0 * rng.f64() - 1.0);
+    stage.ground_in_world + DVec3::new(aside(rng), 0.5 * stage.things_radius * rng.f64(), aside(rng))
 }
 
 /// A light that sets out somewhere and comes down among the things, bowed to two sides, in a tube of any width that does
 /// not fold.
-fn bent(stage: &Stage, rng: &mut Rng) -> Light {
+fn bent(stage: &SweepStage, rng: &mut Rng) -> Light {
     let source = loop {
         let source = place(stage, rng);
-        if (source - stage.ground).y > 0.3 * stage.unit {
+        if (source - stage.ground_in_world).y > 0.3 * stage.things_radius {
             break source;
         }
     };
@@ -112,7 +112,7 @@ fn bent(stage: &Stage, rng: &mut Rng) -> Light {
         })
         .collect();
     let (frame, end_mode) = (
-        if rng.u8(..4) == 0 { Frame::Up } else { Frame::RotationMinimizing },
+        if rng.u8(..4) == 0 { FrameMode::Up } else { FrameMode::RotationMinimizing },
         if rng.bool() { EndMode::Cut } else { EndMode::Extend },
     );
     let up = direction(rng);

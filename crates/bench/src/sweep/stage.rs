@@ -12,7 +12,7 @@ use crate::solids::{ball, block, square, vase};
 
 /// The ground that things stand on, and what is around them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Setting {
+pub(super) enum Surroundings {
     /// Things reach past the floor on all sides.
     SmallFloor,
     /// The floor ends where the things do.
@@ -27,7 +27,7 @@ pub(super) enum Setting {
     Roof,
 }
 
-impl Setting {
+impl Surroundings {
     pub const ALL: [Self; 6] =
         [Self::SmallFloor, Self::EqualFloor, Self::WideFloor, Self::Walls, Self::Room, Self::Roof];
 
@@ -45,14 +45,14 @@ impl Setting {
 
 /// A scene with a camera, and where lights may stand in it. Lengths in world units.
 #[derive(Debug)]
-pub(super) struct Stage {
+pub(super) struct SweepStage {
     pub name: String,
     pub reference: Reference,
     pub camera: Camera,
     /// Middle of the things, on the floor; world position.
-    pub ground: DVec3,
+    pub ground_in_world: DVec3,
     /// Radius within which the things lie.
-    pub unit: f64,
+    pub things_radius: f64,
     /// Half the width of the box over `ground` in which lights stand, and its height.
     pub lights_half: f64,
     pub lights_height: f64,
@@ -64,9 +64,9 @@ pub(super) struct Stage {
 /// A mesh and its placement.
 type Part = (Primitive, DAffine3);
 
-impl Stage {
+impl SweepStage {
     /// Random things in a setting, seen by a random camera.
-    pub fn random(setting: Setting, rng: &mut Rng) -> Self {
+    pub fn random(setting: Surroundings, rng: &mut Rng) -> Self {
         let things = things(rng);
         let (min, max) = bounds(&things);
         let is_thick = rng.u8(..3) == 0;
@@ -82,22 +82,22 @@ impl Stage {
         let size = (max - min) / 2.0;
         let wall = |[x, y, z]: [f64; 3], half: [f64; 3]| (block(), at(half, DVec3::new(x, y, z)));
         let around: Vec<Part> = match setting {
-            Setting::SmallFloor => vec![floor(0.5 * size.x, 0.5 * size.z, middle)],
-            Setting::EqualFloor => vec![floor(size.x, size.z, middle)],
-            Setting::WideFloor => vec![floor(wide, wide, DVec3::ZERO)],
-            Setting::Walls => vec![
+            Surroundings::SmallFloor => vec![floor(0.5 * size.x, 0.5 * size.z, middle)],
+            Surroundings::EqualFloor => vec![floor(size.x, size.z, middle)],
+            Surroundings::WideFloor => vec![floor(wide, wide, DVec3::ZERO)],
+            Surroundings::Walls => vec![
                 floor(2.5, 2.5, DVec3::ZERO),
                 wall([-2.45, 1.0, 0.0], [0.05, 1.0, 2.5]),
                 wall([0.0, 0.8, -2.45], [2.5, 0.8, 0.05]),
             ],
-            Setting::Room => vec![
+            Surroundings::Room => vec![
                 floor(2.0, 2.0, DVec3::ZERO),
                 wall([-2.05, 1.1, 0.0], [0.05, 1.1, 2.0]),
                 wall([2.05, 1.1, 0.0], [0.05, 1.1, 2.0]),
                 wall([0.0, 1.1, -2.05], [2.0, 1.1, 0.05]),
                 wall([0.0, 2.25, 0.0], [2.0, 0.05, 2.0]),
             ],
-            Setting::Roof => {
+            Surroundings::Roof => {
                 let post = |x: f64, z: f64| wall([x, 0.9, z], [0.05, 0.9, 0.05]);
                 vec![
                     floor(wide, wide, DVec3::ZERO),
@@ -109,30 +109,44 @@ impl Stage {
                 ]
             }
         };
-        let is_side = matches!(setting, Setting::SmallFloor | Setting::EqualFloor | Setting::WideFloor)
-            && !is_thick
-            && min.y >= 0.0;
+        let is_side =
+            matches!(setting, Surroundings::SmallFloor | Surroundings::EqualFloor | Surroundings::WideFloor)
+                && !is_thick
+                && min.y >= 0.0;
         // From 0.03 to 30 world units, and up to a hundred times that from the world's origin.
-        let unit = 10_f64.powf(rng.f64() * 3.0 - 1.5);
-        let ground = if rng.bool() { direction(rng) * (100.0 * unit * rng.f64()) } else { DVec3::ZERO };
-        let world = DAffine3::from_scale_rotation_translation(DVec3::splat(unit), DQuat::IDENTITY, ground);
+        let things_radius = 10_f64.powf(rng.f64() * 3.0 - 1.5);
+        let ground_in_world =
+            if rng.bool() { direction(rng) * (100.0 * things_radius * rng.f64()) } else { DVec3::ZERO };
+        let world = DAffine3::from_scale_rotation_translation(
+            DVec3::splat(things_radius),
+            DQuat::IDENTITY,
+            ground_in_world,
+        );
         let parts = things.into_iter().chain(around).map(|(mesh, place)| (mesh, world * place));
         let scene = scene_of(parts.collect());
         let eye = eye(setting, rng);
         let target = DVec3::new(0.4 * (rng.f64() - 0.5), 0.1 + 0.5 * rng.f64(), 0.4 * (rng.f64() - 0.5));
-        let camera = camera(ground + eye * unit, ground + target * unit, 0.6 + 0.4 * rng.f64());
+        let camera = camera(
+            ground_in_world + eye * things_radius,
+            ground_in_world + target * things_radius,
+            0.6 + 0.4 * rng.f64(),
+        );
         let reference = Reference::new(scene::pose(scene));
         let whole = reference.bvh.posed.half_extent.length();
-        let is_room = setting == Setting::Room;
+        let is_room = setting == Surroundings::Room;
         Self {
             name: format!("{}{}", setting.name(), if is_thick { "Thick" } else { "" }),
-            casters_radius: if is_side { whole.min(unit * (max - min).length() / 2.0) } else { whole },
+            casters_radius: if is_side {
+                whole.min(things_radius * (max - min).length() / 2.0)
+            } else {
+                whole
+            },
             reference,
             camera,
-            ground,
-            unit,
-            lights_half: unit * if is_room { 1.8 } else { 2.2 },
-            lights_height: unit * if is_room { 2.0 } else { 4.0 },
+            ground_in_world,
+            things_radius,
+            lights_half: things_radius * if is_room { 1.8 } else { 2.2 },
+            lights_height: things_radius * if is_room { 2.0 } else { 4.0 },
         }
     }
 
@@ -141,14 +155,14 @@ impl Stage {
         let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
         let posed = scene::pose(Scene { fill, ..scene });
         let first = cameras.first().cloned();
-        let camera = first.unwrap_or_else(|| framing_camera(&posed.reach(), aspect_ratio));
+        let camera = first.unwrap_or_else(|| framing_camera(&posed.bounds(), aspect_ratio));
         let (half, middle) = (posed.half_extent, posed.origin_in_world);
         Self {
             name: name.into(),
             reference: Reference::new(Arc::clone(&posed)),
             camera,
-            ground: middle - DVec3::Y * half.y,
-            unit: 0.4 * half.length(),
+            ground_in_world: middle - DVec3::Y * half.y,
+            things_radius: 0.4 * half.length(),
             lights_half: 0.9 * half.x.min(half.z),
             lights_height: 1.9 * half.y,
             casters_radius: half.length(),
@@ -156,7 +170,7 @@ impl Stage {
     }
 }
 
-impl Stage {
+impl SweepStage {
     /// Whether no surface is nearer to a world position than a share of the scene's half diagonal, in any of 26 directions.
     pub fn is_clear(&self, position: DVec3, share: f64) -> bool {
         let posed = &self.reference.bvh.posed;
@@ -228,15 +242,15 @@ pub(super) fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-fn eye(setting: Setting, rng: &mut Rng) -> DVec3 {
+fn eye(setting: Surroundings, rng: &mut Rng) -> DVec3 {
     let (from, to) = match setting {
-        Setting::Walls => (10.0, 80.0),
-        Setting::Room => (65.0, 115.0),
+        Surroundings::Walls => (10.0, 80.0),
+        Surroundings::Room => (65.0, 115.0),
         _ => (0.0, 360.0),
     };
     let around: f64 = (from + (to - from) * rng.f64()).to_radians();
-    let low = if setting == Setting::Roof { 5.0 } else { 10.0 };
-    let high = if matches!(setting, Setting::Room | Setting::Roof) { 25.0 } else { 60.0 };
+    let low = if setting == Surroundings::Roof { 5.0 } else { 10.0 };
+    let high = if matches!(setting, Surroundings::Room | Surroundings::Roof) { 25.0 } else { 60.0 };
     let up = (low + (high - low) * rng.f64()).to_radians();
     let distance = 2.4 + 1.4 * rng.f64();
     DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2

@@ -2,14 +2,14 @@
 
 use std::path::PathBuf;
 
-use ::bench::drag::{self, Options, Stage};
-use assets::Loaded;
+use ::bench::drag::{self, DragBenchOptions, TrialScene};
+use assets::LoadedScene;
 use cli::Size;
 
 use super::measure;
 use crate::error::Error;
 use crate::render::open_scene;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -34,10 +34,10 @@ pub struct Args {
     #[arg(default_value = "demo:vases", value_name = "SCENE")]
     scenes: Vec<String>,
     /// Drags of each of the sixteen kinds in each scene
-    #[arg(long, default_value_t = 25, value_name = "N", value_parser = whole(1..=100_000_u32))]
+    #[arg(long, default_value_t = 25, value_name = "N", value_parser = whole_number_parser(1..=100_000_u32))]
     drags: u32,
     /// Another number, other drags
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(0..=u64::MAX))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole_number_parser(0..=u64::MAX))]
     seed: u64,
     /// Width and height of the picture in pixels
     #[arg(long, default_value = "686x382", value_name = "WxH")]
@@ -49,16 +49,16 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let Size { width, height } = args.size;
-    let stages: Result<Vec<Stage>, Error> = args
+    let stages: Result<Vec<TrialScene>, Error> = args
         .scenes
         .iter()
         .map(|name| {
-            let Loaded { scene, contents, .. } = open_scene(name)?;
-            Ok(Stage::new(name, scene, &contents.cameras, [width, height]))
+            let LoadedScene { scene, contents, .. } = open_scene(name)?;
+            Ok(TrialScene::new(name, scene, &contents.cameras, [width, height]))
         })
         .collect();
     let stages = stages?;
-    let options = Options { drags: args.drags as usize, seed: args.seed };
+    let options = DragBenchOptions { drags: args.drags as usize, seed: args.seed };
     measure(args.output.as_deref(), |progress| drag::run(&stages, options, progress))?;
     Ok(())
 }

@@ -2,15 +2,15 @@
 
 use std::path::PathBuf;
 
-use ::bench::frame::{self, GrowthPlan, Subject};
-use cli::{Size, say};
+use ::bench::frame::{self, FrameSubject, GrowthPlan};
+use cli::{Size, print_note};
 
 use super::{PeerArgs, measure, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::picture::choose_camera;
-use crate::render::open_lit;
-use crate::usage::whole;
+use crate::render::open_scene_with_lights;
+use crate::usage::whole_number_parser;
 
 /// Bent lights of which one moves, beside one alone.
 const CROWD: usize = 64;
@@ -51,7 +51,7 @@ pub struct Args {
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
     /// Frames of each kind
-    #[arg(long, default_value_t = 21, value_name = "N", value_parser = whole(1..=10_000_u32))]
+    #[arg(long, default_value_t = 21, value_name = "N", value_parser = whole_number_parser(1..=10_000_u32))]
     repeats: u32,
     /// Measure how frames grow, too: some minutes
     #[arg(long)]
@@ -66,27 +66,29 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    cli::without_window_system();
-    let peers = args.peers.found()?;
+    cli::restart_without_window_system();
+    let peers = args.peers.find_peers()?;
     let subject = subject(args)?;
     let growth = args.growth.then(GrowthPlan::full);
     let repeats = args.repeats as usize;
     let (peers, growth) = (peers.as_ref(), growth.as_ref());
-    let options = frame::Options { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
+    let options =
+        frame::FrameBenchOptions { repeats, crowd: CROWD, backend: args.backend.wanted(), peers, growth };
     let report = measure(args.output.as_deref(), |progress| frame::run(&subject, options, progress))?;
-    report.table().lines().for_each(say);
+    report.table().lines().for_each(print_note);
     Ok(())
 }
 
 /// The scene under its first light, from its first camera.
-fn subject(args: &Args) -> Result<Subject, Error> {
-    let loaded = open_lit(&args.scene, None)?;
+fn subject(args: &Args) -> Result<FrameSubject, Error> {
+    let loaded = open_scene_with_lights(&args.scene, None)?;
     let Size { width, height } = args.size;
     let contents = &loaded.contents;
-    let reach = light::Reach::from(&loaded.scene);
+    let reach = light::SceneBounds::from(&loaded.scene);
     let camera =
         choose_camera(&args.scene, None, f64::from(width) / f64::from(height), (&reach, &contents.cameras))?;
     let Some(light) = contents.lights.first() else { return Err(Error::NothingLit(args.scene.clone())) };
-    let subject = Subject::new(&name_of(&args.scene), loaded.scene, camera, light.light(), [width, height]);
+    let subject =
+        FrameSubject::new(&name_of(&args.scene), loaded.scene, camera, light.light(), [width, height]);
     subject.map_err(|reason| Error::BadLight { file: args.scene.clone(), reason })
 }

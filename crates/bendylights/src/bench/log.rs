@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use ::bench::log::{self, Options};
+use ::bench::log::{self, LogBenchOptions};
 
 use super::measure;
 use crate::error::Error;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -22,7 +22,7 @@ Example:
   bendylights bench log -o log.svg")]
 pub struct Args {
     /// Edits that the log grows by
-    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = whole(1..=1_000_000_u32))]
+    #[arg(long, default_value_t = 10_000, value_name = "N", value_parser = whole_number_parser(1..=1_000_000_u32))]
     edits: u32,
     /// Chart to write: edits a second, and opening time over the length of the log
     #[arg(short, value_name = "OUT.svg")]
@@ -31,7 +31,7 @@ pub struct Args {
 
 pub fn run(args: &Args) -> Result<(), Error> {
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let options = Options { edits: args.edits as usize };
+    let options = LogBenchOptions { edits: args.edits as usize };
     measure(args.output.as_deref(), |progress| log::run(&program, options, progress))?;
     Ok(())
 }

@@ -12,7 +12,7 @@ mod sweep;
 use std::path::{Path, PathBuf};
 
 use ::bench::{BenchError, Peers, Progress};
-use cli::{Output, answer, progress};
+use cli::{OutputFile, print_answer, progress};
 use serde::Serialize;
 
 use crate::error::Error;
@@ -63,7 +63,7 @@ fn measure<R: Serialize>(
     run: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> Result<(R, String), BenchError>,
 ) -> Result<R, Error> {
     // A chart that cannot be written is refused before the measurement, which may take long.
-    let output = output.map(Output::create_chart).transpose()?;
+    let output = output.map(OutputFile::create_chart).transpose()?;
     let bar = progress(0);
     let result = run(&|Progress { done, of, what }| {
         bar.set_length(of as u64);
@@ -75,7 +75,7 @@ fn measure<R: Serialize>(
     if let Some(output) = output {
         output.write(chart.as_bytes())?;
     }
-    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
     Ok(report)
 }
 
@@ -91,7 +91,7 @@ struct PeerArgs {
 }
 
 impl PeerArgs {
-    fn found(&self) -> Result<Option<Peers>, BenchError> {
+    fn find_peers(&self) -> Result<Option<Peers>, BenchError> {
         self.peers.as_deref().map(|folder| Peers::find(folder, self.python.as_deref())).transpose()
     }
 }

@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use ::bench::neighbours::{self, ROWS, Row};
+use ::bench::neighbours::{self, NeighbourRow, ROWS};
 use cli::Size;
 
 use super::measure;
 use crate::error::Error;
 use crate::gpu::BackendArgs;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -53,13 +53,13 @@ Examples:
   bendylights bench neighbours --row large-views --row solves --rest-s 5")]
 pub struct Args {
     /// Only this row; may be given more than once
-    #[arg(long, value_name = "NAME", value_parser = ROWS.map(Row::name))]
+    #[arg(long, value_name = "NAME", value_parser = ROWS.map(NeighbourRow::name))]
     row: Vec<String>,
     /// Seconds that the victim is measured: alone, with the other client, alone again
-    #[arg(long, default_value_t = 15, value_name = "S", value_parser = whole(1..=600_u64))]
+    #[arg(long, default_value_t = 15, value_name = "S", value_parser = whole_number_parser(1..=600_u64))]
     seconds: u64,
     /// Seconds of rest after the other client has left
-    #[arg(long, default_value_t = 60, value_name = "S", value_parser = whole(0..=3600_u64))]
+    #[arg(long, default_value_t = 60, value_name = "S", value_parser = whole_number_parser(0..=3600_u64))]
     rest_s: u64,
     /// Width and height of the victim's view in pixels
     #[arg(long, default_value = "640x360", value_name = "WxH")]
@@ -80,8 +80,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Error> {
     let this = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
     let program = args.program.as_deref().unwrap_or(&this);
-    let is_wanted = |row: &Row| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
-    let options = neighbours::Options {
+    let is_wanted =
+        |row: &NeighbourRow| args.row.is_empty() || args.row.iter().any(|name| name == row.name());
+    let options = neighbours::NeighbourOptions {
         rows: ROWS.into_iter().filter(is_wanted).collect(),
         size: [args.size.width, args.size.height],
         time: Duration::from_secs(args.seconds),
@@ -91,5 +92,5 @@ pub fn run(args: &Args) -> Result<(), Error> {
     };
     let report = measure(args.output.as_deref(), |progress| neighbours::run(program, &options, progress))?;
     let rows = report.missed();
-    if rows.is_empty() { Ok(()) } else { Err(Error::Missed { rows: rows.join(", ") }) }
+    if rows.is_empty() { Ok(()) } else { Err(Error::BoundsMissed { rows: rows.join(", ") }) }
 }

@@ -4,13 +4,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use ::bench::{session, stills};
-use cli::{Size, answer};
+use cli::{Size, print_answer};
 
 use super::{PeerArgs, measure, name_of};
 use crate::error::Error;
 use crate::gpu::BackendArgs;
-use crate::render::open_lit;
-use crate::usage::whole;
+use crate::render::open_scene_with_lights;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -57,10 +57,10 @@ pub struct Args {
     #[arg(long, default_value = "686x382", value_name = "WxH")]
     size: Size,
     /// Updates of the drag, one an animation frame (1/60 s)
-    #[arg(long, default_value_t = 240, value_name = "N", value_parser = whole(10..=100_000_u64))]
+    #[arg(long, default_value_t = 240, value_name = "N", value_parser = whole_number_parser(10..=100_000_u64))]
     updates: u64,
     /// Pictures of 16 samples a pixel that another session asks for meanwhile
-    #[arg(long, value_name = "N", value_parser = whole(1..=8_u64), conflicts_with_all = ["output", "scene", "peers"])]
+    #[arg(long, value_name = "N", value_parser = whole_number_parser(1..=8_u64), conflicts_with_all = ["output", "scene", "peers"])]
     stills: Option<u64>,
     /// Width and height of those in pixels
     #[arg(long, default_value = "2048x2048", value_name = "WxH", requires = "stills")]
@@ -78,14 +78,14 @@ pub fn run(args: &Args) -> Result<(), Error> {
     if let Some(count) = args.stills {
         return beside_stills(args, count);
     }
-    cli::without_window_system();
-    let peers = args.peers.found()?;
+    cli::restart_without_window_system();
+    let peers = args.peers.find_peers()?;
     // What the server would refuse is said here, before it is started.
-    if open_lit(&args.scene, None)?.contents.lights.is_empty() {
+    if open_scene_with_lights(&args.scene, None)?.contents.lights.is_empty() {
         return Err(Error::NothingLit(args.scene.clone()));
     }
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let options = session::Options {
+    let options = session::SessionBenchOptions {
         scene: &args.scene,
         name: &name_of(&args.scene),
         width: args.size.width,
@@ -100,7 +100,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
 
 fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
     let program = std::env::current_exe().map_err(|error| Error::Bench(error.into()))?;
-    let options = stills::Options {
+    let options = stills::StillsBenchOptions {
         view: [args.size.width, args.size.height],
         drag: Duration::from_millis(args.updates * 1_000 / 60),
         stills: count as usize,
@@ -109,5 +109,5 @@ fn beside_stills(args: &Args, count: u64) -> Result<(), Error> {
         backend: args.backend.wanted(),
     };
     let report = stills::run(&program, &options).map_err(Error::Bench)?;
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }

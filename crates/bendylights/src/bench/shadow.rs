@@ -35,10 +35,10 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    cli::without_window_system();
+    cli::restart_without_window_system();
     cli::make_folder(args.pictures.as_deref())?;
     let Size { width, height } = args.size;
-    let options = shadow::Options { width, height, pictures: args.pictures.as_deref() };
+    let options = shadow::ShadowBenchOptions { width, height, pictures: args.pictures.as_deref() };
     let gpu = gpu::open()?;
     measure(args.output.as_deref(), |progress| shadow::run(&gpu, options, progress))?;
     Ok(())

@@ -42,9 +42,9 @@ fn method(name: &str) -> Result<Method, serde_json::Error> {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    cli::without_window_system();
+    cli::restart_without_window_system();
     let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
-    let options = solver::Options { inputs_per_family: args.inputs, methods };
+    let options = solver::SolverBenchOptions { inputs_per_family: args.inputs, methods };
     // Without an adapter the processor's figures are still worth having.
     let gpu = Gpu::new().ok();
     let report = measure(args.output.as_deref(), |progress| solver::run(&options, gpu.as_ref(), progress))?;

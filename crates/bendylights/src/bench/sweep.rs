@@ -8,7 +8,7 @@ use cli::Size;
 use super::{measure, name_of};
 use crate::error::Error;
 use crate::render::open_scene;
-use crate::usage::whole;
+use crate::usage::whole_number_parser;
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -30,16 +30,16 @@ Examples:
   bendylights bench sweep --scene room.glb --scene street.glb")]
 pub struct Args {
     /// Poses of each shape
-    #[arg(long, default_value_t = 200, value_name = "COUNT", value_parser = whole(1..=1_000_000_u32))]
+    #[arg(long, default_value_t = 200, value_name = "COUNT", value_parser = whole_number_parser(1..=1_000_000_u32))]
     poses: u32,
     /// The same seed makes the same poses
-    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole(0..=u64::MAX))]
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole_number_parser(0..=u64::MAX))]
     seed: u64,
     /// Width and height of the pictures in pixels
     #[arg(long, default_value = "96x64", value_name = "WxH")]
     size: Size,
     /// Texels along each side of shadow maps
-    #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = whole(16..=8192_u32))]
+    #[arg(long, default_value_t = 2048, value_name = "TEXELS", value_parser = whole_number_parser(16..=8192_u32))]
     shadow_resolution: u32,
     /// Only lights of this shape; may be given more than once
     #[arg(long, value_name = "SHAPE", value_parser = sweep::SHAPES.map(|(name, _)| name))]
@@ -59,13 +59,13 @@ pub struct Args {
 }
 
 pub fn run(args: &Args) -> Result<(), Error> {
-    cli::without_window_system();
+    cli::restart_without_window_system();
     cli::make_folder(args.pictures.as_deref())?;
     let file = |scene: &String| {
         let loaded = open_scene(scene)?;
         Ok(sweep::SceneFile { name: name_of(scene), scene: loaded.scene, cameras: loaded.contents.cameras })
     };
-    let options = sweep::Options {
+    let options = sweep::SweepOptions {
         poses: args.poses as usize,
         seed: args.seed,
         resolution: args.shadow_resolution,

@@ -73,7 +73,7 @@ fn random_lights_are_swept_over() {
     assert_eq!(measured(&args)["rows"][0]["calm"], rows[0]["calm"]);
 }
 
-/// What is wrong with the drags that a report has of `backends`, whose servers said who draws.
+/// What is wrong with the drags that a report has of `sides`, whose servers said who draws.
 fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
     let drags = report["drags"].as_array().expect("drags");
     let found: Vec<_> = drags.iter().filter_map(|drag| drag["backend"].as_str()).collect();

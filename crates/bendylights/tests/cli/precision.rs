@@ -1,10 +1,10 @@
 //! `eval --scene` of points that were read off surfaces and rounded.
 
-use assets::Loaded;
+use assets::LoadedScene;
 use glam::DVec3;
 use light::Tube;
 use protocol::light_file;
-use reference::{Linked, Reference};
+use reference::{LinkedNodes, Reference};
 use serde_json::Value;
 
 use crate::program::{Folder, TRIANGLE, run};
@@ -32,7 +32,7 @@ struct Demo {
 }
 
 impl Demo {
-    fn new(loaded: &Loaded) -> Self {
+    fn new(loaded: &LoadedScene) -> Self {
         let light = &loaded.contents.lights[0];
         let reference = Reference::new(scene::pose(loaded.scene.clone()));
         let triangles = &reference.bvh.triangles;
@@ -40,7 +40,8 @@ impl Demo {
         let points = (0..600).map(|_| {
             let triangle = &triangles[(random(&mut seed) * triangles.len() as f64) as usize];
             let (a, b) = (random(&mut seed).sqrt(), random(&mut seed));
-            triangle.at(DVec3::new(1.0 - a, a * (1.0 - b), a * b)) + reference.bvh.posed.origin_in_world
+            triangle.position_at(DVec3::new(1.0 - a, a * (1.0 - b), a * b))
+                + reference.bvh.posed.origin_in_world
         });
         let points = points.collect();
         Self { reference, tube: light.tube().expect("the demo's light is bent").clone(), points }
@@ -48,7 +49,7 @@ impl Demo {
 
     fn visible(&self, point: DVec3) -> Option<bool> {
         let place = self.tube.locate(point).point?;
-        Some(self.reference.occluder((&self.tube, &Linked::default()), &place, point).is_none())
+        Some(self.reference.occluding_node((&self.tube, &LinkedNodes::default()), &place, point).is_none())
     }
 
     /// Whether surface points within `distance` of `point` have different answers: a shadow's edge, or the light's.

@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use ::bench::{Address, Client, Incoming};
+use ::bench::{Client, Incoming, ServerAddress};
 use protocol::{Cause, ClientMessage, FrameQuality, Pass, TraceLine, TraceWhat, ViewSource};
 
 use crate::program::{Folder, binary, run};
@@ -16,7 +16,7 @@ const READY_WITHIN: Duration = Duration::from_mins(3);
 /// A server whose standard error goes to a file; killed when it is dropped.
 struct Served {
     child: Child,
-    address: Address,
+    address: ServerAddress,
     said: String,
 }
 
@@ -74,7 +74,7 @@ impl Drop for Served {
 
 fn settled(client: &mut Client) {
     let is_settled =
-        |incoming| matches!(incoming, Incoming::Frame(header, _) if header.flags.settle).then_some(());
+        |incoming| matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(());
     client.wait_for("a lossless frame", is_settled).expect("a lossless frame");
 }
 

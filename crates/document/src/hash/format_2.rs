@@ -7,14 +7,14 @@ use glam::DVec3;
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, RANGE, UP,
 };
-use light::{Decay, Direction, EndMode, Frame, Light, Owner, Shape, Transform, Value};
+use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightShape, ParameterOwner, Transform, Value};
 
-use super::Walk;
+use super::HashWriter;
 
 /// Whether what has parameters had the one of that name in formats 1 and 2.
-pub fn was_in_format_2(owner: Owner, name: &str) -> bool {
+pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
     let names: &[&str] = match owner {
-        Owner::Spot => &[
+        ParameterOwner::Spot => &[
             "name",
             "translation",
             "rotation",
@@ -26,7 +26,7 @@ pub fn was_in_format_2(owner: Owner, name: &str) -> bool {
             "range",
             "decay",
         ],
-        Owner::Bendy => &[
+        ParameterOwner::Bendy => &[
             "name",
             "translation",
             "rotation",
@@ -39,10 +39,10 @@ pub fn was_in_format_2(owner: Owner, name: &str) -> bool {
             "endMode",
             "decay",
         ],
-        Owner::Point => &["position", "radius", "color", "intensity"],
+        ParameterOwner::Point => &["position", "radius", "color", "intensity"],
         // Formats 1 and 2 had no such lights.
-        Owner::Directional | Owner::Omni => &[],
-        Owner::Camera => &["name", "translation", "rotation", "projection"],
+        ParameterOwner::Directional | ParameterOwner::Omni => &[],
+        ParameterOwner::Camera => &["name", "translation", "rotation", "projection"],
     };
     names.contains(&name)
 }
@@ -54,31 +54,34 @@ pub(super) fn covers(light: &Light) -> bool {
     };
     let owner = light.owner();
     let mut values = light.values();
-    let mut of_points = light::parameters_of(Owner::Point).iter();
+    let mut of_points = light::parameters_of(ParameterOwner::Point).iter();
     values.all(|(row, value)| is_covered(owner, row, Some(value)))
         && of_points.all(|row| {
-            light.points().iter().all(|point| is_covered(Owner::Point, row, point.value(row).as_ref()))
+            light
+                .points()
+                .iter()
+                .all(|point| is_covered(ParameterOwner::Point, row, point.value(row).as_ref()))
         })
 }
 
-impl Walk {
+impl HashWriter {
     pub(super) fn light(&mut self, light: &Light) {
         self.text(light.name());
         match light.shape() {
-            Shape::Bendy(_) => {
+            LightShape::Bendy(_) => {
                 self.tag(0);
                 self.bendy(light);
             }
-            Shape::Spot => {
+            LightShape::Spot => {
                 self.tag(1);
                 self.spot(light);
             }
             // Those that logs of then could not have: they need only differ.
-            Shape::Directional => {
+            LightShape::Directional => {
                 self.tag(2);
                 self.spot(light);
             }
-            Shape::Omni => {
+            LightShape::Omni => {
                 self.tag(3);
                 self.spot(light);
             }
@@ -96,12 +99,12 @@ impl Walk {
         self.real(light.get(CONE_ANGLE));
         self.real(light.get(CONE_SOFTNESS));
         self.tag(match light.get(FRAME) {
-            Frame::RotationMinimizing => 0,
-            Frame::Up => 1,
+            FrameMode::RotationMinimizing => 0,
+            FrameMode::Up => 1,
         });
         self.tag(match light.get(DIRECTION) {
-            Direction::Tube => 0,
-            Direction::Path => 1,
+            DirectionMode::Tube => 0,
+            DirectionMode::Path => 1,
         });
         self.tag(match light.get(END_MODE) {
             EndMode::Cut => 0,

@@ -1,11 +1,11 @@
 //! Making changes: all or none, and only from where they start.
 
-use document::{CameraParameter, Change, Command, ControlPoints, EditError, Layout, SceneRef};
+use document::{CameraParameter, Change, Command, ControlPoints, EditError, PointNumbering, SceneRef};
 use glam::DVec3;
 use light::parameters::{
     CONE_ANGLE, DECAY, FRAME, INTENSITY, NAME, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION,
 };
-use light::{Frame, LightId, Parameter, Value};
+use light::{FrameMode, LightId, Parameter, Value};
 
 use crate::support::{
     BENDY, EYE, ROOM, SPOT, checked, content, done, edit, eye, light_change, light_of, point_change, sample,
@@ -37,7 +37,7 @@ fn a_change_from_another_value_is_refused() {
             Change::ControlPoints {
                 light: BENDY,
                 old: if sound { points.clone() } else { other.clone() },
-                new: ControlPoints { layout: Layout(9), ..other.clone() },
+                new: ControlPoints { layout: PointNumbering(9), ..other.clone() },
             },
             Change::Camera { camera: EYE, old: sound.then(eye), new: None },
             Change::CameraParameter {
@@ -52,9 +52,9 @@ fn a_change_from_another_value_is_refused() {
         let error = after.apply(&[unsound]).expect_err("the document holds another value");
         assert!(matches!(error, EditError::Conflict(_)), "{error}");
         assert_eq!(content(&after), content(&document));
-        assert!(document.holds_old_of(&sound));
+        assert!(document.holds_old_value_of(&sound));
         after.apply(std::slice::from_ref(&sound)).expect("from the value it holds");
-        assert!(!after.holds_old_of(&sound), "{sound:?}");
+        assert!(!after.holds_old_value_of(&sound), "{sound:?}");
     }
 }
 
@@ -105,7 +105,7 @@ fn both_values_of_a_change_are_of_one_property() {
         of_spot(CONE_ANGLE.row(), Value::Text("wide".into())),
         of_spot(CONE_ANGLE.row(), Value::Absent),
         of_spot(RANGE.row(), Value::Text("far".into())),
-        of_spot(DECAY.row(), Value::Choice(Frame::Up.name())),
+        of_spot(DECAY.row(), Value::Choice(FrameMode::Up.name())),
         of_spot(ROTATION.row(), Value::Vector(DVec3::ONE)),
         of_spot(NAME.row(), Value::Number(1.0)),
         Change::CameraParameter {
@@ -115,7 +115,7 @@ fn both_values_of_a_change_are_of_one_property() {
         },
     ];
     for change in mixed {
-        assert!(document.holds_old_of(&change));
+        assert!(document.holds_old_value_of(&change));
         let error = document.apply(&[change]).expect_err("two properties");
         assert!(matches!(error, EditError::Conflict(_)), "{error}");
     }
@@ -127,7 +127,7 @@ fn both_values_of_a_change_are_of_one_property() {
 #[test]
 fn a_change_is_of_what_is_there() {
     let mut document = sample();
-    let (frame, up) = (Frame::RotationMinimizing, Frame::Up);
+    let (frame, up) = (FrameMode::RotationMinimizing, FrameMode::Up);
     let other = [
         light_change(SPOT, FRAME, frame, up),
         light_change(BENDY, RANGE, None, Some(1.0)),
@@ -137,7 +137,7 @@ fn a_change_is_of_what_is_there() {
         point_change(1, 1, CONE_ANGLE, 25.0, 30.0),
     ];
     for change in other {
-        assert!(!document.holds_old_of(&change));
+        assert!(!document.holds_old_value_of(&change));
         let error = document.apply(&[change]).expect_err("nothing has it");
         assert!(matches!(error, EditError::Conflict(_)), "{error}");
     }

@@ -1,6 +1,6 @@
 //! An asset's name in text.
 
-use document::{AssetHash, NotAnAssetHash};
+use document::{AssetHash, InvalidAssetHash};
 
 /// Rules: DOC-5
 #[test]
@@ -32,6 +32,6 @@ fn anything_else_is_refused() {
         format!("SHA256:{digits}"),
         format!("sha256:+{short}"),
     ] {
-        assert_eq!(text.parse::<AssetHash>(), Err(NotAnAssetHash), "{text}");
+        assert_eq!(text.parse::<AssetHash>(), Err(InvalidAssetHash), "{text}");
     }
 }

@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
-use document::{BENT_SEGMENTS, Change, Command, EditError, axis_reach, deed, resolved};
+use document::{
+    Change, Command, DEFAULT_BEND_SEGMENTS, EditError, axis_length, describe_changes, fill_in_from_scene,
+};
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{COLOR, INTENSITY, RANGE, ROTATION, TRANSLATION};
-use light::{Light, LightError, Owner};
+use light::{Light, LightError, ParameterOwner};
 use raycast::Bvh;
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use crate::support::{BENDY, SPOT, checked, done, light_of, refused, sample};
 
 fn bend(range: Option<f64>) -> Command {
-    Command::BendLight { light: SPOT, segments: BENT_SEGMENTS, range, cone_angle: None, toward: None }
+    Command::BendLight { light: SPOT, segments: DEFAULT_BEND_SEGMENTS, range, cone_angle: None, toward: None }
 }
 
 /// Rules: CMD-12
@@ -26,9 +28,12 @@ fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
         matches!(&changes[..], [Change::Light { light: SPOT, old: Some(_), new: Some(_) }]),
         "{changes:?}"
     );
-    assert_eq!(deed(&changes, &document), "bending “lamp”");
+    assert_eq!(describe_changes(&changes, &document), "bending “lamp”");
     let bent = light_of(&document, SPOT);
-    assert_eq!((bent.owner(), bent.name(), bent.points().len()), (Owner::Bendy, "lamp", BENT_SEGMENTS + 2));
+    assert_eq!(
+        (bent.owner(), bent.name(), bent.points().len()),
+        (ParameterOwner::Bendy, "lamp", DEFAULT_BEND_SEGMENTS + 2)
+    );
     assert_eq!(bent.points().last().expect("points").position, DVec3::new(0.0, 0.0, -7.0));
     assert_eq!((bent.get(COLOR), bent.get(INTENSITY)), (spot.get(COLOR), spot.get(INTENSITY)));
     // Taken back as one step, it is the light before.
@@ -36,7 +41,7 @@ fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
     undone.apply(&[changes[0].inverse()]).expect("it holds");
     assert_eq!((undone.lights(), undone.hash()), (before.lights(), before.hash()));
     let changes = done(&mut document, &Command::StraightenLight(SPOT));
-    assert_eq!(deed(&changes, &document), "straightening “lamp”");
+    assert_eq!(describe_changes(&changes, &document), "straightening “lamp”");
     assert_eq!(light_of(&document, SPOT), &spot);
     // Another numbering each time: a stale command for a control point finds none.
     assert_ne!(document.lights()[&SPOT].layout, before.lights()[&SPOT].layout);
@@ -92,20 +97,20 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
         |at: DVec3, yaw: f64| Light::spot().with(TRANSLATION, at).with(ROTATION, DQuat::from_rotation_y(yaw));
     let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
     let ahead = spot(DVec3::new(0.3, -0.2, 1.0), 0.0);
-    assert!(close(axis_reach(&ahead, &room(-4.0)), 5.0));
+    assert!(close(axis_length(&ahead, &room(-4.0)), 5.0));
     // The planted fault: another thing in the way.
-    assert!(close(axis_reach(&ahead, &room(-2.0)), 3.0));
+    assert!(close(axis_length(&ahead, &room(-2.0)), 3.0));
     // Its own housing does not count.
-    assert!(close(axis_reach(&ahead, &room(0.99)), 5.0));
+    assert!(close(axis_length(&ahead, &room(0.99)), 5.0));
     // Beside the wall, and looking away from it.
-    assert!(axis_reach(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
-    assert!(axis_reach(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
-    assert_eq!(axis_reach(&spot(DVec3::Z, std::f64::consts::PI), &Bvh::new(Arc::default())), 1.0);
+    assert!(axis_length(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
+    assert!(axis_length(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
+    assert_eq!(axis_length(&spot(DVec3::Z, std::f64::consts::PI), &Bvh::new(Arc::default())), 1.0);
 
     let mut document = sample();
-    let command = resolved(bend(None), &document, &room(-3.0));
+    let command = fill_in_from_scene(bend(None), &document, &room(-3.0));
     assert_eq!(command, bend(Some(3.0)));
-    assert_eq!(resolved(bend(Some(2.0)), &document, &room(-3.0)), bend(Some(2.0)));
+    assert_eq!(fill_in_from_scene(bend(Some(2.0)), &document, &room(-3.0)), bend(Some(2.0)));
     done(&mut document, &command);
     assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -3.0));
     // One with a range of its own ends there.
@@ -142,10 +147,10 @@ fn lights_without_a_cone_are_bent_in_the_one_they_are_given() {
         };
         for (cone_angle, toward) in [(None, None), (Some(20.0), Some(DVec3::new(0.5, -0.5, -4.0)))] {
             let mut document = before.clone();
-            let command = resolved(bend(cone_angle, toward), &document, &room);
+            let command = fill_in_from_scene(bend(cone_angle, toward), &document, &room);
             let changes = done(&mut document, &command);
             let bent = light_of(&document, id);
-            assert_eq!((bent.owner(), bent.get(INTENSITY)), (Owner::Bendy, 7.0));
+            assert_eq!((bent.owner(), bent.get(INTENSITY)), (ParameterOwner::Bendy, 7.0));
             let (cone, aim): (f64, DVec3) = (cone_angle.unwrap_or(45.0), toward.unwrap_or(middle));
             let last = bent.points()[4];
             let slope = last.radius / last.position.length();
@@ -154,7 +159,7 @@ fn lights_without_a_cone_are_bent_in_the_one_they_are_given() {
             let axis = (transform.world_from_local(last.position) - transform.translation).normalize();
             let aimed = (aim - transform.translation).normalize();
             assert!((axis - aimed).length() < 1e-12, "{axis} {aimed}");
-            let is_sun = light.owner() == Owner::Directional;
+            let is_sun = light.owner() == ParameterOwner::Directional;
             let came_from = light.get(ROTATION) * DVec3::NEG_Z;
             assert_eq!((axis - came_from).length() < 1e-12, is_sun, "a sun keeps its direction");
             assert_eq!(transform.translation == at, !is_sun, "a lamp keeps its place");

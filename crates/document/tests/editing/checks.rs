@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use document::{CameraParameter, Change, Command, Context, Document, edited};
+use document::{CameraParameter, Change, Command, CommandContext, Document, execute_command};
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, NAME, POSITION, RADIUS};
 use light::{CheckedLight, Setting};
@@ -14,9 +14,9 @@ use crate::support::{
 
 /// How many checks `work` makes.
 fn checks<T>(work: impl FnOnce() -> T) -> u64 {
-    let before = CheckedLight::made();
+    let before = CheckedLight::check_count();
     work();
-    CheckedLight::made() - before
+    CheckedLight::check_count() - before
 }
 
 /// How many checks a command makes that must be valid.
@@ -70,8 +70,8 @@ fn what_is_carried_whole_is_not_checked_again() {
         assert_eq!(checks_of(&command), 0, "{command:?}");
     }
     let (scene, command) = (find_scene(ROOM), Command::LoadScene { asset: ROOM, name: "room".into() });
-    let context = Context { loaded: scene.as_ref(), ..Context::default() };
-    let load = || edited(&Document::default(), &command, context).expect("it loads");
+    let context = CommandContext { loaded: scene.as_ref(), ..CommandContext::default() };
+    let load = || execute_command(&Document::default(), &command, context).expect("it loads");
     assert_eq!(checks(load), 0);
 }
 
@@ -110,7 +110,7 @@ fn what_is_not_touched_is_shared() {
 fn a_check_by_hand_is_counted() {
     assert_eq!(checks(|| checked(bendy())), 1);
     let fold =
-        || CheckedLight::new(bendy().with_points(|_, point| point.radius = 20.0)).expect_err("it folds");
+        || CheckedLight::new(bendy().map_points(|_, point| point.radius = 20.0)).expect_err("it folds");
     assert_eq!(checks(fold), 1);
     let command = Command::SetPoint { light: BENDY, point: 3, setting: POSITION.to(DVec3::NEG_X * 3.0) };
     let document = sample();

@@ -1,6 +1,6 @@
 //! Control points that are dragged glide along the fold's wall.
 
-use document::{Change, Command, Document, EditError, deed};
+use document::{Change, Command, Document, EditError, describe_changes};
 use glam::DVec3;
 use light::parameters::{POSITION, RADIUS};
 use light::{ControlPoint, LightError};
@@ -39,7 +39,7 @@ fn a_dragged_point_is_where_it_is_put_if_it_can_be() {
     let by_setting = done(&mut set, &Command::SetPoint { light: BENDY, point: 2, setting });
     let by_dragging = done(&mut dragged, &drag(2, position, false));
     assert_eq!(by_dragging, by_setting);
-    assert_eq!(deed(&by_dragging, &dragged), "the position of control point 2 of “key”");
+    assert_eq!(describe_changes(&by_dragging, &dragged), "the position of control point 2 of “key”");
     assert_eq!(done(&mut dragged, &drag(2, position, false)), [], "it is there already");
 }
 
@@ -47,7 +47,7 @@ fn a_dragged_point_is_where_it_is_put_if_it_can_be() {
 ///
 /// Rules: CMD-14, CMD-2, REC-2
 #[test]
-fn a_dragged_point_glides_along_the_wall() {
+fn a_dragged_point_slides_along_the_fold_limit() {
     let mut document = sample();
     let (hash, content_before, before) = (document.hash(), content(&document), points(&document));
     let set = Command::SetPoint { light: BENDY, point: 3, setting: POSITION.to(PAST_THE_WALL) };
@@ -76,7 +76,7 @@ fn radii_follow_and_come_back() {
     assert_eq!(after[3].position, PAST_THE_WALL, "nothing is in the way");
     assert!(after.iter().zip(&before).all(|(now, was)| now.radius <= was.radius));
     assert!(after[3].radius < before[3].radius && fold(&document) < 1.0);
-    let said = deed(&changes, &document);
+    let said = describe_changes(&changes, &document);
     assert!(said.starts_with("the position of control point 3 of “key” and "), "{said}");
     // A drag that comes back is worked out from where it began.
     let mut back = sample();

@@ -3,10 +3,10 @@
 use std::sync::{Arc, LazyLock};
 
 use document::{
-    Change, Command, Context, Document, EditError, Edited, FeatureDrag, LightPin, MAX_CHOSEN_POINTS, edited,
-    solve_drag,
+    Change, Command, CommandContext, CommandResult, Document, EditError, FeatureDrag, LightPin,
+    MAX_CHOSEN_POINTS, execute_command, solve_drag,
 };
-use drag::{Feature, Limit, Pin, PinKind, Radii, Refusal, SOLVER, Status, Viewport};
+use drag::{DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, SOLVER, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{LIGHT_LINK, POSITION, ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, LightId, Links};
@@ -42,7 +42,7 @@ fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
     FeatureDrag {
         feature: Feature::Shadow,
         points,
-        radii: Radii::Keep,
+        radii: RadiusMode::Keep,
         view: DEMO.view.clone(),
         from,
         to: from + DVec2::new(0.0, down),
@@ -50,10 +50,10 @@ fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
     }
 }
 
-fn dragged(document: &Document, drag: &FeatureDrag) -> Result<Edited, EditError> {
+fn dragged(document: &Document, drag: &FeatureDrag) -> Result<CommandResult, EditError> {
     let solved = solve_drag(document, LIGHT, drag, &DEMO.bvh)?;
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(drag.clone()) };
-    edited(document, &command, Context { solved: Some(&solved), ..Context::default() })
+    execute_command(document, &command, CommandContext { solved: Some(&solved), ..CommandContext::default() })
 }
 
 fn light_of(document: &Document) -> &Light {
@@ -67,7 +67,7 @@ fn a_lit_point(document: &Document) -> DVec3 {
     let mut seen = (0..640).step_by(20).filter_map(|x| {
         let ray =
             scene::ViewRay::new(&DEMO.view.camera, DEMO.view.size, DVec2::new(f64::from(x), 330.5), origin);
-        DEMO.bvh.seen(&ray).map(|seen| seen.position + origin)
+        DEMO.bvh.visible_point(&ray).map(|seen| seen.position + origin)
     });
     seen.find(|at| light.locate(*at).point.is_some()).expect("the light reaches the picture's lower rows")
 }
@@ -76,10 +76,10 @@ fn a_lit_point(document: &Document) -> DVec3 {
 #[test]
 fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
     let before = document();
-    let Edited { changes, document: after, outcome } =
+    let CommandResult { changes, document: after, outcome } =
         dragged(&before, &shadow(None, 45.0)).expect("it lands");
     let outcome = outcome.expect("a drag has an outcome");
-    assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (Status::Landed, SOLVER));
+    assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (DragStatus::Converged, SOLVER));
     assert!(outcome.residual_px <= 0.5 && outcome.pivot_world.is_some());
     let is_placement = |change: &Change| matches!(change, Change::LightParameter { parameter, .. } if *parameter == TRANSLATION.row() || *parameter == ROTATION.row());
     assert!(!changes.is_empty() && changes.iter().all(is_placement), "{changes:?}");
@@ -97,7 +97,7 @@ fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
 #[test]
 fn a_light_that_is_bent_keeps_all_but_the_points_that_take_part() {
     let before = document();
-    let Edited { changes, document: after, .. } =
+    let CommandResult { changes, document: after, .. } =
         dragged(&before, &shadow(Some(vec![2, 3, 4]), 45.0)).expect("it lands");
     let is_of_those = |change: &Change| matches!(change, Change::Point { point: 2..=4, parameter, .. } if *parameter == POSITION.row());
     assert!(!changes.is_empty() && changes.iter().all(is_of_those), "{changes:?}");
@@ -122,20 +122,20 @@ fn the_same_drag_gives_the_same_light() {
 fn what_cannot_be_dragged_is_refused_and_says_why() {
     let before = document();
     let refused = |drag: &FeatureDrag| dragged(&before, drag).map(|_| ()).expect_err("refused");
-    let not_dragged = |reason| EditError::NotDragged { light: before.light_name(LIGHT), reason };
+    let not_dragged = |reason| EditError::DragRefused { light: before.light_name(LIGHT), reason };
     let off = FeatureDrag { to: DVec2::new(-50.5, -50.5), ..shadow(None, 0.0) };
     let off = FeatureDrag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
-    assert_eq!(refused(&off), not_dragged(Refusal::NothingAtStart));
-    assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(Refusal::NoSuchPoint));
+    assert_eq!(refused(&off), not_dragged(DragRefusal::NothingAtStart));
+    assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(DragRefusal::NoSuchPoint));
     // Those that are chosen, or that none is.
     let nothing_moves = refused(&shadow(Some(vec![]), 9.0));
-    assert_eq!(nothing_moves, not_dragged(Refusal::NoWeight));
+    assert_eq!(nothing_moves, not_dragged(DragRefusal::NoWeight));
     let said = nothing_moves.to_string();
     assert!(said.contains("no control point that is chosen does anything"), "{said}");
     let lit = FeatureDrag { from: DVec2::new(600.5, 300.5), ..shadow(None, 9.0) };
-    assert!(matches!(refused(&lit), EditError::NotDragged { .. }));
+    assert!(matches!(refused(&lit), EditError::DragRefused { .. }));
     let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
-    assert_eq!(refused(&pixelless), EditError::NoPicture);
+    assert_eq!(refused(&pixelless), EditError::EmptyViewport);
     // What a record keeps has limits.
     let long = scene::Camera { name: "x".repeat(10_000), ..DEMO.view.camera.clone() };
     let named = FeatureDrag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
@@ -149,10 +149,13 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
 
     // Without a scene at hand nothing is known, and nothing moves.
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(shadow(None, 9.0)) };
-    let error = edited(&before, &command, Context::default()).expect_err("refused");
-    assert!(matches!(error, EditError::NotSolved(_)));
+    let error = execute_command(&before, &command, CommandContext::default()).expect_err("refused");
+    assert!(matches!(error, EditError::DragNotSolved(_)));
     let nobodys = Command::DragFeature { light: LightId(9), drag: Box::new(shadow(None, 9.0)) };
-    assert!(matches!(edited(&before, &nobodys, Context::default()), Err(EditError::NoLight(LightId(9)))));
+    assert!(matches!(
+        execute_command(&before, &nobodys, CommandContext::default()),
+        Err(EditError::NoLight(LightId(9)))
+    ));
 }
 
 /// What a probe calls unlinked is no place to drag from, whatever stands in the light's way there.
@@ -169,8 +172,8 @@ fn nothing_is_dragged_from_a_surface_that_links_leave_out() {
     let before = linked_but("table");
     for points in [None, Some(vec![2, 3, 4])] {
         let error = dragged(&before, &shadow(points.clone(), 45.0)).map(|_| ()).expect_err("unlinked");
-        let reason = Refusal::OutsideTheLight;
-        assert_eq!(error, EditError::NotDragged { light: before.light_name(LIGHT), reason });
+        let reason = DragRefusal::OutsideTheLight;
+        assert_eq!(error, EditError::DragRefused { light: before.light_name(LIGHT), reason });
         assert!(error.to_string().contains("left out by its links"), "{error}");
         // The planted fault: it is the table that the shadow lies on.
         dragged(&linked_but("orange vase"), &shadow(points, 45.0)).expect("it lands");
@@ -188,13 +191,13 @@ fn sky() -> scene::Camera {
 fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     let mut before = document();
     let at = a_lit_point(&before);
-    let pin = |kind| Pin { kind, at, caster: None, is_hard: true };
+    let pin = |kind| DragPin { kind, at, caster: None, is_hard: true };
     let add = |kind, light| Command::AddPin(LightPin { light, pin: pin(kind) });
     // Another light's pins are no matter.
     done(&mut before, &Command::AddLight(Arc::clone(&DEMO.light)));
     done(&mut before, &add(PinKind::Shadow, LightId(2)));
     let free = dragged(&before, &shadow(None, 45.0)).expect("it lands");
-    assert_eq!(free.outcome.map(|outcome| outcome.status), Some(Status::Landed));
+    assert_eq!(free.outcome.map(|outcome| outcome.status), Some(DragStatus::Converged));
 
     done(&mut before, &add(PinKind::Direction, LIGHT));
     let (id, _) = before.pins_of(LIGHT).next().expect("a pin");
@@ -211,7 +214,10 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     assert!(turned(&free.document) > 0.2, "the planted fault: without the pin it turns");
     assert!(turned(&held.document) < 0.1, "{}", turned(&held.document));
     let status = held.outcome.expect("an outcome").status;
-    assert!(status == Status::Landed || status == Status::Limited(Limit::Pin(id.0 as usize)), "{status:?}");
+    assert!(
+        status == DragStatus::Converged || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)),
+        "{status:?}"
+    );
 
     // One that holds what is not so.
     done(&mut before, &Command::SetPin { pin: id, is_hard: false });

@@ -8,7 +8,7 @@ use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, POINT_COLOR,
     POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP,
 };
-use light::{Decay, Direction, EndMode, Frame, LightId, Setting};
+use light::{Decay, DirectionMode, EndMode, FrameMode, LightId, Setting};
 use scene::Projection;
 
 use crate::support::{BENDY, EYE, PLAN, ROOM, ROOM_AGAIN, SPOT, checked, done, eye, light_of, sample, spot};
@@ -42,8 +42,12 @@ fn light_edits() -> Vec<Command> {
     for light in [BENDY, SPOT] {
         edits.extend(both.iter().map(|setting| Command::SetLight { light, setting: setting.clone() }));
     }
-    let of_bendy =
-        [UP.to(vector), FRAME.to(Frame::Up), DIRECTION.to(Direction::Path), END_MODE.to(EndMode::Extend)];
+    let of_bendy = [
+        UP.to(vector),
+        FRAME.to(FrameMode::Up),
+        DIRECTION.to(DirectionMode::Path),
+        END_MODE.to(EndMode::Extend),
+    ];
     edits.extend(of_bendy.map(|setting| Command::SetLight { light: BENDY, setting }));
     let of_spot = [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0)), RANGE.to(Some(8.0))];
     edits.extend(of_spot.map(|setting| Command::SetLight { light: SPOT, setting }));
@@ -152,7 +156,7 @@ fn numbers_count_where_the_rest_is_the_same() {
 
 /// Rules: DOC-4
 #[test]
-fn what_does_not_count() {
+fn labels_and_freed_numbers_leave_the_hash() {
     let more_numbers =
         Document::restore(None, sample().lights().clone(), sample().cameras().clone(), BTreeMap::new(), 99);
     for hash in HASHES {

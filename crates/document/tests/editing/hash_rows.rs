@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use document::{Document, Layout, PlacedLight};
+use document::{Document, NumberedLight, PointNumbering};
 use glam::{DQuat, DVec3};
 use light::parameters::{NAME, POSITION};
 use light::{
-    CheckedLight, ControlPoint, Kind, Light, Links, Of, Owner, Parameter, PeriodicCurve, Setting, Typed,
-    Value, parameters, parameters_of,
+    CheckedLight, ControlPoint, Light, Links, Parameter, ParameterKind, ParameterOf, ParameterOwner,
+    PeriodicCurve, Setting, Value, ValueType, parameters, parameters_of,
 };
 use sha2::{Digest, Sha256};
 
@@ -20,13 +20,13 @@ fn plain_lights() -> [Light; 4] {
     [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375]), Light::directional(), Light::omni()]
 }
 
-fn holding(light: Light) -> Document {
-    let placed = PlacedLight { layout: Layout(1), light: checked(light) };
+fn document_with(light: Light) -> Document {
+    let placed = NumberedLight { layout: PointNumbering(1), light: checked(light) };
     Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), BTreeMap::new(), 0)
 }
 
 /// A value that `parameter` may have, other than `now` and not far from it.
-fn another(parameter: &Parameter, now: &Value) -> Value {
+fn other_value(parameter: &Parameter, now: &Value) -> Value {
     let candidates: Vec<Value> = match now {
         Value::Number(number) => {
             [number * 0.5, number + 0.5, number + 1.0, number - 1.0].map(Value::Number).into()
@@ -38,7 +38,9 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
         }
         Value::Flag(flag) => vec![Value::Flag(!flag)],
         Value::Choice(_) => match parameter.kind {
-            Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
+            ParameterKind::Choice(choices) => {
+                choices.iter().map(|choice| Value::Choice(choice.name)).collect()
+            }
             other => panic!("a choice of {other}"),
         },
         Value::Vector(vector) => vec![Value::Vector(*vector + DVec3::new(0.125, 0.0625, 0.03125))],
@@ -58,21 +60,24 @@ fn another(parameter: &Parameter, now: &Value) -> Value {
 fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> {
     let mut set = Vec::new();
     for parameter in rows {
-        if let (Some(_), Some(now)) = (parameter.of(light.owner()), light.value(parameter)) {
+        if let (Some(_), Some(now)) = (parameter.for_owner(light.owner()), light.value(parameter)) {
             let mut other = light.clone();
-            other.set(Setting { parameter, value: another(parameter, now) });
+            other.set(Setting { parameter, value: other_value(parameter, now) });
             set.push((format!("the light's {}", parameter.name), other));
         }
         let first = usize::from(**parameter == *POSITION);
         for (index, point) in light.points().iter().enumerate().skip(first) {
-            let Some(now) = parameter.of(Owner::Point).and_then(|_| point.value(parameter)) else { continue };
-            let setting = Setting { parameter, value: another(parameter, &now) };
+            let Some(now) = parameter.for_owner(ParameterOwner::Point).and_then(|_| point.value(parameter))
+            else {
+                continue;
+            };
+            let setting = Setting { parameter, value: other_value(parameter, &now) };
             let change = |i: usize, point: &mut ControlPoint| {
                 if i == index {
                     point.set(&setting);
                 }
             };
-            set.push((format!("point {index}'s {}", parameter.name), light.clone().with_points(change)));
+            set.push((format!("point {index}'s {}", parameter.name), light.clone().map_points(change)));
         }
     }
     set
@@ -89,12 +94,13 @@ fn every_row_of_the_table_counts() {
         for light in plain_lights() {
             let set = each_set(&light, rows);
             are_set += set.len();
-            let documents: Vec<_> = set.into_iter().map(|(what, light)| (what, holding(light))).collect();
-            all_differ(hash, &holding(light), &documents);
+            let documents: Vec<_> =
+                set.into_iter().map(|(what, light)| (what, document_with(light))).collect();
+            all_differ(hash, &document_with(light), &documents);
         }
         // Each row of a light once for each kind of light, each of a control point for all three; the source stays.
-        let of_a_point = |of: &Of| if of.owner == Owner::Point { 3 } else { 1 };
-        let expected: usize = rows.iter().flat_map(|row| row.of).map(of_a_point).sum();
+        let of_a_point = |of: &ParameterOf| if of.owner == ParameterOwner::Point { 3 } else { 1 };
+        let expected: usize = rows.iter().flat_map(|row| row.owners).map(of_a_point).sum();
         assert_eq!(are_set, expected - 1);
     }
 }
@@ -103,14 +109,14 @@ fn every_row_of_the_table_counts() {
 #[test]
 fn a_default_leaves_no_trace() {
     for light in plain_lights() {
-        let plain = holding(light.clone()).hash();
+        let plain = document_with(light.clone()).hash();
         for parameter in parameters_of(light.owner()) {
             let default = parameter.default(light.owner()).expect("parameters of lights have defaults");
             let mut set = light.clone();
-            set.set(Setting { parameter, value: another(parameter, &default) });
-            assert_ne!(holding(set.clone()).hash(), plain, "{}", parameter.name);
+            set.set(Setting { parameter, value: other_value(parameter, &default) });
+            assert_ne!(document_with(set.clone()).hash(), plain, "{}", parameter.name);
             set.set(Setting { parameter, value: default });
-            assert_eq!(holding(set).hash(), plain, "{}", parameter.name);
+            assert_eq!(document_with(set).hash(), plain, "{}", parameter.name);
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use document::{Change, Command, Document, Layout};
+use document::{Change, Command, Document, PointNumbering};
 use glam::DVec3;
 use light::LightId;
 use light::parameters::RADIUS;
@@ -80,7 +80,7 @@ fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
 fn numbers_past_what_json_keeps_are_refused() {
     let mut document = sample();
     let add = |number: u64| {
-        let placed = document::PlacedLight { layout: Layout(number), light: checked(bendy()) };
+        let placed = document::NumberedLight { layout: PointNumbering(number), light: checked(bendy()) };
         Change::Light { light: LightId(number), old: None, new: Some(placed) }
     };
     let largest = (1 << 53) - 1;

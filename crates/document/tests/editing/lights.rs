@@ -6,7 +6,7 @@ use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, INTENSITY, NAME, RANGE, ROTATION,
     SCALE, TRANSLATION, UP,
 };
-use light::{Decay, Direction, EndMode, Frame, LightId, MAX_NAME_BYTES, Setting, Transform};
+use light::{Decay, DirectionMode, EndMode, FrameMode, LightId, MAX_NAME_BYTES, Setting, Transform};
 
 use crate::support::{BENDY, SPOT, bendy, checked, content, done, light_of, refused, sample, spot};
 
@@ -77,9 +77,12 @@ fn every_parameter_of_a_light_can_be_set() {
         set(BENDY, setting);
         set(SPOT, setting);
     }
-    for setting in
-        [UP.to(vector), FRAME.to(Frame::Up), DIRECTION.to(Direction::Path), END_MODE.to(EndMode::Extend)]
-    {
+    for setting in [
+        UP.to(vector),
+        FRAME.to(FrameMode::Up),
+        DIRECTION.to(DirectionMode::Path),
+        END_MODE.to(EndMode::Extend),
+    ] {
         set(BENDY, &setting);
     }
     for setting in [COLOR.to(vector), INTENSITY.to(7.0), RANGE.to(Some(9.0))] {
@@ -92,8 +95,8 @@ fn every_parameter_of_a_light_can_be_set() {
         assert_eq!((light.get(CONE_ANGLE), light.get(CONE_SOFTNESS)), (40.0, 0.75));
         assert_eq!(light.get(DECAY), Decay::Linear);
     }
-    assert_eq!((bendy.get(UP), bendy.get(FRAME)), (vector, Frame::Up));
-    assert_eq!((bendy.get(DIRECTION), bendy.get(END_MODE)), (Direction::Path, EndMode::Extend));
+    assert_eq!((bendy.get(UP), bendy.get(FRAME)), (vector, FrameMode::Up));
+    assert_eq!((bendy.get(DIRECTION), bendy.get(END_MODE)), (DirectionMode::Path, EndMode::Extend));
     assert_eq!((spot.get(COLOR), spot.get(INTENSITY), spot.get(RANGE)), (vector, 7.0, Some(9.0)));
 }
 
@@ -104,7 +107,7 @@ fn a_parameter_of_the_other_kind_is_refused() {
     let of_spot = Command::SetLight { light: BENDY, setting: RANGE.to(None) };
     let error = refused(&document, &of_spot);
     assert_eq!(error, EditError::WrongKind { light: "“key”".into(), kind: "BendyLight", what: "range" });
-    let of_bendy = Command::SetLight { light: SPOT, setting: FRAME.to(Frame::Up) };
+    let of_bendy = Command::SetLight { light: SPOT, setting: FRAME.to(FrameMode::Up) };
     let error = refused(&document, &of_bendy);
     assert_eq!(error, EditError::WrongKind { light: "“lamp”".into(), kind: "spotlight", what: "frame" });
 }

@@ -1,7 +1,7 @@
 //! Pins come, go and change; what they hold is for drags to see.
 
-use document::{Change, Command, Document, EditError, LightPin, MAX_PINS, PinId, deed};
-use drag::{Pin, PinKind};
+use document::{Change, Command, Document, EditError, LightPin, MAX_PINS, PinId, describe_changes};
+use drag::{DragPin, PinKind};
 use glam::DVec3;
 use light::LightId;
 use light::parameters::NAME;
@@ -11,7 +11,7 @@ use crate::support::{BENDY, ROOM, SPOT, done, refused, sample};
 
 fn pin(light: LightId, kind: PinKind) -> LightPin {
     let at = DVec3::new(1.0, -0.25, 3.5);
-    LightPin { light, pin: Pin { kind, at, caster: Some("vase".into()), is_hard: true } }
+    LightPin { light, pin: DragPin { kind, at, caster: Some("vase".into()), is_hard: true } }
 }
 
 fn added(document: &mut Document, light: LightId) -> PinId {
@@ -39,7 +39,10 @@ fn a_pin_comes_changes_and_goes() {
     take_back(&mut document, &soft);
     assert_eq!(document.hash(), with);
     let gone = done(&mut document, &Command::RemovePin(id));
-    assert_eq!((document.hash(), deed(&gone, &document)), (before, "removing a pin of “key”".to_owned()));
+    assert_eq!(
+        (document.hash(), describe_changes(&gone, &document)),
+        (before, "removing a pin of “key”".to_owned())
+    );
     let other = added(&mut document, BENDY);
     assert!(other > id, "no number is used twice");
 }
@@ -53,7 +56,7 @@ fn every_part_of_a_pin_is_in_the_hash() {
         document.hash()
     };
     let one = pin(BENDY, PinKind::Shadow);
-    let of = |change: fn(&mut Pin)| {
+    let of = |change: fn(&mut DragPin)| {
         let mut other = one.clone();
         change(&mut other.pin);
         hash_of(other)

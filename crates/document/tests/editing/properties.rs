@@ -1,11 +1,11 @@
 //! What holds for every sequence of commands.
 
-use document::{AssetHash, Change, Command, Document, Edited, GroupedCommand, edited_together};
-use light::Reach;
+use document::{AssetHash, Change, Command, CommandResult, Document, GroupedCommand, execute_group};
+use light::SceneBounds;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::random::{aimed, command};
+use crate::random::{command, with_existing_ids};
 use crate::support::{ROOM, YARD, content, edit, is_valid, sample};
 
 const SCENES: &[AssetHash] = &[ROOM, YARD];
@@ -18,8 +18,8 @@ fn each_step(
 ) -> Result<(), TestCaseError> {
     let mut document = sample();
     for command in commands {
-        let command = aimed(command, &document);
-        let Ok(Edited { changes, document: after, .. }) = edit(&document, &command) else { continue };
+        let command = with_existing_ids(command, &document);
+        let Ok(CommandResult { changes, document: after, .. }) = edit(&document, &command) else { continue };
         let again = edit(&document, &command).expect("as before");
         prop_assert_eq!(&again.changes, &changes, "a function");
         let before = document.clone();
@@ -38,9 +38,10 @@ fn valid(document: &Document, commands: Vec<Command>) -> (Vec<GroupedCommand>, D
     let mut draft = document.clone();
     let mut grouped = Vec::new();
     for command in commands {
-        let command = aimed(command, &draft);
+        let command = with_existing_ids(command, &draft);
         let loads = matches!(command, Command::LoadScene { .. });
-        let Some(Edited { document: after, .. }) = edit(&draft, &command).ok().filter(|_| !loads) else {
+        let Some(CommandResult { document: after, .. }) = edit(&draft, &command).ok().filter(|_| !loads)
+        else {
             continue;
         };
         draft = after;
@@ -115,7 +116,7 @@ proptest! {
     ) {
         let (_, before) = valid(&sample(), first);
         let (group, one_by_one) = valid(&before, group);
-        let together = edited_together(&before, &group, Reach::default()).expect("valid one by one");
+        let together = execute_group(&before, &group, SceneBounds::default()).expect("valid one by one");
         // By hash: to go from 0 to -0 and back is no change.
         prop_assert_eq!(together.document.hash(), one_by_one.hash());
         for (index, change) in together.changes.iter().enumerate() {
@@ -143,7 +144,7 @@ fn random_commands_are_mostly_valid() {
     let mut document = sample();
     for _ in 0..4000 {
         let command = command(SCENES).new_tree(&mut runner).expect("a command").current();
-        let command = aimed(command, &document);
+        let command = with_existing_ids(command, &document);
         let name = format!("{command:?}").split(['(', ' ']).next().unwrap_or_default().to_owned();
         let count: &mut (u32, u32) = kinds.entry(name).or_default();
         match edit(&document, &command) {

@@ -3,18 +3,18 @@
 use std::sync::Arc;
 
 use document::{AssetHash, CameraId, CameraParameter, Command, Document, FeatureDrag, LightPin, PinId};
-use drag::{Feature, Pin, PinKind, Radii, Viewport};
+use drag::{DragPin, Feature, PinKind, RadiusMode, Viewport};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{
     COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, END_MODE, FRAME, HEIGHT, INTENSITY, NAME,
     POINT_COLOR, POINT_INTENSITY, POSITION, RADIUS, RANGE, ROTATION, SCALE, TRANSLATION, UP, WIDTH,
 };
-use light::{CheckedLight, Decay, Direction, EndMode, Frame, Light, LightId, Setting};
+use light::{CheckedLight, Decay, DirectionMode, EndMode, FrameMode, Light, LightId, Setting};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::{Camera, Projection};
 
-/// Any command, of light and camera numbers that [`aimed`] turns into ids. `scenes` are those that can be loaded.
+/// Any command, of light and camera numbers that [`with_existing_ids`] turns into ids. `scenes` are those that can be loaded.
 pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     let light = || (0..8_u64).prop_map(LightId);
     let camera = || (0..8_u64).prop_map(CameraId);
@@ -64,7 +64,7 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
 }
 
 /// The command with its numbers turned into ids that `document` has, where it has any.
-pub fn aimed(mut command: Command, document: &Document) -> Command {
+pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
     let lights: Vec<LightId> = document.lights().keys().copied().collect();
     let cameras: Vec<CameraId> = document.cameras().keys().copied().collect();
     let pins: Vec<PinId> = document.pins().keys().copied().collect();
@@ -103,7 +103,7 @@ fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
         Just(Feature::Highlight),
         Just(Feature::Diffuse)
     ];
-    let radii = prop_oneof![Just(Radii::Keep), Just(Radii::Solve), Just(Radii::Follow)];
+    let radii = prop_oneof![Just(RadiusMode::Keep), Just(RadiusMode::Solve), Just(RadiusMode::Follow)];
     let view = (any_camera(), [1..4096_u32, 1..4096]).prop_map(|(camera, size)| Viewport { camera, size });
     let way = [-1.0..4096.0, -1.0..4096.0, -1.0..4096.0, -1.0..4096.0];
     (feature, option(vec(0..6_usize, 0..4)), radii, view, way, any::<bool>()).prop_map(
@@ -114,14 +114,14 @@ fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
     )
 }
 
-fn pin() -> impl Strategy<Value = Pin> {
+fn pin() -> impl Strategy<Value = DragPin> {
     let kind = prop_oneof![
         Just(PinKind::Direction),
         Just(PinKind::Lit),
         Just(PinKind::Shadowed),
         Just(PinKind::Shadow)
     ];
-    (kind, vector(), option(name()), any::<bool>()).prop_map(|(kind, at, caster, is_hard)| Pin {
+    (kind, vector(), option(name()), any::<bool>()).prop_map(|(kind, at, caster, is_hard)| DragPin {
         kind,
         at,
         caster,
@@ -201,8 +201,10 @@ fn light_parameter() -> impl Strategy<Value = Setting> {
         prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)]
             .prop_map(|decay| DECAY.to(decay)),
         vector().prop_map(|up| UP.to(up)),
-        prop_oneof![Just(Frame::RotationMinimizing), Just(Frame::Up)].prop_map(|frame| FRAME.to(frame)),
-        prop_oneof![Just(Direction::Tube), Just(Direction::Path)].prop_map(|towards| DIRECTION.to(towards)),
+        prop_oneof![Just(FrameMode::RotationMinimizing), Just(FrameMode::Up)]
+            .prop_map(|frame| FRAME.to(frame)),
+        prop_oneof![Just(DirectionMode::Tube), Just(DirectionMode::Path)]
+            .prop_map(|towards| DIRECTION.to(towards)),
         prop_oneof![Just(EndMode::Cut), Just(EndMode::Extend)].prop_map(|end| END_MODE.to(end)),
         color().prop_map(|color| COLOR.to(color)),
         real().prop_map(|intensity| INTENSITY.to(intensity)),

@@ -1,14 +1,14 @@
 //! What no picture can show is not committed; what was committed before still applies.
 
-use document::{Command, Context, Document, EditError, Edited, SceneContents, edited};
+use document::{Command, CommandContext, CommandResult, Document, EditError, SceneContents, execute_command};
 use glam::DVec3;
 use light::parameters::{NAME, SCALE, TRANSLATION, WIDTH};
-use light::{Light, LightId, OutOfReach, Reach};
+use light::{Light, LightId, SceneBounds, UndrawableLight};
 
 use crate::support::{BENDY, ROOM, SPOT, bendy, checked, edit, light_change, sample, spot};
 
-fn left_out(document: &Document) -> Vec<OutOfReach> {
-    Reach::default().left_out(document.lights().values().map(|placed| &*placed.light))
+fn left_out(document: &Document) -> Vec<UndrawableLight> {
+    SceneBounds::default().undrawable_of(document.lights().values().map(|placed| &*placed.light))
 }
 
 fn place(light: LightId, x: f64) -> Command {
@@ -30,7 +30,7 @@ fn commands_refuse_lights_out_of_reach() {
         Command::AddLight(checked(far)),
     ] {
         let error = edit(&document, &command).expect_err("no picture can show it");
-        assert!(matches!(error, EditError::OutOfReach(_)), "{command:?}: {error}");
+        assert!(matches!(error, EditError::Undrawable(_)), "{command:?}: {error}");
         let sentence = error.to_string();
         assert!(sentence.contains("1e15") && sentence.contains('`'), "{sentence}");
     }
@@ -46,7 +46,10 @@ fn records_of_lights_out_of_reach_apply() {
     let carried = light_change(SPOT, TRANSLATION, DVec3::ZERO, DVec3::splat(3.4e38));
     document.apply(&[carried]).expect("as it was recorded");
     let left_out = left_out(&document);
-    assert!(matches!(&left_out[..], [OutOfReach::Far { name, .. }] if name == "lamp"), "{left_out:?}");
+    assert!(
+        matches!(&left_out[..], [UndrawableLight::TooFar { name, .. }] if name == "lamp"),
+        "{left_out:?}"
+    );
     let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()) };
     edit(&document, &rename).expect("it is no farther than before");
     edit(&document, &place(SPOT, 1e20)).expect("nearer than before");
@@ -58,26 +61,32 @@ fn records_of_lights_out_of_reach_apply() {
 #[test]
 fn lights_are_measured_against_the_scene() {
     let document = sample();
-    let reach = Reach { middle: DVec3::X * 9e14, half_extent: DVec3::splat(1e13) };
-    let there = |x| edited(&document, &place(SPOT, x), Context { reach, ..Context::default() });
+    let reach = SceneBounds { center: DVec3::X * 9e14, half_extent: DVec3::splat(1e13) };
+    let there = |x| {
+        execute_command(
+            &document,
+            &place(SPOT, x),
+            CommandContext { scene_bounds: reach, ..CommandContext::default() },
+        )
+    };
     there(1.1e15).expect("near that scene");
     edit(&document, &place(SPOT, 1.1e15)).expect_err("far from one about the origin");
     let error = there(-2e14).expect_err("far from that scene");
-    assert!(matches!(error, EditError::OutOfReach(_)), "{error}");
+    assert!(matches!(error, EditError::Undrawable(_)), "{error}");
     edit(&document, &place(SPOT, -2e14)).expect("near one about the origin");
 }
 
 /// A directional light is everywhere. Its window is not: that may be too far away across the light, or too narrow.
 #[test]
 fn only_a_directional_lights_window_is_out_of_reach() {
-    let reach = Reach { middle: DVec3::ZERO, half_extent: DVec3::splat(10.0) };
+    let reach = SceneBounds { center: DVec3::ZERO, half_extent: DVec3::splat(10.0) };
     let check = |sun: Light| reach.check(&checked(sun));
     let sun = || Light::directional().with(TRANSLATION, DVec3::new(1e40, 3.0, 1e300));
     check(sun()).expect("everywhere");
-    assert!(matches!(check(sun().with(WIDTH, Some(2.0))), Err(OutOfReach::Far { .. })));
+    assert!(matches!(check(sun().with(WIDTH, Some(2.0))), Err(UndrawableLight::TooFar { .. })));
     let along = Light::directional().with(TRANSLATION, DVec3::Z * 1e300);
     check(along.clone().with(WIDTH, Some(2.0))).expect("it shines along Z");
-    assert!(matches!(check(along.with(WIDTH, Some(1e-20))), Err(OutOfReach::Small { .. })));
+    assert!(matches!(check(along.with(WIDTH, Some(1e-20))), Err(UndrawableLight::TooSmall { .. })));
 }
 
 /// A scene brings its lights as they are; a picture leaves out what it cannot show.
@@ -87,8 +96,8 @@ fn scenes_load_with_their_lights() {
     let scene = SceneContents { lights: vec![checked(far), checked(spot())], cameras: Vec::new() };
     let load = Command::LoadScene { asset: ROOM, name: "far".into() };
     let mut document = Document::default();
-    let context = Context { loaded: Some(&scene), ..Context::default() };
-    let Edited { changes, .. } = edited(&document, &load, context).expect("it loads");
+    let context = CommandContext { loaded: Some(&scene), ..CommandContext::default() };
+    let CommandResult { changes, .. } = execute_command(&document, &load, context).expect("it loads");
     document.apply(&changes).expect("it applies");
     assert_eq!(document.lights().len(), 2);
     assert_eq!(left_out(&document).len(), 1);

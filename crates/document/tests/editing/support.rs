@@ -3,11 +3,12 @@
 use std::sync::Arc;
 
 use document::{
-    AssetHash, CameraId, Change, Command, Context, Document, EditError, Edited, Layout, SceneContents,
+    AssetHash, CameraId, Change, Command, CommandContext, CommandResult, Document, EditError, PointNumbering,
+    SceneContents,
 };
 use glam::{DQuat, DVec3};
 use light::parameters::NAME;
-use light::{CheckedLight, Key, Light, LightId, Typed};
+use light::{CheckedLight, Light, LightId, ParameterKey, ValueType};
 use scene::{Camera, Projection};
 
 /// A scene with a BendyLight and a camera.
@@ -50,7 +51,7 @@ pub fn bendy() -> Light {
         DVec3::new(1.0, 0.25, -4.0),
     ];
     let light = Light::bendy(points, vec![0.125, 0.25, 0.375, 0.5, 0.625]).with(NAME, "key".into());
-    light.with_points(|i, point| {
+    light.map_points(|i, point| {
         point.color = DVec3::new(1.0, 0.5, 0.1 * i as f64);
         point.intensity = [1.0, 2.0, 4.0, 8.0, 16.0][i];
     })
@@ -82,14 +83,18 @@ pub fn sample() -> Document {
 }
 
 /// What comes of a command, with the scenes above at hand and no geometry.
-pub fn edit(document: &Document, command: &Command) -> Result<Edited, EditError> {
+pub fn edit(document: &Document, command: &Command) -> Result<CommandResult, EditError> {
     let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
-    document::edited(document, command, Context { loaded: loaded.as_ref(), ..Context::default() })
+    document::execute_command(
+        document,
+        command,
+        CommandContext { loaded: loaded.as_ref(), ..CommandContext::default() },
+    )
 }
 
 /// Carries out a command that must be valid.
 pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
-    let Edited { changes, document: after, .. } = edit(document, command).expect("a valid command");
+    let CommandResult { changes, document: after, .. } = edit(document, command).expect("a valid command");
     document.apply(&changes).expect("changes just made");
     assert_eq!(
         (document.hash(), document.last_number()),
@@ -105,15 +110,15 @@ pub fn refused(document: &Document, command: &Command) -> EditError {
 }
 
 /// A change of a light's parameter.
-pub fn light_change<T: Typed>(light: LightId, key: Key<T>, old: T, new: T) -> Change {
+pub fn light_change<T: ValueType>(light: LightId, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
     Change::LightParameter { light, parameter: key.row(), old, new }
 }
 
 /// A change of a parameter of one of [`BENDY`]'s control points.
-pub fn point_change<T: Typed>(layout: u64, point: usize, key: Key<T>, old: T, new: T) -> Change {
+pub fn point_change<T: ValueType>(layout: u64, point: usize, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
-    Change::Point { light: BENDY, layout: Layout(layout), point, parameter: key.row(), old, new }
+    Change::Point { light: BENDY, layout: PointNumbering(layout), point, parameter: key.row(), old, new }
 }
 
 /// What the document holds, as text: all of it, more than its hash says.

@@ -3,12 +3,13 @@
 use std::cell::Cell;
 
 use drag::{
-    Drag, Landing, Limit, MOST_STEPS, Pin, PinKind, Radii, STEPS_BETWEEN_QUESTIONS, Status, Work, drag_within,
+    Drag, DragLimit, DragPin, DragResult, DragStatus, MAX_DRAG_STEPS, PinKind, RadiusMode,
+    STEPS_BETWEEN_CHECKS, WorkBudget, drag_budgeted,
 };
 use glam::DVec2;
 use light::CheckedLight;
 
-use crate::support::{self, Drawn, Trial};
+use crate::support::{self, TestScene, Trial};
 
 /// Steps that such a drag takes at once at most.
 const AT_ONCE: u64 = 100_000;
@@ -17,7 +18,7 @@ const AT_ONCE: u64 = 100_000;
 const TIMES: usize = 7;
 
 /// The demo's drag with pins all over the blue vase, one of them hard.
-fn pinned(scene: &Drawn, count: usize) -> Trial {
+fn pinned(scene: &TestScene, count: usize) -> Trial {
     let mut trial = scene.trial_of_the_demo(None);
     let origin = scene.bvh.posed.origin_in_world;
     let pixels = (0..count).map(|k| DVec2::new(120.5 + 3.0 * (k % 20) as f64, 120.5 + 4.0 * (k / 20) as f64));
@@ -26,30 +27,30 @@ fn pinned(scene: &Drawn, count: usize) -> Trial {
         trial.light.tube().is_some_and(|tube| tube.locate(seen.position + origin).point.is_some())
     });
     let held: Vec<_> = held.collect();
-    let pins: Vec<Pin> = held
+    let pins: Vec<DragPin> = held
         .iter()
         .cycle()
         .take(TIMES * held.len())
         .enumerate()
-        .map(|(k, seen)| Pin {
+        .map(|(k, seen)| DragPin {
             kind: PinKind::Direction,
             at: seen.position + origin,
             caster: None,
             is_hard: k == 0,
         })
         .collect();
-    trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: Radii::Solve, pins, ..trial.drag };
+    trial.drag = Drag { points: Some(vec![1, 2, 3, 4]), radii: RadiusMode::Solve, pins, ..trial.drag };
     trial
 }
 
-fn run(scene: &Drawn, trial: &Trial, work: &Work) -> Landing {
-    drag_within(&scene.bvh, &trial.view, &trial.light, &trial.drag, work)
+fn run(scene: &TestScene, trial: &Trial, work: &WorkBudget) -> DragResult {
+    drag_budgeted(&scene.bvh, &trial.view, &trial.light, &trial.drag, work)
 }
 
-/// Whether hard pins still have what they held in `before`: the direction from which light arrives.
-fn hold(trial: &Trial, landing: &Landing) -> bool {
+/// Whether hard pins still have what they held in `from`: the direction from which light arrives.
+fn hold(trial: &Trial, landing: &DragResult) -> bool {
     let after = CheckedLight::new(landing.light.clone()).expect("a light that can be evaluated");
-    let direction = |light: &CheckedLight, pin: &Pin| {
+    let direction = |light: &CheckedLight, pin: &DragPin| {
         light.tube().and_then(|tube| tube.locate(pin.at).point).map(|point| point.direction)
     };
     trial.drag.pins.iter().filter(|pin| pin.is_hard).all(|pin| {
@@ -66,24 +67,35 @@ fn hold(trial: &Trial, landing: &Landing) -> bool {
 fn past_its_bound_a_drag_is_limited_and_pins_hold() {
     let scene = support::demo();
     let trial = pinned(&scene, 60);
-    let whole = Work::within(MOST_STEPS, &|_| true);
+    let whole = WorkBudget::with_limit(MAX_DRAG_STEPS, &|_| true);
     let landed = run(&scene, &trial, &whole);
-    let all = whole.spent();
+    let all = whole.spent_steps();
     println!("{:?} with {} pins takes {all} steps", landed.status, trial.drag.pins.len());
     assert!(trial.drag.pins.len() > 20 && all > 200 * AT_ONCE, "{all}");
-    assert_ne!(landed.status, Status::Limited(Limit::TooMuchWork));
-    assert_eq!(run(&scene, &trial, &Work::within(all, &|_| true)), landed, "what fits the bound is the same");
+    assert_ne!(landed.status, DragStatus::Limited(DragLimit::TooMuchWork));
+    assert_eq!(
+        run(&scene, &trial, &WorkBudget::with_limit(all, &|_| true)),
+        landed,
+        "what fits the bound is the same"
+    );
     let way = trial.drag.from.distance(trial.drag.to);
     let mut moved = 0;
     for share in [0, 1, 2, 4, 8, 12, 15] {
         let most = all * share / 16;
-        let work = Work::within(most, &|_| true);
+        let work = WorkBudget::with_limit(most, &|_| true);
         let landing = run(&scene, &trial, &work);
         println!("{share}/16: {:?}, {} px of {way} short", landing.status, landing.residual_px);
-        assert!(matches!(landing.status, Status::Limited(Limit::TooMuchWork) | Status::Landed));
+        assert!(matches!(
+            landing.status,
+            DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Converged
+        ));
         assert!(landing.residual_px <= way && hold(&trial, &landing), "{landing:?}");
-        assert!(work.spent() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent());
-        assert_eq!(landing, run(&scene, &trial, &Work::within(most, &|_| true)), "it is the same each time");
+        assert!(work.spent_steps() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
+        assert_eq!(
+            landing,
+            run(&scene, &trial, &WorkBudget::with_limit(most, &|_| true)),
+            "it is the same each time"
+        );
         moved += usize::from(landing.light != *trial.light.light());
         // The planted fault: without the bound it takes more.
         assert!(share > 12 || all > most + most / 8 + 2 * AT_ONCE);
@@ -101,13 +113,13 @@ fn a_drag_that_is_given_up_ends() {
         questions.set(questions.get() + 1);
         questions.get() < 5
     };
-    let work = Work::new(&goes_on);
+    let work = WorkBudget::new(&goes_on);
     run(&scene, &trial, &work);
-    assert!(work.is_given_up());
+    assert!(work.is_cancelled());
     assert_eq!(questions.get(), 5, "it is not asked again");
-    assert!(work.spent() <= 5 * (STEPS_BETWEEN_QUESTIONS + AT_ONCE), "{}", work.spent());
+    assert!(work.spent_steps() <= 5 * (STEPS_BETWEEN_CHECKS + AT_ONCE), "{}", work.spent_steps());
     // The planted fault: nobody asks.
-    let unasked = Work::new(&|_| true);
+    let unasked = WorkBudget::new(&|_| true);
     run(&scene, &trial, &unasked);
-    assert!(!unasked.is_given_up() && unasked.spent() > 2 * work.spent());
+    assert!(!unasked.is_cancelled() && unasked.spent_steps() > 2 * work.spent_steps());
 }

@@ -1,9 +1,9 @@
 //! A cursor that goes a little moves the light a little.
 
-use drag::{Drag, Feature, Status, drag};
+use drag::{Drag, DragStatus, Feature, drag};
 use glam::DVec3;
 
-use crate::support::{self, Drawn, Trial, trials};
+use crate::support::{self, TestScene, Trial, trials};
 
 /// Places of a drag's path.
 const STEPS: usize = 500;
@@ -19,18 +19,18 @@ struct Path {
 }
 
 /// `None` where some of it is off the surfaces.
-fn path(scene: &Drawn, trial: &Trial) -> Option<Path> {
+fn path(scene: &TestScene, trial: &Trial) -> Option<Path> {
     let mut path = Path { picked: Vec::new(), wanted: Vec::new(), points: Vec::new() };
     for step in 0..=STEPS {
         let to = trial.drag.from.lerp(trial.drag.to, step as f64 / STEPS as f64);
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &Drag { to, ..trial.drag.clone() });
-        if matches!(landing.status, Status::Refused(_)) {
+        if matches!(landing.status, DragStatus::Refused(_)) {
             return None;
         }
         let seen = scene.seen(to)?;
         path.picked.push(landing.to_world?);
         path.wanted.push(if trial.drag.feature == Feature::Highlight {
-            seen.mirrored()
+            seen.mirror_direction()
         } else {
             seen.normal
         });

@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use drag::{Radii, glide};
+use drag::{RadiusMode, slide_point};
 use glam::DVec3;
 use light::{CheckedLight, Light};
 
 /// The demo's light.
-fn demos() -> CheckedLight {
+fn demo_light() -> CheckedLight {
     let demo = assets::demo("vases").expect("it is one of the demos");
     CheckedLight::new(demo.contents.lights[0].light().clone()).expect("valid")
 }
@@ -29,15 +29,15 @@ fn directions() -> impl Iterator<Item = DVec3> {
 }
 
 /// The share of the way to `to` that a control point comes nearer.
-fn reach(from: DVec3, now: DVec3, to: DVec3) -> f64 {
+fn covered_share(from: DVec3, now: DVec3, to: DVec3) -> f64 {
     1.0 - now.distance(to) / from.distance(to)
 }
 
 /// In 24 directions, each a length of the light long: gliding comes as near as going straight to the wall does, in most
 /// directions much nearer, and with radii that follow it is there.
 #[test]
-fn control_points_glide_along_the_fold() {
-    let light = demos();
+fn control_points_slide_along_the_fold() {
+    let light = demo_light();
     let points = light.light().points();
     let length: f64 = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
     let mut sums = [0.0; 3];
@@ -53,15 +53,15 @@ fn control_points_glide_along_the_fold() {
                 let is_valid = at(&light, point, from.lerp(to, middle)).is_ok();
                 if is_valid { valid = middle } else { folded = middle }
             }
-            let glided = glide(&light, point, to, Radii::Keep).expect("a control point");
-            let followed = glide(&light, point, to, Radii::Follow).expect("a control point");
+            let glided = slide_point(&light, point, to, RadiusMode::Keep).expect("a control point");
+            let followed = slide_point(&light, point, to, RadiusMode::Follow).expect("a control point");
             let reaches = [
                 valid,
-                reach(from, glided.light.light().points()[point].position, to),
-                reach(from, followed.light.light().points()[point].position, to),
+                covered_share(from, glided.light.light().points()[point].position, to),
+                covered_share(from, followed.light.light().points()[point].position, to),
             ];
             writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", glided.limit).expect("into text");
-            assert_eq!(glided.limit.is_none(), glided.short_by == 0.0);
+            assert_eq!(glided.limit.is_none(), glided.distance_left == 0.0);
             // The tube's limit for drags is .97 of the fold's.
             assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
             sums.iter_mut().zip(reaches).for_each(|(sum, reach)| *sum += reach);
@@ -77,31 +77,31 @@ fn control_points_glide_along_the_fold() {
 /// Where the light may go the control point is there to the last bit, and a light that comes back is the one that it was.
 #[test]
 fn a_control_point_comes_back_from_the_wall() {
-    let light = demos();
+    let light = demo_light();
     let points = light.light().points();
     let near = points[2].position + DVec3::new(0.01, -0.02, 0.015);
-    let glided = glide(&light, 2, near, Radii::Keep).expect("a control point");
+    let glided = slide_point(&light, 2, near, RadiusMode::Keep).expect("a control point");
     assert_eq!(glided.light, at(&light, 2, near).expect("valid"));
-    for radii in [Radii::Keep, Radii::Follow] {
-        assert_eq!(glide(&light, 2, points[2].position, radii).expect("a control point").light, light);
+    for radii in [RadiusMode::Keep, RadiusMode::Follow] {
+        assert_eq!(slide_point(&light, 2, points[2].position, radii).expect("a control point").light, light);
     }
-    assert_eq!(glide(&light, 0, near, Radii::Keep), None);
-    assert_eq!(glide(&light, 99, near, Radii::Keep), None);
-    assert_eq!(glide(&light, 2, DVec3::NAN, Radii::Keep), None);
+    assert_eq!(slide_point(&light, 0, near, RadiusMode::Keep), None);
+    assert_eq!(slide_point(&light, 99, near, RadiusMode::Keep), None);
+    assert_eq!(slide_point(&light, 2, DVec3::NAN, RadiusMode::Keep), None);
 }
 
 /// A cursor on a circle through the wall, in 500 steps: no step of the control point is more than 20 of its median steps, and
 /// all add up to no more than 8 times what the cursor went.
 #[test]
-fn gliding_on_and_off_a_limit_is_smooth() {
-    let light = demos();
+fn sliding_on_and_off_a_limit_is_smooth() {
+    let light = demo_light();
     let from = light.light().points()[3].position;
-    for radii in [Radii::Keep, Radii::Follow] {
+    for radii in [RadiusMode::Keep, RadiusMode::Follow] {
         let positions: Vec<(DVec3, DVec3, bool)> = (0..=500)
             .map(|step| {
                 let angle = std::f64::consts::TAU * f64::from(step) / 500.0;
                 let to = from + DVec3::new(libm::sin(angle), 0.0, 1.0 - libm::cos(angle)) * 1.5;
-                let glided = glide(&light, 3, to, radii).expect("a control point");
+                let glided = slide_point(&light, 3, to, radii).expect("a control point");
                 (to, glided.light.light().points()[3].position, glided.limit.is_some())
             })
             .collect();
@@ -114,7 +114,7 @@ fn gliding_on_and_off_a_limit_is_smooth() {
             "{radii:?}: {limited} limited, median {} largest {}, {sum} of {cursors}",
             steps[250], steps[499]
         );
-        assert!(radii == Radii::Follow || limited > 50);
+        assert!(radii == RadiusMode::Follow || limited > 50);
         assert!(steps[499] < 20.0 * steps[250].max(1e-3 * cursors), "{:?}", &steps[480..]);
         assert!(sum < 8.0 * cursors);
     }
@@ -123,8 +123,8 @@ fn gliding_on_and_off_a_limit_is_smooth() {
 /// What a step at the wall takes, in the times that it takes to prepare the light: a control point that is moved in a picture of 60 a
 /// second is not what makes it slow. Solved with a whole tube at each place that is looked at it took 960.
 #[test]
-fn gliding_takes_little() {
-    let light = demos();
+fn sliding_is_fast() {
+    let light = demo_light();
     let from = light.light().points()[3].position;
     let fastest = |what: &dyn Fn()| {
         let times = (0..5).map(|_| {
@@ -143,7 +143,7 @@ fn gliding_takes_little() {
     for direction in directions() {
         let to = from + direction * 1.5;
         let glided = fastest(&|| {
-            glide(&light, 3, to, Radii::Keep).expect("a control point");
+            slide_point(&light, 3, to, RadiusMode::Keep).expect("a control point");
         });
         worst = worst.max(glided);
     }

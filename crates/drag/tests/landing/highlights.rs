@@ -1,19 +1,19 @@
 //! Where highlights lie, before anything is dragged.
 
-use drag::{Feature, Status, drag, highlight_near};
+use drag::{DragStatus, Feature, drag, highlight_near};
 use glam::DVec2;
 use light::CheckedLight;
 use scene::ViewRay;
 
-use crate::support::{Drawn, scenes, trials};
+use crate::support::{TestScene, scenes, trials};
 
 /// How far from the mirror direction light arrives at a pixel, in radians; `None` outside of the light.
-fn off(scene: &Drawn, trial: &crate::support::Trial, light: &CheckedLight, pixel: DVec2) -> Option<f64> {
+fn off(scene: &TestScene, trial: &crate::support::Trial, light: &CheckedLight, pixel: DVec2) -> Option<f64> {
     let origin = scene.bvh.posed.origin_in_world;
     let ray = ViewRay::new(&trial.view.camera, trial.view.size, pixel, origin);
-    let seen = scene.bvh.seen(&ray)?;
+    let seen = scene.bvh.visible_point(&ray)?;
     let to_light = light.tube()?.locate(seen.position + origin).point?.direction;
-    Some(to_light.angle_between(seen.mirrored()))
+    Some(to_light.angle_between(seen.mirror_direction()))
 }
 
 /// A highlight that was dragged somewhere is found there again, from a few pixels beside it.
@@ -25,7 +25,7 @@ fn a_highlight_is_found_from_beside_it() {
     for scene in scenes() {
         for trial in trials(&scene, Feature::Highlight, 40) {
             let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-            if landing.status != Status::Landed {
+            if landing.status != DragStatus::Converged {
                 continue;
             }
             landed += 1;

@@ -10,21 +10,21 @@ mod support;
 
 use std::collections::BTreeMap;
 
-use drag::{Drag, Feature, Landing, Status, Viewport, drag};
+use drag::{Drag, DragResult, DragStatus, Feature, Viewport, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, LIGHT_LINK, ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, Links};
-use reference::{Reference, Source};
+use reference::{Reference, ReferenceLight};
 use scene::View;
 
-use support::{Drawn, Trial, trials};
+use support::{TestScene, Trial, trials};
 
 const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
 
 /// How far the feature lies from the cursor, by the reference's pick, the reference's shadow and the light's own `locate`: in
 /// pixels across the picture for shadow and hotspot, else in degrees. `None` where the place is not in the light, or where
 /// the shadow is none.
-fn off(reference: &Reference, trial: &Trial, landing: &Landing) -> Option<f64> {
+fn off(reference: &Reference, trial: &Trial, landing: &DragResult) -> Option<f64> {
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let to = reference.surface(&view, trial.drag.to)?;
     let origin = reference.bvh.posed.origin_in_world;
@@ -39,8 +39,8 @@ fn off(reference: &Reference, trial: &Trial, landing: &Landing) -> Option<f64> {
     match trial.drag.feature {
         Feature::Shadow => {
             let pivot = located(landing.pivot_world?)?;
-            let source = reference::Source::new(&moved);
-            let is_dark = !reference.sample(&source, &to)?.visible;
+            let source = reference::ReferenceLight::new(&moved);
+            let is_dark = !reference.sample(&source, &to)?.is_visible;
             (is_dark && pivot.t < there.t).then(|| across_px(pivot.v, pivot.w))
         }
         Feature::Hotspot => {
@@ -58,9 +58,9 @@ fn off(reference: &Reference, trial: &Trial, landing: &Landing) -> Option<f64> {
 
 /// Rules: DRAG-1
 #[test]
-fn what_says_that_it_landed_did() {
+fn converged_drags_have_the_feature_under_the_cursor() {
     for scene in support::scenes() {
-        let Drawn { name, bvh, .. } = &scene;
+        let TestScene { name, bvh, .. } = &scene;
         let reference = Reference::new(std::sync::Arc::clone(&bvh.posed));
         for feature in FEATURES {
             let mut tally = BTreeMap::<String, usize>::new();
@@ -72,7 +72,7 @@ fn what_says_that_it_landed_did() {
                 all[kind] += 1;
                 *tally.entry(format!("{:?}", landing.status)).or_default() += 1;
                 assert!(CheckedLight::new(landing.light.clone()).is_ok(), "{what}");
-                if landing.status != Status::Landed {
+                if landing.status != DragStatus::Converged {
                     continue;
                 }
                 landed[kind] += 1;
@@ -82,7 +82,7 @@ fn what_says_that_it_landed_did() {
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
                 only_what_was_asked_for(&trial, &landing);
                 // The planted fault: the light as it was is not the answer.
-                let unmoved = Landing { light: trial.light.light().clone(), ..landing };
+                let unmoved = DragResult { light: trial.light.light().clone(), ..landing };
                 let was = self::off(&reference, &trial, &unmoved);
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
             }
@@ -97,7 +97,7 @@ fn what_says_that_it_landed_did() {
 }
 
 /// Where control points take part nothing else changes; a light moved as a whole keeps its shape.
-fn only_what_was_asked_for(trial: &Trial, landing: &Landing) {
+fn only_what_was_asked_for(trial: &Trial, landing: &DragResult) {
     let (before, after) = (trial.light.light(), &landing.light);
     let Some(moving) = &trial.drag.points else {
         assert_eq!(before.points(), after.points());
@@ -121,7 +121,7 @@ fn a_shadow_lands_on_what_throws_none() {
     let linked = scene.trial_of_the_demo(Links::new(Vec::new(), vec!["table".into()]));
     for trial in [from, linked] {
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-        assert_eq!(landing.status, Status::Landed, "{landing:?}");
+        assert_eq!(landing.status, DragStatus::Converged, "{landing:?}");
         assert!(landing.residual_px < 0.5);
     }
 }
@@ -145,9 +145,9 @@ fn straight_lights_land_too() {
         for feature in [Feature::Highlight, Feature::Diffuse] {
             let drag = Drag { feature, points: None, ..asked.clone() };
             let landing = crate::drag(&scene.bvh, &view, &light, &drag);
-            assert_eq!(landing.status, Status::Landed, "{landing:?}");
+            assert_eq!(landing.status, DragStatus::Converged, "{landing:?}");
             // By the light's own word, in an independent place: M' sees it along the mirror direction or the normal.
-            let moved = Source::new(&CheckedLight::new(landing.light).expect("valid"));
+            let moved = ReferenceLight::new(&CheckedLight::new(landing.light).expect("valid"));
             let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
             let to =
                 reference.surface(&View::beauty(view.camera.clone(), view.size), drag.to).expect("the table");
@@ -155,7 +155,7 @@ fn straight_lights_land_too() {
                 Feature::Highlight => to.normal * (2.0 * to.normal.dot(to.to_eye)) - to.to_eye,
                 _ => to.normal,
             };
-            let direction = reference.sample(&moved, &to).expect("inside").place.direction;
+            let direction = reference.sample(&moved, &to).expect("inside").coords.direction;
             assert!(direction.angle_between(wanted).to_degrees() < 0.1, "{feature:?} {direction} {wanted}");
         }
     }
@@ -176,7 +176,7 @@ fn a_drag_depends_on_its_begin_and_its_end_alone() {
 /// What cannot be dragged says why, and leaves the light as it was.
 #[test]
 fn what_cannot_be_dragged_says_why() {
-    use drag::Refusal::{NoShadow, NoSuchPoint, NothingAtEnd, NothingAtStart, OutsideTheLight};
+    use drag::DragRefusal::{NoShadow, NoSuchPoint, NothingAtEnd, NothingAtStart, OutsideTheLight};
     let scene = support::demo();
     let trial = trials(&scene, Feature::Hotspot, 1).next().expect("a drag");
     let refusal = |change: &dyn Fn(&mut Drag)| {
@@ -189,16 +189,16 @@ fn what_cannot_be_dragged_says_why() {
     let sky = glam::DVec2::new(1.0, 1.0);
     let above = Viewport { camera: scene.view.camera.clone(), size: scene.view.size };
     assert_eq!(above.size, scene.view.size);
-    assert_eq!(refusal(&|drag| drag.points = Some(vec![0])), Status::Refused(NoSuchPoint));
-    assert_eq!(refusal(&|drag| drag.points = Some(vec![99])), Status::Refused(NoSuchPoint));
-    assert_eq!(refusal(&|drag| drag.feature = Feature::Shadow), Status::Refused(NoShadow));
+    assert_eq!(refusal(&|drag| drag.points = Some(vec![0])), DragStatus::Refused(NoSuchPoint));
+    assert_eq!(refusal(&|drag| drag.points = Some(vec![99])), DragStatus::Refused(NoSuchPoint));
+    assert_eq!(refusal(&|drag| drag.feature = Feature::Shadow), DragStatus::Refused(NoShadow));
     let is_background = scene.seen(sky).is_none();
     if is_background {
-        assert_eq!(refusal(&|drag| drag.from = sky), Status::Refused(NothingAtStart));
-        assert_eq!(refusal(&|drag| drag.to = sky), Status::Refused(NothingAtEnd));
+        assert_eq!(refusal(&|drag| drag.from = sky), DragStatus::Refused(NothingAtStart));
+        assert_eq!(refusal(&|drag| drag.to = sky), DragStatus::Refused(NothingAtEnd));
     }
     let dark = scene.outside(&trial.light);
-    assert_eq!(refusal(&|drag| drag.from = dark), Status::Refused(OutsideTheLight));
+    assert_eq!(refusal(&|drag| drag.from = dark), DragStatus::Refused(OutsideTheLight));
 }
 
 /// A light is not dragged to where its links keep it from showing.
@@ -213,7 +213,7 @@ fn nothing_lands_on_what_a_light_leaves_out() {
             Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
         drag(&scene.bvh, &trial.view, &light, &hotspot).status
     };
-    assert_eq!(landing_with(None), Status::Landed);
+    assert_eq!(landing_with(None), DragStatus::Converged);
     let without_table = Links::new(Vec::new(), vec!["table".into()]);
-    assert_eq!(landing_with(without_table), Status::Refused(drag::Refusal::NothingAtEnd));
+    assert_eq!(landing_with(without_table), DragStatus::Refused(drag::DragRefusal::NothingAtEnd));
 }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use drag::{Drag, Pin, PinKind, Status, drag};
+use drag::{Drag, DragPin, DragStatus, PinKind, drag};
 use glam::DVec2;
 
 use crate::support;
@@ -16,7 +16,7 @@ fn many_pins_take_as_long_as_there_are_many() {
     let origin = scene.bvh.posed.origin_in_world;
     let at = scene.seen(DVec2::new(150.5, 160.5)).expect("the vase").position + origin;
     for is_hard in [false, true] {
-        let pin = Pin { kind: PinKind::Direction, at, caster: None, is_hard };
+        let pin = DragPin { kind: PinKind::Direction, at, caster: None, is_hard };
         let run = |count: usize| {
             let asked = Drag { pins: vec![pin.clone(); count], ..trial.drag.clone() };
             let began = Instant::now();
@@ -29,7 +29,7 @@ fn many_pins_take_as_long_as_there_are_many() {
         assert!(many < 24.0 * few, "{few} {many}");
         // As many as there are at one point are as one.
         let (one, all) = (run(1).1, run(256).1);
-        assert_eq!((one.status, all.status), (Status::Landed, Status::Landed), "{all:?}");
+        assert_eq!((one.status, all.status), (DragStatus::Converged, DragStatus::Converged), "{all:?}");
         assert_eq!(run(256).1, all);
     }
 }

@@ -1,21 +1,21 @@
 //! Pins: what is to stay does, by ways that share nothing with the solver.
 
-use drag::{Drag, Feature, Limit, Pin, PinKind, Radii, Refusal, Status, drag};
+use drag::{Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, drag};
 use glam::{DVec2, DVec3};
 use light::CheckedLight;
-use reference::{Reference, Source, Surface};
+use reference::{Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
-use crate::support::{self, Drawn, Random, Trial, trials};
+use crate::support::{self, Random, TestScene, Trial, trials};
 
 /// A pin, and the pixel that it is seen in.
-struct Placed {
-    pin: Pin,
+struct VisiblePin {
+    pin: DragPin,
     pixel: DVec2,
 }
 
 /// How far a pin is from what it was: in degrees for a direction, in pixels for a shadow, else infinite where it does not hold.
-fn off(reference: &Reference, trial: &Trial, pinned: &Placed, now: &CheckedLight) -> f64 {
+fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &CheckedLight) -> f64 {
     let origin = reference.bvh.posed.origin_in_world;
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let surface = |pixel| reference.surface(&view, pixel);
@@ -24,7 +24,9 @@ fn off(reference: &Reference, trial: &Trial, pinned: &Placed, now: &CheckedLight
     let (Some(was), Some(is)) = (place(&trial.light, pinned.pin.at), place(now, pinned.pin.at)) else {
         return f64::INFINITY;
     };
-    let is_lit = |surface: &Surface| reference.sample(&Source::new(now), surface).is_some_and(|s| s.visible);
+    let is_lit = |surface: &ShadedPoint| {
+        reference.sample(&ReferenceLight::new(now), surface).is_some_and(|s| s.is_visible)
+    };
     match pinned.pin.kind {
         PinKind::Direction => was.direction.angle_between(is.direction).to_degrees(),
         PinKind::Lit => {
@@ -44,7 +46,7 @@ fn off(reference: &Reference, trial: &Trial, pinned: &Placed, now: &CheckedLight
         PinKind::Shadow => {
             // The pivot is found here anew: the first that light met on its way.
             let tube = trial.light.tube().expect("a BendyLight");
-            let path = reference.bvh.path(tube, was.v, was.w);
+            let path = reference.bvh.bent_path(tube, was.v, was.w);
             let away = 1e-5 * reference.bvh.posed.half_extent.length();
             let point = pinned.pin.at - origin;
             let hit = reference.bvh.first_bent_hit(&path, was.t, |hit| hit.position.distance(point) > away);
@@ -62,21 +64,26 @@ fn off(reference: &Reference, trial: &Trial, pinned: &Placed, now: &CheckedLight
 }
 
 /// Up to three pins that hold as the drag begins, at points that are seen and in the light.
-fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Random) -> Vec<Placed> {
+fn random_pins(
+    scene: &TestScene,
+    reference: &Reference,
+    trial: &Trial,
+    random: &mut Random,
+) -> Vec<VisiblePin> {
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let mut pins = Vec::new();
     for _ in 0..400 {
         let pixel = random.pixel();
         let Some((seen, _)) = scene.place(&trial.light, pixel) else { continue };
         let Some(surface) = reference.surface(&view, pixel) else { continue };
-        let Some(sample) = reference.sample(&Source::new(&trial.light), &surface) else { continue };
+        let Some(sample) = reference.sample(&ReferenceLight::new(&trial.light), &surface) else { continue };
         // Light that grazes a facet or is let through by rounding is nobody's to keep.
-        if seen.normal.dot(sample.place.direction) < 0.1
-            || seen.geometric_normal.dot(sample.place.direction) < 0.1
+        if seen.normal.dot(sample.coords.direction) < 0.1
+            || seen.geometric_normal.dot(sample.coords.direction) < 0.1
         {
             continue;
         }
-        let kind = match (sample.visible, random.between(0.0, 1.0) < 0.5) {
+        let kind = match (sample.is_visible, random.between(0.0, 1.0) < 0.5) {
             (true, true) => PinKind::Lit,
             (_, true) => PinKind::Shadowed,
             (true, false) => PinKind::Direction,
@@ -84,7 +91,7 @@ fn three(scene: &Drawn, reference: &Reference, trial: &Trial, random: &mut Rando
         };
         let at = seen.position + scene.bvh.posed.origin_in_world;
         let is_hard = random.between(0.0, 1.0) < 0.6;
-        pins.push(Placed { pin: Pin { kind, at, caster: None, is_hard }, pixel });
+        pins.push(VisiblePin { pin: DragPin { kind, at, caster: None, is_hard }, pixel });
         if pins.len() == 3 {
             break;
         }
@@ -106,35 +113,37 @@ fn hard_pins_hold_wherever_the_drag_ends() {
         let mut random = Random(77);
         for feature in [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse] {
             for mut trial in trials(scene, feature, SETS.div_ceil(4 * scenes.len())) {
-                let pinned = three(scene, &reference, &trial, &mut random);
+                let pinned = random_pins(scene, &reference, &trial, &mut random);
                 trial.drag.pins = pinned.iter().map(|placed| placed.pin.clone()).collect();
                 let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
                 let what = || format!("{} {feature:?} {:?}: {landing:?}", scene.name, trial.drag);
                 let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
                 let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
                 match landing.status {
-                    Status::Landed => landed += 1,
-                    Status::Limited(Limit::Pin(index)) => {
+                    DragStatus::Converged => landed += 1,
+                    DragStatus::Limited(DragLimit::Pin(index)) => {
                         assert!(trial.drag.pins[index].is_hard, "{}", what());
                         by_pin += 1;
                     }
                     // What holds it back does so without pins too.
                     _ => {
-                        assert_ne!(free.status, Status::Landed, "{}", what());
+                        assert_ne!(free.status, DragStatus::Converged, "{}", what());
                         alike += 1;
                     }
                 }
                 let now = CheckedLight::new(landing.light.clone()).expect("valid");
                 let free = CheckedLight::new(free.light).expect("valid");
-                let most = |placed: &Placed| if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
+                let most =
+                    |placed: &VisiblePin| if placed.pin.kind == PinKind::Direction { 0.1 } else { 0.5 };
                 let hard = || pinned.iter().filter(|placed| placed.pin.is_hard);
                 for placed in hard() {
-                    let off = off(&reference, &trial, placed, &now);
+                    let off = pin_error(&reference, &trial, placed, &now);
                     assert!(off < most(placed), "{off} {:?} {}", placed.pin, what());
                 }
                 // The planted fault: without pins something is off.
-                was_off +=
-                    usize::from(hard().any(|placed| off(&reference, &trial, placed, &free) > most(placed)));
+                was_off += usize::from(
+                    hard().any(|placed| pin_error(&reference, &trial, placed, &free) > most(placed)),
+                );
             }
         }
     }
@@ -155,23 +164,23 @@ fn what_is_infeasible_names_the_pin() {
         let origin = scene.bvh.posed.origin_in_world;
         let far =
             trial.light.tube().and_then(|tube| tube.locate(to.position + origin).point).expect("inside");
-        if far.direction.angle_between(to.normal) < 0.02 || !scene.lands(&trial) {
+        if far.direction.angle_between(to.normal) < 0.02 || !scene.converges(&trial) {
             continue;
         }
         let other = scene.outside(&trial.light);
         let outside = scene.seen(other).expect("a surface").position + origin;
-        let pin = |kind, at| Pin { kind, at, caster: None, is_hard: true };
+        let pin = |kind, at| DragPin { kind, at, caster: None, is_hard: true };
         // The direction at M' is to be another and to stay.
         trial.drag.pins = vec![pin(PinKind::Direction, to.position + origin)];
         let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
         let landing = run(&trial);
-        assert_eq!(landing.status, Status::Limited(Limit::Pin(0)), "{landing:?}");
+        assert_eq!(landing.status, DragStatus::Limited(DragLimit::Pin(0)), "{landing:?}");
         // A soft one gives way.
         trial.drag.pins[0].is_hard = false;
         let soft = run(&trial);
-        assert_ne!(soft.status, Status::Limited(Limit::Pin(0)), "{soft:?}");
+        assert_ne!(soft.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
         trial.drag.pins.push(pin(PinKind::Lit, outside));
-        assert_eq!(run(&trial).status, Status::Refused(Refusal::PinDoesNotHold(1)));
+        assert_eq!(run(&trial).status, DragStatus::Refused(DragRefusal::PinDoesNotHold(1)));
         trial.drag.pins[1].is_hard = false;
         assert_eq!(run(&trial).light, soft.light);
         named += 1;
@@ -188,7 +197,7 @@ fn the_source_stays_outside() {
     let (mut kept, mut through) = (0, 0);
     for mut trial in trials(&scene, Feature::Highlight, 60) {
         trial.drag.points = None;
-        let source = |landing: &drag::Landing| landing.light.transform().translation;
+        let source = |landing: &drag::DragResult| landing.light.transform().translation;
         let origin = scene.bvh.posed.origin_in_world;
         let from = trial.light.light().transform().translation;
         let goes_through = |to: DVec3| {
@@ -203,7 +212,8 @@ fn the_source_stays_outside() {
         trial.drag.source_outside = true;
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
         assert!(!goes_through(source(&landing)), "{landing:?}");
-        let says = matches!(landing.status, Status::Landed | Status::Limited(Limit::SourceInside));
+        let says =
+            matches!(landing.status, DragStatus::Converged | DragStatus::Limited(DragLimit::SourceInside));
         kept += usize::from(says);
         println!("{:?} {}", landing.status, landing.residual_px);
     }
@@ -219,23 +229,23 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
     let mut trial = scene.trial_of_the_demo(None);
     trial.drag.points = Some(vec![1, 2, 3, 4]);
-    trial.drag.radii = Radii::Solve;
+    trial.drag.radii = RadiusMode::Solve;
     trial.drag.to = DVec2::new(410.5, 300.5);
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let pixels = [(140.5, 150.5), (165.5, 100.5), (200.5, 180.5)].map(DVec2::from);
     let surfaces = pixels.map(|pixel| reference.surface(&view, pixel).expect("the vase"));
     let origin = scene.bvh.posed.origin_in_world;
-    let pins = surfaces.iter().map(|surface| Pin {
+    let pins = surfaces.iter().map(|surface| DragPin {
         kind: PinKind::Direction,
         at: surface.position + origin,
         caster: None,
         is_hard: true,
     });
-    let pins: Vec<Pin> = pins.collect();
+    let pins: Vec<DragPin> = pins.collect();
     let differs = |light: &light::Light| {
-        let lit = |light: &CheckedLight, surface: &Surface| {
-            let sample = reference.sample(&Source::new(light), surface).expect("inside the light");
-            sample.irradiance * surface.normal.dot(sample.place.direction).max(0.0)
+        let lit = |light: &CheckedLight, surface: &ShadedPoint| {
+            let sample = reference.sample(&ReferenceLight::new(light), surface).expect("inside the light");
+            sample.irradiance * surface.normal.dot(sample.coords.direction).max(0.0)
         };
         let now = CheckedLight::new(light.clone()).expect("valid");
         let off = surfaces
@@ -246,7 +256,7 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
     let pinned = Drag { pins, ..trial.drag.clone() };
     let pinned = drag(&scene.bvh, &trial.view, &trial.light, &pinned);
-    assert_eq!((free.status, pinned.status), (Status::Landed, Status::Landed));
+    assert_eq!((free.status, pinned.status), (DragStatus::Converged, DragStatus::Converged));
     let (without, with) = (differs(&free.light), differs(&pinned.light));
     // A step of sRGB is the least of what is linear where it is dark, 1 / 12.92 / 255.
     assert!(with < 1.0 / 12.92 / 255.0, "{with}");

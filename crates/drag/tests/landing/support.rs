@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use drag::{Drag, Feature, Radii, Status, Viewport, drag};
+use drag::{Drag, DragStatus, Feature, RadiusMode, Viewport, drag};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{END_MODE, ROTATION, SHADOW_LINK, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, Links};
-use raycast::{Bvh, Seen};
+use raycast::{Bvh, SeenPoint};
 use scene::ViewRay;
 
 const SIZE: [u32; 2] = [686, 382];
 
 /// A scene and who looks at it.
-pub struct Drawn {
+pub struct TestScene {
     pub name: String,
     pub bvh: Bvh,
     pub view: Viewport,
@@ -32,21 +32,21 @@ impl Trial {
     }
 }
 
-impl Drawn {
-    fn new(name: &str, loaded: assets::Loaded) -> Self {
+impl TestScene {
+    fn new(name: &str, loaded: assets::LoadedScene) -> Self {
         let bvh = Bvh::new(scene::pose(loaded.scene));
-        let framing = || scene::framing_camera(&bvh.posed.reach(), 1.8);
+        let framing = || scene::framing_camera(&bvh.posed.bounds(), 1.8);
         let camera = loaded.contents.cameras.first().cloned().unwrap_or_else(framing);
         Self { name: name.into(), view: Viewport { camera, size: SIZE }, bvh }
     }
 
     /// The surface in a pixel.
-    pub fn seen(&self, pixel: DVec2) -> Option<Seen> {
+    pub fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let origin = self.bvh.posed.origin_in_world;
-        self.bvh.seen(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
+        self.bvh.visible_point(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
     }
 
-    pub fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(Seen, light::TubePoint)> {
+    pub fn place(&self, light: &CheckedLight, pixel: DVec2) -> Option<(SeenPoint, light::TubePoint)> {
         let seen = self.seen(pixel)?;
         let point = light.tube()?.locate(seen.position + self.bvh.posed.origin_in_world).point?;
         Some((seen, point))
@@ -59,7 +59,7 @@ impl Drawn {
         let drag = Drag {
             feature: Feature::Shadow,
             points: Some(vec![2, 3, 4]),
-            radii: Radii::Keep,
+            radii: RadiusMode::Keep,
             from: DVec2::new(430.5, 265.5),
             to: DVec2::new(430.5, 310.5),
             pins: Vec::new(),
@@ -70,8 +70,8 @@ impl Drawn {
     }
 
     /// Whether the drag lands.
-    pub fn lands(&self, trial: &Trial) -> bool {
-        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == Status::Landed
+    pub fn converges(&self, trial: &Trial) -> bool {
+        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == DragStatus::Converged
     }
 
     /// A pixel whose surface the light does not hold.
@@ -87,18 +87,18 @@ impl Drawn {
 }
 
 /// The demo.
-pub fn demo() -> Drawn {
-    Drawn::new("demo:vases", assets::demo("vases").expect("it is one of the demos"))
+pub fn demo() -> TestScene {
+    TestScene::new("demo:vases", assets::demo("vases").expect("it is one of the demos"))
 }
 
 /// The demo, and scenes by others where they are there.
-pub fn scenes() -> Vec<Drawn> {
+pub fn scenes() -> Vec<TestScene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets/scenes");
     let mut scenes = vec![demo()];
     for name in ["vases_bowl", "bedroom", "outdoor"] {
         let file = folder.join(format!("{name}.glb"));
         if file.is_file() {
-            scenes.push(Drawn::new(name, assets::load(&file).expect("a sound file")));
+            scenes.push(TestScene::new(name, assets::load(&file).expect("a sound file")));
         } else {
             eprintln!("skipped {name}: {} is missing", file.display());
         }
@@ -108,7 +108,7 @@ pub fn scenes() -> Vec<Drawn> {
 
 /// `count` drags of a feature, each in a light of its own: every other one moves it as a whole, every other one bends it; half of
 /// them go a few pixels, half of them anywhere.
-pub fn trials(scene: &Drawn, feature: Feature, count: usize) -> impl Iterator<Item = Trial> + '_ {
+pub fn trials(scene: &TestScene, feature: Feature, count: usize) -> impl Iterator<Item = Trial> + '_ {
     let mut random = Random(11 + feature as u64);
     let mut found = 0;
     std::iter::from_fn(move || {
@@ -124,7 +124,7 @@ pub fn trials(scene: &Drawn, feature: Feature, count: usize) -> impl Iterator<It
 }
 
 fn trial(
-    scene: &Drawn,
+    scene: &TestScene,
     random: &mut Random,
     feature: Feature,
     deforms: bool,
@@ -140,20 +140,20 @@ fn trial(
     let points = deforms
         .then(|| if random.between(0.0, 1.0) < 0.5 { vec![last - 2, last - 1] } else { (1..last).collect() });
     let drag =
-        Drag { feature, points, radii: Radii::Keep, from, to, pins: Vec::new(), source_outside: false };
+        Drag { feature, points, radii: RadiusMode::Keep, from, to, pins: Vec::new(), source_outside: false };
     Some(Trial { view: scene.view.clone(), light, drag })
 }
 
 /// A pixel in which the light has that feature, near enough.
-fn begin(scene: &Drawn, random: &mut Random, light: &CheckedLight, feature: Feature) -> Option<DVec2> {
+fn begin(scene: &TestScene, random: &mut Random, light: &CheckedLight, feature: Feature) -> Option<DVec2> {
     let off = |pixel: DVec2| {
         let (seen, point) = scene.place(light, pixel)?;
         let wanted = match feature {
             Feature::Shadow => {
-                let path = scene.bvh.path(light.tube()?, point.v, point.w);
+                let path = scene.bvh.bent_path(light.tube()?, point.v, point.w);
                 let near = 1e-6 * seen.depth;
                 let is_shadowed =
-                    scene.bvh.blocks(&path, point.t, |hit| hit.position.distance(seen.position) > near);
+                    scene.bvh.has_bent_hit(&path, point.t, |hit| hit.position.distance(seen.position) > near);
                 return is_shadowed.then_some(0.0);
             }
             Feature::Hotspot => return Some(0.0),
@@ -196,7 +196,7 @@ impl Random {
         let segments = 1 + self.between(0.0, 4.0) as usize;
         let bend = self.between(0.0, 0.35) * length;
         let wide = self.between(0.08, 0.3) * length;
-        let along = light::greville(segments).into_iter().map(|g| g / segments as f64);
+        let along = light::greville_abscissae(segments).into_iter().map(|g| g / segments as f64);
         let (points, radii) = along
             .map(|g| {
                 let aside = if g > 0.0 { self.vector() * (bend * g) } else { DVec3::ZERO };

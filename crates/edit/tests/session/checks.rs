@@ -1,22 +1,22 @@
 //! How often a light is checked: once for a request, for an update of a drag, for a record that is replayed.
 
-use document::Context;
-use edit::{Request, Session};
+use document::CommandContext;
+use edit::{EditRequest, Session};
 use light::CheckedLight;
 
-use crate::support::{KEY, Studio, actor, angle, bent_light, insert, position, radius};
+use crate::support::{KEY, TestSession, actor, angle, bent_light, insert, position, radius};
 
 /// How many checks `work` makes.
 fn checks<T>(work: impl FnOnce() -> T) -> u64 {
-    let before = CheckedLight::made();
+    let before = CheckedLight::check_count();
     work();
-    CheckedLight::made() - before
+    CheckedLight::check_count() - before
 }
 
 /// Rules: CMD-2, UNDO-1, UNDO-3, REC-2
 #[test]
 fn a_step_checks_its_light_once() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     for command in [angle(40.0), radius(1, 0.3), insert(2)] {
         assert_eq!(checks(|| studio.edit("ada", command)), 1);
     }
@@ -32,7 +32,7 @@ fn a_step_checks_its_light_once() {
 /// Rules: CMD-2, GEST-1, GEST-4
 #[test]
 fn a_drag_checks_its_light_at_each_update() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let ada = actor("ada");
     studio.session.begin_gesture("g", KEY, 1, (7, &ada), 0).expect("nobody holds the light");
     for (update, command, is_valid) in
@@ -41,13 +41,13 @@ fn a_drag_checks_its_light_at_each_update() {
         let session = &mut studio.session;
         let mut was_valid = !is_valid;
         let move_it = || {
-            let moved = session.update_gesture("g", update, command, &ada, 0, Context::default());
+            let moved = session.update_gesture("g", update, command, &ada, 0, CommandContext::default());
             was_valid = moved.is_ok();
         };
         assert_eq!(checks(move_it), 1);
         assert_eq!(was_valid, is_valid);
         assert_eq!(checks(|| studio.session.live_document()), 0, "who looks on checks nothing");
     }
-    assert_eq!(checks(|| studio.done("ada", Request::Commit("g".into()))), 1);
+    assert_eq!(checks(|| studio.done("ada", EditRequest::Commit("g".into()))), 1);
     assert_eq!(studio.angle(), 40.0);
 }

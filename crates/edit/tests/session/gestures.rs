@@ -1,24 +1,24 @@
 //! Drags under way.
 
-use document::{Command, Context, EditError};
-use edit::{Action, Gesture, LEASE_MS, MAX_GESTURES, Refusal, Request, Scope};
+use document::{Command, CommandContext, EditError};
+use edit::{Action, EditRefusal, EditRequest, Gesture, LEASE_MS, MAX_GESTURES, UndoScope};
 use light::LightId;
 use light::parameters::CONE_ANGLE;
 
-use crate::support::{KEY, Studio, actor, angle, bent_light, insert, position, radius, softness};
+use crate::support::{KEY, TestSession, actor, angle, bent_light, insert, position, radius, softness};
 
-fn is_stale(refusal: &Refusal) -> bool {
-    matches!(refusal, Refusal::Stale { .. })
+fn is_stale(refusal: &EditRefusal) -> bool {
+    matches!(refusal, EditRefusal::Stale { .. })
 }
 
-impl Studio {
-    fn begin(&mut self, who: &str, id: &str) -> Result<Gesture, Refusal> {
+impl TestSession {
+    fn begin(&mut self, who: &str, id: &str) -> Result<Gesture, EditRefusal> {
         let seq = self.session.seq();
         self.session.begin_gesture(id, KEY, seq, (7, &actor(who)), 0).cloned()
     }
 
-    fn update(&mut self, who: &str, id: &str, update: u64, command: Command) -> Result<Gesture, Refusal> {
-        self.session.update_gesture(id, update, command, &actor(who), 0, Context::default()).cloned()
+    fn update(&mut self, who: &str, id: &str, update: u64, command: Command) -> Result<Gesture, EditRefusal> {
+        self.session.update_gesture(id, update, command, &actor(who), 0, CommandContext::default()).cloned()
     }
 
     fn live_angle(&self) -> f64 {
@@ -29,7 +29,7 @@ impl Studio {
 /// Rules: GEST-1
 #[test]
 fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     for (update, degrees) in [(1, 30.0), (2, 40.0), (3, 50.0)] {
         let gesture = studio.update("ada", "g", update, angle(degrees)).expect("a valid state");
@@ -37,7 +37,7 @@ fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
         assert_eq!((studio.live_angle(), studio.angle()), (degrees, 25.0), "live, not yet done");
     }
     assert_eq!(studio.session.seq(), 1, "nothing is logged");
-    let record = studio.done("ada", Request::Commit("g".into()));
+    let record = studio.done("ada", EditRequest::Commit("g".into()));
     assert_eq!(record.action, Action::Gesture { command: angle(50.0), rebased: false, outcome: None });
     assert_eq!((studio.angle(), studio.live_angle()), (50.0, 50.0));
     assert_eq!(studio.session.gestures().count(), 0);
@@ -48,7 +48,7 @@ fn a_drag_is_live_while_it_lasts_and_one_record_in_the_end() {
 /// Rules: GEST-1
 #[test]
 fn a_cancelled_drag_leaves_no_trace() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let before = studio.hash();
     studio.begin("ada", "g").expect("nobody holds the light");
     studio.update("ada", "g", 1, angle(50.0)).expect("a valid state");
@@ -56,22 +56,22 @@ fn a_cancelled_drag_leaves_no_trace() {
     studio.session.end_gesture("g", &actor("ada")).expect("it is hers");
     assert_eq!((studio.hash(), studio.session.live_document().hash()), (before, before));
     let ended = studio.session.end_gesture("g", &actor("ada"));
-    assert_eq!(ended, Err(Refusal::NoGesture("g".into())));
+    assert_eq!(ended, Err(EditRefusal::NoGesture("g".into())));
 }
 
 /// Rules: GEST-2
 #[test]
 fn a_held_light_is_locked_for_others() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ben", softness(0.5));
     studio.begin("ada", "g").expect("nobody holds the light");
-    let locked = Refusal::Locked { light: "“key”".into(), holder: "ADA".into() };
+    let locked = EditRefusal::Locked { light: "“key”".into(), holder: "ADA".into() };
     let before = studio.hash();
     for request in [
-        Request::Edit { base_seq: None, command: angle(40.0) },
-        Request::Edit { base_seq: None, command: Command::RemoveLight(KEY) },
-        Request::Undo(Scope::Mine),
-        Request::Undo(Scope::Session),
+        EditRequest::Edit { base_seq: None, command: angle(40.0) },
+        EditRequest::Edit { base_seq: None, command: Command::RemoveLight(KEY) },
+        EditRequest::Undo(UndoScope::Mine),
+        EditRequest::Undo(UndoScope::Session),
     ] {
         assert_eq!(studio.ask("ben", request).expect_err("ada holds it"), locked);
     }
@@ -86,7 +86,7 @@ fn a_held_light_is_locked_for_others() {
 /// Rules: GEST-3
 #[test]
 fn a_drag_ends_with_its_connection_or_its_lease() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let light = |ended: &[Gesture]| ended.iter().map(|gesture| gesture.light).collect::<Vec<_>>();
     studio.begin("ada", "g").expect("nobody holds the light");
     assert!(studio.session.end_gestures_of(8).is_empty(), "another connection");
@@ -94,30 +94,33 @@ fn a_drag_ends_with_its_connection_or_its_lease() {
 
     studio.begin("ada", "g").expect("it is free again");
     let later = 20_000;
-    let update = |studio: &mut Studio, now_ms| {
+    let update = |studio: &mut TestSession, now_ms| {
         let holder = actor("ada");
-        studio.session.update_gesture("g", 1, angle(50.0), &holder, now_ms, Context::default()).map(drop)
+        studio
+            .session
+            .update_gesture("g", 1, angle(50.0), &holder, now_ms, CommandContext::default())
+            .map(drop)
     };
     update(&mut studio, later).expect("a valid state");
     assert!(studio.session.expire_gestures(LEASE_MS + later).is_empty(), "30 seconds after the update");
     assert_eq!(light(&studio.session.expire_gestures(LEASE_MS + later + 1)), [KEY]);
     assert_eq!(studio.live_angle(), 25.0, "the light is as it was");
-    assert_eq!(update(&mut studio, later), Err(Refusal::NoGesture("g".into())));
+    assert_eq!(update(&mut studio, later), Err(EditRefusal::NoGesture("g".into())));
 }
 
 /// Rules: GEST-4, CMD-2
 #[test]
 fn an_invalid_state_leaves_the_last_valid_one() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     studio.update("ada", "g", 1, position(2, 0.5, -4.0)).expect("a valid state");
     let live = studio.session.live_document().hash();
     let refused = studio.update("ada", "g", 2, position(2, 30.0, -1.0)).expect_err("it folds");
-    assert!(matches!(refused, Refusal::Edit(EditError::InvalidLight { .. })), "{refused}");
+    assert!(matches!(refused, EditRefusal::Edit(EditError::InvalidLight { .. })), "{refused}");
     let gesture = studio.session.gestures().next().expect("it goes on").clone();
     assert_eq!((gesture.update, gesture.command), (1, Some(position(2, 0.5, -4.0))));
     assert_eq!(studio.session.live_document().hash(), live);
-    let record = studio.done("ada", Request::Commit("g".into()));
+    let record = studio.done("ada", EditRequest::Commit("g".into()));
     assert_eq!(
         (record.action, studio.hash()),
         (Action::Gesture { command: position(2, 0.5, -4.0), rebased: false, outcome: None }, live)
@@ -127,12 +130,12 @@ fn an_invalid_state_leaves_the_last_valid_one() {
 /// Rules: GEST-3, GEST-4
 #[test]
 fn an_invalid_state_renews_the_lease() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     let holder = actor("ada");
     studio
         .session
-        .update_gesture("g", 1, angle(90.0), &holder, 20_000, Context::default())
+        .update_gesture("g", 1, angle(90.0), &holder, 20_000, CommandContext::default())
         .expect_err("no cone");
     assert!(studio.session.expire_gestures(LEASE_MS + 1).is_empty());
 }
@@ -140,7 +143,7 @@ fn an_invalid_state_renews_the_lease() {
 /// Rules: GEST-3
 #[test]
 fn the_lease_of_one_who_waits_is_renewed() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     studio.session.renew_gestures_of(&actor("ben"), 30_000);
     studio.session.renew_gestures_of(&actor("ada"), 20_000);
@@ -152,21 +155,22 @@ fn the_lease_of_one_who_waits_is_renewed() {
 /// Rules: GEST-1, GEST-2
 #[test]
 fn a_drag_keeps_to_its_light_and_its_holder() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("rig", Command::AddLight(bent_light()));
     studio.begin("ada", "g").expect("nobody holds the light");
     let elsewhere = Command::RemovePoint { light: LightId(2), point: 1 };
     for command in [elsewhere, Command::RemoveLight(KEY), Command::AddLight(bent_light())] {
-        assert_eq!(studio.update("ada", "g", 1, command), Err(Refusal::OtherLight("“key”".into())));
+        assert_eq!(studio.update("ada", "g", 1, command), Err(EditRefusal::OtherLight("“key”".into())));
     }
-    assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(Refusal::NoGesture("g".into())));
-    let commit =
-        |studio: &mut Studio, who| studio.ask(who, Request::Commit("g".into())).expect_err("refused");
-    assert_eq!(commit(&mut studio, "ben"), Refusal::NoGesture("g".into()));
-    assert_eq!(studio.begin("ada", "h"), Err(Refusal::GestureExists("h".into())), "one a light");
-    assert_eq!(commit(&mut studio, "ada"), Refusal::OtherLight("“key”".into()), "the last reason");
+    assert_eq!(studio.update("ben", "g", 1, angle(40.0)), Err(EditRefusal::NoGesture("g".into())));
+    let commit = |studio: &mut TestSession, who| {
+        studio.ask(who, EditRequest::Commit("g".into())).expect_err("refused")
+    };
+    assert_eq!(commit(&mut studio, "ben"), EditRefusal::NoGesture("g".into()));
+    assert_eq!(studio.begin("ada", "h"), Err(EditRefusal::GestureExists("h".into())), "one a light");
+    assert_eq!(commit(&mut studio, "ada"), EditRefusal::OtherLight("“key”".into()), "the last reason");
     studio.begin("ada", "g").expect("nobody holds the light");
-    assert_eq!(commit(&mut studio, "ada"), Refusal::EmptyGesture("g".into()), "nothing to commit");
+    assert_eq!(commit(&mut studio, "ada"), EditRefusal::EmptyGesture("g".into()), "nothing to commit");
     let nowhere = studio.session.begin_gesture("g", LightId(9), 0, (7, &actor("ada")), 0).cloned();
     assert_eq!(nowhere.expect_err("no such light"), EditError::NoLight(LightId(9)).into());
 }
@@ -174,14 +178,14 @@ fn a_drag_keeps_to_its_light_and_its_holder() {
 /// Rules: GEST-4, GEST-1
 #[test]
 fn a_drag_without_a_valid_state_says_why_when_it_is_committed() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.begin("ada", "g").expect("nobody holds the light");
     for (update, command) in [(1, softness(2.0)), (2, angle(90.0))] {
         studio.update("ada", "g", update, command).expect_err("no such light");
     }
     let before = studio.hash();
-    let refused = studio.ask("ada", Request::Commit("g".into())).expect_err("nothing to commit");
-    assert!(matches!(refused, Refusal::Edit(EditError::InvalidLight { .. })), "{refused}");
+    let refused = studio.ask("ada", EditRequest::Commit("g".into())).expect_err("nothing to commit");
+    assert!(matches!(refused, EditRefusal::Edit(EditError::InvalidLight { .. })), "{refused}");
     assert!(refused.to_string().starts_with("“key”: ") && refused.to_string().contains("90"), "{refused}");
     assert_eq!((studio.session.gestures().count(), studio.hash()), (0, before), "the drag is over");
 }
@@ -191,7 +195,7 @@ fn a_drag_without_a_valid_state_says_why_when_it_is_committed() {
 /// Rules: SOCK-5, GEST-1
 #[test]
 fn a_drag_counts_points_as_they_were_when_it_began() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let known = studio.session.seq();
     studio.edit("ada", insert(1));
     let stale = studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).cloned();
@@ -204,7 +208,7 @@ fn a_drag_counts_points_as_they_were_when_it_began() {
     assert!(is_stale(&renumbered.update("ada", "g", 2, radius(2, 0.55)).expect_err("outdated")));
     renumbered.update("ada", "g", 3, angle(40.0)).expect("what counts no points");
     studio.undo("ada");
-    let refused = studio.ask("ada", Request::Commit("g".into())).expect_err("outdated");
+    let refused = studio.ask("ada", EditRequest::Commit("g".into())).expect_err("outdated");
     assert!(is_stale(&refused));
     assert_eq!(studio.radius(2), 0.6);
 }
@@ -212,21 +216,21 @@ fn a_drag_counts_points_as_they_were_when_it_began() {
 /// Rules: SOCK-5
 #[test]
 fn a_drag_is_rebased_on_what_its_holder_did_not_know() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let known = studio.session.seq();
     studio.edit("ben", softness(0.5));
     studio.session.begin_gesture("g", KEY, known, (7, &actor("ada")), 0).expect("nobody holds the light");
     studio.update("ada", "g", 1, angle(40.0)).expect("a valid state");
-    assert!(studio.committed("ada", Request::Commit("g".into())).1);
+    assert!(studio.committed("ada", EditRequest::Commit("g".into())).1);
     studio.begin("ada", "h").expect("she let go");
     studio.update("ada", "h", 1, angle(50.0)).expect("a valid state");
-    assert!(!studio.committed("ada", Request::Commit("h".into())).1);
+    assert!(!studio.committed("ada", EditRequest::Commit("h".into())).1);
 }
 
 /// Rules: GEST-1
 #[test]
 fn a_session_has_so_many_drags_at_once() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     for _ in 0..MAX_GESTURES {
         studio.edit("rig", Command::AddLight(bent_light()));
     }
@@ -237,5 +241,5 @@ fn a_session_has_so_many_drags_at_once() {
     });
     assert!(begun.by_ref().take(MAX_GESTURES).all(|begun| begun.is_ok()));
     let refused = begun.next().expect("one more light").expect_err("too many");
-    assert!(matches!(refused, Refusal::TooMany { .. }), "{refused}");
+    assert!(matches!(refused, EditRefusal::TooMany { .. }), "{refused}");
 }

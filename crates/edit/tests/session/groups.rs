@@ -1,27 +1,27 @@
 //! Commands that are one step.
 
 use document::{Change, Command, LightPin};
-use drag::{Pin, PinKind};
-use edit::{Action, GroupedEdit, Refusal, Request, Scope};
+use drag::{DragPin, PinKind};
+use edit::{Action, EditRefusal, EditRequest, GroupedEdit, UndoScope};
 use glam::DVec3;
 use light::LightId;
 
 use crate::properties::grouped;
-use crate::support::{KEY, Studio, angle, bent_light, insert, position, radius, softness};
+use crate::support::{KEY, TestSession, angle, bent_light, insert, position, radius, softness};
 
-fn group(commands: impl IntoIterator<Item = Command>) -> Request {
-    Request::Group(commands.into_iter().map(grouped).collect())
+fn group(commands: impl IntoIterator<Item = Command>) -> EditRequest {
+    EditRequest::Group(commands.into_iter().map(grouped).collect())
 }
 
 fn pin_of(light: LightId) -> Command {
-    let pin = Pin { kind: PinKind::Lit, at: DVec3::ZERO, caster: None, is_hard: true };
+    let pin = DragPin { kind: PinKind::Lit, at: DVec3::ZERO, caster: None, is_hard: true };
     Command::AddPin(LightPin { light, pin })
 }
 
 /// Rules: CMD-17, UNDO-1, REC-9
 #[test]
 fn a_group_is_one_record_and_one_step() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let before = studio.hash();
     let record = studio.done("ada", group([angle(30.0), softness(0.5), angle(40.0)]));
     assert_eq!((record.seq, record.changes.len()), (2, 2), "each property once");
@@ -38,7 +38,7 @@ fn a_group_is_one_record_and_one_step() {
 /// Rules: CMD-17, UNDO-1
 #[test]
 fn a_light_that_comes_in_a_group_goes_as_a_whole() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let before = studio.hash();
     let new = LightId(studio.session.document().last_number() + 1);
     let of_new = |command| match command {
@@ -63,7 +63,7 @@ fn a_light_that_comes_in_a_group_goes_as_a_whole() {
 /// Rules: CMD-17, CMD-4
 #[test]
 fn what_came_and_went_again_is_no_change() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let new = LightId(studio.session.document().last_number() + 1);
     let record = studio.done("ada", group([Command::AddLight(bent_light()), Command::RemoveLight(new)]));
     assert_eq!(record.changes, []);
@@ -72,7 +72,7 @@ fn what_came_and_went_again_is_no_change() {
 /// Rules: CMD-17, CMD-1
 #[test]
 fn a_group_with_one_that_is_refused_does_nothing() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let (before, seq) = (studio.hash(), studio.session.seq());
     let refused =
         studio.ask("ada", group([angle(30.0), softness(7.0), angle(40.0)])).expect_err("one is refused");
@@ -87,7 +87,7 @@ fn a_group_with_one_that_is_refused_does_nothing() {
 /// Rules: CMD-17, UNDO-2
 #[test]
 fn what_another_changed_since_stays_and_the_rest_goes_back() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.done("ada", group([angle(40.0), softness(0.5)]));
     studio.edit("ben", softness(0.7));
     let undo = studio.undo("ada");
@@ -100,32 +100,35 @@ fn what_another_changed_since_stays_and_the_rest_goes_back() {
 /// Rules: CMD-17, DOC-2
 #[test]
 fn control_points_are_counted_as_the_group_leaves_them() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let seq = studio.session.seq();
     let based = |command| GroupedEdit { base_seq: Some(seq), ..grouped(command) };
     let edits = [insert(1), position(4, 0.4, -6.5), radius(4, 0.9)];
     let before = studio.hash();
-    let record = studio.done("ada", Request::Group(edits.clone().map(based).into()));
+    let record = studio.done("ada", EditRequest::Group(edits.clone().map(based).into()));
     assert!(matches!(record.changes[..], [Change::ControlPoints { .. }]), "{:?}", record.changes);
     assert_eq!((studio.light().points().len(), studio.radius(4)), (5, 0.9));
-    let stale = studio.ask("ben", Request::Group(edits.map(based).into())).expect_err("they were renumbered");
+    let stale =
+        studio.ask("ben", EditRequest::Group(edits.map(based).into())).expect_err("they were renumbered");
     assert!(
-        matches!(&stale, Refusal::OfGroup { number: 1, reason } if matches!(**reason, Refusal::Stale { .. }))
+        matches!(&stale, EditRefusal::InGroup { number: 1, reason } if matches!(**reason, EditRefusal::Stale { .. }))
     );
-    studio.done("ada", Request::Undo(Scope::Mine));
+    studio.done("ada", EditRequest::Undo(UndoScope::Mine));
     assert_eq!(studio.hash(), before);
 }
 
 /// Rules: CMD-17, GEST-3
 #[test]
 fn a_light_that_another_holds_is_left_alone_by_a_whole_group() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let ben = crate::support::actor("ben");
     studio.session.begin_gesture("drag", KEY, 1, (1, &ben), 0).expect("free");
     let before = studio.hash();
     let refused = studio.ask("ada", group([Command::AddLight(bent_light()), angle(30.0)]));
-    assert!(matches!(refused, Err(Refusal::Locked { .. })) && studio.hash() == before);
-    let (_, rebased) = studio
-        .committed("ben", Request::Group(vec![GroupedEdit { base_seq: Some(0), ..grouped(angle(30.0)) }]));
+    assert!(matches!(refused, Err(EditRefusal::Locked { .. })) && studio.hash() == before);
+    let (_, rebased) = studio.committed(
+        "ben",
+        EditRequest::Group(vec![GroupedEdit { base_seq: Some(0), ..grouped(angle(30.0)) }]),
+    );
     assert!(rebased, "the rig made it after what he knew");
 }

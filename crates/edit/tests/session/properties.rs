@@ -1,57 +1,60 @@
 //! What holds for every sequence of requests.
 
-use document::{Command, Context, GroupedCommand, edited};
-use edit::{GroupedEdit, Request, Scope, Session};
+use document::{Command, CommandContext, GroupedCommand, execute_command};
+use edit::{EditRequest, GroupedEdit, Session, UndoScope};
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use crate::random::{aimed, command};
-use crate::support::{SCENES, Studio};
+use crate::random::{command, with_existing_ids};
+use crate::support::{SCENES, TestSession};
 
 /// One step of a random session.
 #[derive(Clone, Debug)]
-pub enum Step {
+pub enum RandomStep {
     Edit(Box<Command>),
     Group(Vec<Command>),
-    Undo(Scope),
-    Redo(Scope),
+    Undo(UndoScope),
+    Redo(UndoScope),
 }
 
 /// Who does what.
-pub type Play = Vec<(&'static str, Step)>;
+pub type RandomSteps = Vec<(&'static str, RandomStep)>;
 
 /// Steps of any of `actors`; a third of them undo and redo.
-pub fn play(actors: &'static [&'static str], steps: usize) -> impl Strategy<Value = Play> {
-    let scope = || prop_oneof![2 => Just(Scope::Mine), 1 => Just(Scope::Session)];
+pub fn random_steps(actors: &'static [&'static str], steps: usize) -> impl Strategy<Value = RandomSteps> {
+    let scope = || prop_oneof![2 => Just(UndoScope::Mine), 1 => Just(UndoScope::Session)];
     let step = prop_oneof![
-        4 => command(SCENES).prop_map(|command| Step::Edit(Box::new(command))),
-        1 => vec(command(SCENES), 1..8).prop_map(Step::Group),
-        1 => scope().prop_map(Step::Undo),
-        1 => scope().prop_map(Step::Redo),
+        4 => command(SCENES).prop_map(|command| RandomStep::Edit(Box::new(command))),
+        1 => vec(command(SCENES), 1..8).prop_map(RandomStep::Group),
+        1 => scope().prop_map(RandomStep::Undo),
+        1 => scope().prop_map(RandomStep::Redo),
     ];
     vec((proptest::sample::select(actors), step), 1..steps)
 }
 
 /// The request of a step, aimed at what is there.
-pub fn request(step: Step, studio: &Studio) -> Request {
+pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
     match step {
-        Step::Edit(command) => {
-            Request::Edit { base_seq: None, command: aimed(*command, studio.session.document()) }
-        }
-        Step::Group(commands) => {
+        RandomStep::Edit(command) => EditRequest::Edit {
+            base_seq: None,
+            command: with_existing_ids(*command, studio.session.document()),
+        },
+        RandomStep::Group(commands) => {
             let mut draft = studio.session.document().clone();
             let mut edits = Vec::new();
             for command in commands {
-                let command = aimed(command, &draft);
+                let command = with_existing_ids(command, &draft);
                 // A group that is refused for one of them is shown in `groups`.
-                let Ok(after) = edited(&draft, &command, Context::default()) else { continue };
+                let Ok(after) = execute_command(&draft, &command, CommandContext::default()) else {
+                    continue;
+                };
                 draft = after.document;
                 edits.push(grouped(command));
             }
-            Request::Group(edits)
+            EditRequest::Group(edits)
         }
-        Step::Undo(scope) => Request::Undo(scope),
-        Step::Redo(scope) => Request::Redo(scope),
+        RandomStep::Undo(scope) => EditRequest::Undo(scope),
+        RandomStep::Redo(scope) => EditRequest::Redo(scope),
     }
 }
 
@@ -60,8 +63,8 @@ pub fn grouped(command: Command) -> GroupedEdit {
     GroupedEdit { base_seq: None, grouped: GroupedCommand { command, solved: None } }
 }
 
-fn played(play: Play) -> Studio {
-    let mut studio = Studio::new();
+fn played(play: RandomSteps) -> TestSession {
+    let mut studio = TestSession::new();
     for (who, step) in play {
         // Some are refused, which leaves everything as it was; that is shown below.
         let _ = studio.ask(who, request(step, &studio));
@@ -69,8 +72,8 @@ fn played(play: Play) -> Studio {
     studio
 }
 
-/// How many of `what` are carried out until there is nothing left, `limit` at most.
-fn repeat(studio: &mut Studio, who: &str, what: &Request, limit: usize) -> usize {
+/// How many of `what` are carried out until there is nothing left, `most` at most.
+fn repeat(studio: &mut TestSession, who: &str, what: &EditRequest, limit: usize) -> usize {
     (0..limit).take_while(|_| studio.ask(who, what.clone()).is_ok()).count()
 }
 
@@ -82,16 +85,16 @@ proptest! {
     #[test]
     fn as_many_redos_as_undos_change_nothing(
         alone in any::<bool>(),
-        plays in (play(ALONE, 30), play(THREE, 30)),
+        plays in (random_steps(ALONE, 30), random_steps(THREE, 30)),
         count in 1..40_usize,
         is_session in any::<bool>(),
     ) {
         let mut studio = played(if alone { plays.0 } else { plays.1 });
-        let scope = if is_session { Scope::Session } else { Scope::Mine };
+        let scope = if is_session { UndoScope::Session } else { UndoScope::Mine };
         let before = studio.hash();
-        let undone = repeat(&mut studio, "ada", &Request::Undo(scope), count);
+        let undone = repeat(&mut studio, "ada", &EditRequest::Undo(scope), count);
         for _ in 0..undone {
-            let redo = studio.done("ada", Request::Redo(scope));
+            let redo = studio.done("ada", EditRequest::Redo(scope));
             prop_assert!(redo.action.skipped().is_empty(), "{:?}", redo.action);
         }
         prop_assert_eq!(studio.hash(), before);
@@ -100,17 +103,17 @@ proptest! {
     /// Rules: UNDO-4, UNDO-1
     #[test]
     fn undoing_everything_leaves_nothing(commands in vec((proptest::sample::select(THREE), command(SCENES)), 1..30)) {
-        let steps = commands.into_iter().map(|(who, command)| (who, Step::Edit(Box::new(command))));
+        let steps = commands.into_iter().map(|(who, command)| (who, RandomStep::Edit(Box::new(command))));
         let mut studio = played(steps.collect());
         let steps = studio.log.iter().filter(|record| !record.changes.is_empty()).count();
-        prop_assert_eq!(repeat(&mut studio, "cyd", &Request::Undo(Scope::Session), steps + 1), steps);
+        prop_assert_eq!(repeat(&mut studio, "cyd", &EditRequest::Undo(UndoScope::Session), steps + 1), steps);
         prop_assert_eq!(studio.hash(), Session::default().document().hash());
     }
 
     /// Rules: CMD-1, UNDO-5, REC-1
     #[test]
-    fn a_refusal_leaves_everything_as_it_was(play in play(THREE, 40)) {
-        let mut studio = Studio::new();
+    fn a_refusal_leaves_everything_as_it_was(play in random_steps(THREE, 40)) {
+        let mut studio = TestSession::new();
         for (who, step) in play {
             let (before, seq) = (studio.hash(), studio.session.seq());
             match studio.ask(who, request(step, &studio)) {
@@ -127,34 +130,34 @@ proptest! {
     /// Rules: REC-2, LOG-2, UNDO-1
     #[test]
     fn replay_and_restore_give_the_same_session(
-        play in play(THREE, 40),
+        play in random_steps(THREE, 40),
         cut in any::<prop::sample::Index>(),
         is_restored in any::<bool>(),
     ) {
         let studio = played(play);
         let cut = cut.index(studio.log.len() + 1);
-        let (mut replayed, mut document) = (Studio::default(), document::Document::default());
+        let (mut replayed, mut document) = (TestSession::default(), document::Document::default());
         for record in &studio.log[..cut] {
             replayed.session.replay(record).expect("a log just made");
         }
         replayed.log = studio.log[..cut].to_vec();
         // As from a checkpoint, which replays nothing.
         if is_restored {
-            let past = replayed.session.past();
+            let past = replayed.session.session_history();
             replayed.session = Session::restore(replayed.session.document().clone(), cut as u64, &past);
-            prop_assert_eq!(replayed.session.past(), past);
+            prop_assert_eq!(replayed.session.session_history(), past);
         }
         // What comes after a restart is the same too: histories and numbers were rebuilt.
         for record in &studio.log[cut..] {
             let request = match record.action.clone() {
                 edit::Action::Edit { command, .. } | edit::Action::Gesture { command, .. } => {
-                    Request::Edit { base_seq: None, command }
+                    EditRequest::Edit { base_seq: None, command }
                 }
                 edit::Action::Group { edits, .. } => {
-                    Request::Group(edits.into_iter().map(|edit| grouped(edit.command)).collect())
+                    EditRequest::Group(edits.into_iter().map(|edit| grouped(edit.command)).collect())
                 }
-                edit::Action::Undo { scope, .. } => Request::Undo(scope),
-                edit::Action::Redo { scope, .. } => Request::Redo(scope),
+                edit::Action::Undo { scope, .. } => EditRequest::Undo(scope),
+                edit::Action::Redo { scope, .. } => EditRequest::Redo(scope),
             };
             prop_assert_eq!(&replayed.done(&record.actor.id, request), record);
         }

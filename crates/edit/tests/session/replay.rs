@@ -1,15 +1,15 @@
 //! Logs that were changed by hand are refused, and the record is named.
 
 use document::{AssetHash, Change, Command, EditError};
-use edit::{Action, Record, Refusal, ReplayError, Request, Scope, Session};
+use edit::{Action, EditRefusal, EditRequest, Record, ReplayError, Session, UndoScope};
 use light::parameters::CONE_ANGLE;
 use light::{LightId, Value};
 
-use crate::support::{SCENES, Studio, angle, insert, radius, softness};
+use crate::support::{SCENES, TestSession, angle, insert, radius, softness};
 
 /// Nine records: a scene, edits of two people, undo and redo.
 fn log() -> Vec<Record> {
-    let mut studio = Studio::default();
+    let mut studio = TestSession::default();
     studio.edit("rig", Command::LoadScene { asset: SCENES[0], name: "room".into() });
     studio.edit("ada", angle(30.0));
     studio.edit("ada", angle(40.0));
@@ -79,12 +79,12 @@ fn values_that_do_not_follow_are_refused() {
 /// Rules: UNDO-1, UNDO-3
 #[test]
 fn undo_of_what_is_not_in_effect_is_refused() {
-    let undo = |target| Action::Undo { scope: Scope::Mine, target, skipped: Vec::new() };
-    let redo = |target| Action::Redo { scope: Scope::Mine, target, skipped: Vec::new() };
-    assert_eq!(with(|log| log[6].action = undo(99)), ReplayError::Target { seq: 7, target: 99 });
-    assert_eq!(with(|log| log[6].action = undo(7)), ReplayError::Target { seq: 7, target: 7 });
-    assert_eq!(with(|log| log[7].action = redo(6)), ReplayError::Target { seq: 8, target: 6 });
-    assert_eq!(with(|log| log[7].action = undo(6)), ReplayError::Target { seq: 8, target: 6 });
+    let undo = |target| Action::Undo { scope: UndoScope::Mine, target, skipped: Vec::new() };
+    let redo = |target| Action::Redo { scope: UndoScope::Mine, target, skipped: Vec::new() };
+    assert_eq!(with(|log| log[6].action = undo(99)), ReplayError::TargetNotInEffect { seq: 7, target: 99 });
+    assert_eq!(with(|log| log[6].action = undo(7)), ReplayError::TargetNotInEffect { seq: 7, target: 7 });
+    assert_eq!(with(|log| log[7].action = redo(6)), ReplayError::TargetNotInEffect { seq: 8, target: 6 });
+    assert_eq!(with(|log| log[7].action = undo(6)), ReplayError::TargetNotInEffect { seq: 8, target: 6 });
 }
 
 /// Replay looks at no scene; the document says which one whoever draws it has to have.
@@ -94,10 +94,11 @@ fn undo_of_what_is_not_in_effect_is_refused() {
 fn a_scene_that_is_missing_is_named() {
     let nowhere = AssetHash([9; 32]);
     let load = Command::LoadScene { asset: nowhere, name: "nowhere".into() };
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let before = (studio.hash(), studio.session.seq());
-    let missing = studio.ask("ada", Request::Edit { base_seq: None, command: load }).expect_err("no scene");
-    assert_eq!(missing, Refusal::Edit(EditError::UnknownAsset(nowhere)));
+    let missing =
+        studio.ask("ada", EditRequest::Edit { base_seq: None, command: load }).expect_err("no scene");
+    assert_eq!(missing, EditRefusal::Edit(EditError::UnknownAsset(nowhere)));
     assert!(missing.to_string().contains(&nowhere.hex()));
     assert_eq!((studio.hash(), studio.session.seq()), before);
 
@@ -112,7 +113,7 @@ fn a_refused_record_leaves_the_session_as_it_was() {
     let mut session = replayed(&log[..6]).expect("a sound log");
     let (before, seq) = (session.document().hash(), session.seq());
     let mut bad = log[6].clone();
-    bad.action = Action::Undo { scope: Scope::Mine, target: 99, skipped: Vec::new() };
+    bad.action = Action::Undo { scope: UndoScope::Mine, target: 99, skipped: Vec::new() };
     session.replay(&bad).expect_err("a bad target");
     let mut bad = log[6].clone();
     bad.changes[0] = bad.changes[0].inverse();

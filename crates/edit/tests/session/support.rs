@@ -2,15 +2,15 @@
 
 use std::sync::Arc;
 
-use document::{AssetHash, Command, Context, DocumentHash, SceneContents};
-use edit::{Actor, Record, Refusal, Request, Scope, Session, Sources};
+use document::{AssetHash, Command, CommandContext, DocumentHash, SceneContents};
+use edit::{Actor, EditRefusal, EditRequest, EditSources, Record, Session, UndoScope};
 use glam::DVec3;
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, NAME, POSITION, RADIUS};
 use light::{CheckedLight, Light, LightId};
 
 /// Scenes that can be loaded: one with a light, one with nothing.
 pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
-/// The light of [`Studio::new`].
+/// The light of [`TestSession::new`].
 pub const KEY: LightId = LightId(1);
 
 /// What the scenes above bring.
@@ -33,12 +33,12 @@ pub fn actor(id: &str) -> Actor {
 
 /// A session under way, with all its records.
 #[derive(Clone, Default)]
-pub struct Studio {
+pub struct TestSession {
     pub session: Session,
     pub log: Vec<Record>,
 }
 
-impl Studio {
+impl TestSession {
     /// With a light that nobody of the three has added.
     pub fn new() -> Self {
         let mut studio = Self::default();
@@ -47,42 +47,42 @@ impl Studio {
     }
 
     /// What comes of a request under a name of its own.
-    pub fn ask(&mut self, who: &str, request: Request) -> Result<Record, Refusal> {
+    pub fn ask(&mut self, who: &str, request: EditRequest) -> Result<Record, EditRefusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
-        let taken_back = self.session.taken_back(&request, who, &record)?;
+        let taken_back = self.session.find_revert(&request, who, &record)?;
         let loaded = match &request {
-            Request::Edit { command: Command::LoadScene { asset, .. }, .. } => find_scene(*asset),
+            EditRequest::Edit { command: Command::LoadScene { asset, .. }, .. } => find_scene(*asset),
             _ => None,
         };
-        let context = Context { loaded: loaded.as_ref(), ..Context::default() };
-        let sources = Sources { context, taken_back };
-        let record = self.session.request(request, &actor(who), &op_id, 0, sources)?;
+        let context = CommandContext { loaded: loaded.as_ref(), ..CommandContext::default() };
+        let sources = EditSources { context, reverted: taken_back };
+        let record = self.session.execute_request(request, &actor(who), &op_id, 0, sources)?;
         self.log.push(record.clone());
         Ok(record)
     }
 
     /// The record of a request that must be carried out, and whether it was rebased.
-    pub fn committed(&mut self, who: &str, request: Request) -> (Record, bool) {
+    pub fn committed(&mut self, who: &str, request: EditRequest) -> (Record, bool) {
         let record = self.ask(who, request).expect("a valid request");
         let rebased = record.action.rebased();
         (record, rebased)
     }
 
-    pub fn done(&mut self, who: &str, request: Request) -> Record {
+    pub fn done(&mut self, who: &str, request: EditRequest) -> Record {
         self.committed(who, request).0
     }
 
     pub fn edit(&mut self, who: &str, command: Command) -> Record {
-        self.done(who, Request::Edit { base_seq: None, command })
+        self.done(who, EditRequest::Edit { base_seq: None, command })
     }
 
     pub fn undo(&mut self, who: &str) -> Record {
-        self.done(who, Request::Undo(Scope::Mine))
+        self.done(who, EditRequest::Undo(UndoScope::Mine))
     }
 
     pub fn redo(&mut self, who: &str) -> Record {
-        self.done(who, Request::Redo(Scope::Mine))
+        self.done(who, EditRequest::Redo(UndoScope::Mine))
     }
 
     pub fn hash(&self) -> DocumentHash {
@@ -126,7 +126,7 @@ pub fn insert(point: usize) -> Command {
     Command::InsertPoint { light: KEY, point, position: None, radius: None, color: None, intensity: None }
 }
 
-/// As [`Request::Edit`], from what the sender knew at record `base_seq`.
-pub fn based(base_seq: u64, command: Command) -> Request {
-    Request::Edit { base_seq: Some(base_seq), command }
+/// As [`EditRequest::Edit`], from what the sender knew at record `base_seq`.
+pub fn based(base_seq: u64, command: Command) -> EditRequest {
+    EditRequest::Edit { base_seq: Some(base_seq), command }
 }

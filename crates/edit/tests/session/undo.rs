@@ -3,21 +3,21 @@
 use std::time::Instant;
 
 use document::Command;
-use edit::{Action, MAX_PASSED, MAX_UNDO_DEPTH, Refusal, Request, Scope};
+use edit::{Action, EditRefusal, EditRequest, MAX_STEPS_PASSED_OVER, MAX_UNDO_DEPTH, UndoScope};
 use glam::{DQuat, DVec3};
 use light::parameters::TRANSLATION;
 
-use crate::support::{KEY, Studio, angle, bent_light, insert, position, radius, softness};
+use crate::support::{KEY, TestSession, angle, bent_light, insert, position, radius, softness};
 
 /// Rules: UNDO-1, REC-1
 #[test]
 fn undo_is_a_record_like_any_other() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let before = studio.hash();
     let edit = studio.edit("ada", angle(40.0));
     let undo = studio.undo("ada");
     assert_eq!(undo.seq, edit.seq + 1);
-    assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
+    assert_eq!(undo.action, Action::Undo { scope: UndoScope::Mine, target: edit.seq, skipped: Vec::new() });
     assert_eq!(undo.changes, [edit.changes[0].inverse()]);
     assert_eq!(studio.hash(), before);
 }
@@ -25,20 +25,21 @@ fn undo_is_a_record_like_any_other() {
 /// Rules: UNDO-1
 #[test]
 fn mine_passes_over_the_steps_of_others() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", softness(0.5));
     studio.undo("ada");
     assert_eq!((studio.angle(), studio.softness()), (25.0, 0.5), "theirs stays");
-    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
-    assert_eq!(refused, Refusal::NothingToUndo { passed: None });
+    let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("nothing of hers is left");
+    assert_eq!(refused, EditRefusal::NothingToUndo { passed: None });
 }
 
 /// Rules: UNDO-1
 #[test]
 fn session_takes_back_whoever_was_last() {
-    let mut studio = Studio::new();
-    let undo = |studio: &mut Studio| studio.done("cyd", Request::Undo(Scope::Session)).changes.len();
+    let mut studio = TestSession::new();
+    let undo =
+        |studio: &mut TestSession| studio.done("cyd", EditRequest::Undo(UndoScope::Session)).changes.len();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", softness(0.5));
     undo(&mut studio);
@@ -47,13 +48,13 @@ fn session_takes_back_whoever_was_last() {
     assert_eq!((studio.angle(), studio.softness()), (25.0, 0.2));
     undo(&mut studio);
     assert!(studio.session.document().lights().is_empty(), "the light itself was a step");
-    studio.ask("cyd", Request::Undo(Scope::Session)).expect_err("that was all");
+    studio.ask("cyd", EditRequest::Undo(UndoScope::Session)).expect_err("that was all");
 }
 
 /// Rules: UNDO-2
 #[test]
 fn what_somebody_else_changed_since_is_skipped_and_named() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit(
         "ada",
         Command::PlaceLight {
@@ -73,7 +74,7 @@ fn what_somebody_else_changed_since_is_skipped_and_named() {
 /// Rules: UNDO-7, UNDO-5
 #[test]
 fn a_step_of_which_nothing_is_left_is_passed_over() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let first = studio.edit("ada", softness(0.5));
     studio.edit("ada", radius(1, 0.3));
     studio.edit("ben", radius(1, 0.35));
@@ -81,14 +82,14 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
     let gone = "BEN has changed the radius of control point 1 of “key” since";
     assert_eq!(
         undo.action,
-        Action::Undo { scope: Scope::Mine, target: first.seq, skipped: vec![gone.into()] }
+        Action::Undo { scope: UndoScope::Mine, target: first.seq, skipped: vec![gone.into()] }
     );
     assert_eq!((studio.softness(), studio.radius(1)), (0.2, 0.35));
 
     let seq = studio.session.seq();
-    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing of hers is left");
+    let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("nothing of hers is left");
     assert_eq!(refused.to_string(), format!("there is nothing to undo: {gone}"));
-    assert_eq!(refused, Refusal::NothingToUndo { passed: Some(gone.into()) });
+    assert_eq!(refused, EditRefusal::NothingToUndo { passed: Some(gone.into()) });
     assert_eq!(studio.session.seq(), seq, "it is no step");
 
     studio.undo("ben");
@@ -104,14 +105,14 @@ fn a_step_of_which_nothing_is_left_is_passed_over() {
 /// Rules: UNDO-7
 #[test]
 fn a_redo_of_which_nothing_is_left_is_no_step() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", radius(1, 0.3));
     studio.undo("ada");
     studio.edit("ben", radius(1, 0.35));
-    let refused = studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("nothing to bring back");
+    let refused = studio.ask("ada", EditRequest::Redo(UndoScope::Mine)).expect_err("nothing to bring back");
     let gone = "BEN has changed the radius of control point 1 of “key” since";
     assert_eq!(refused.to_string(), format!("there is nothing to redo: {gone}"));
-    assert_eq!(refused, Refusal::NothingToRedo { passed: Some(gone.into()) });
+    assert_eq!(refused, EditRefusal::NothingToRedo { passed: Some(gone.into()) });
 }
 
 /// Whoever else touched the light is not blamed; where nobody is found nobody is.
@@ -119,12 +120,13 @@ fn a_redo_of_which_nothing_is_left_is_no_step() {
 /// Rules: UNDO-2
 #[test]
 fn who_changed_it_since_is_the_one_who_did() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", radius(1, 0.3));
     studio.edit("ben", radius(1, 0.35));
     studio.edit("cyd", softness(0.6));
-    let why = |studio: &Studio| {
-        let refused = studio.clone().ask("ada", Request::Undo(Scope::Mine)).expect_err("changed since");
+    let why = |studio: &TestSession| {
+        let refused =
+            studio.clone().ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("changed since");
         refused.to_string()
     };
     assert!(
@@ -147,13 +149,13 @@ fn who_changed_it_since_is_the_one_who_did() {
 /// Rules: UNDO-7, CMD-4
 #[test]
 fn a_step_that_changed_nothing_is_passed_over() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let edit = studio.edit("ada", angle(40.0));
     studio.edit("ada", angle(40.0));
     let undo = studio.undo("ada");
-    assert_eq!(undo.action, Action::Undo { scope: Scope::Mine, target: edit.seq, skipped: Vec::new() });
+    assert_eq!(undo.action, Action::Undo { scope: UndoScope::Mine, target: edit.seq, skipped: Vec::new() });
     assert_eq!(studio.angle(), 25.0);
-    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("nothing is left");
+    let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("nothing is left");
     assert_eq!(refused.to_string(), "there is nothing to undo: the latest steps changed nothing");
 }
 
@@ -162,9 +164,9 @@ fn a_step_that_changed_nothing_is_passed_over() {
 /// Rules: UNDO-7
 #[test]
 fn so_many_steps_are_passed_over() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", softness(0.5));
-    for step in 0..MAX_PASSED {
+    for step in 0..MAX_STEPS_PASSED_OVER {
         studio.edit("ada", angle(20.0 + (step % 50) as f64));
     }
     studio.edit("ben", angle(80.0));
@@ -175,28 +177,28 @@ fn so_many_steps_are_passed_over() {
     one_more.undo("ben");
     one_more.edit("ada", angle(81.0));
     one_more.edit("ben", angle(80.0));
-    let refused = one_more.ask("ada", Request::Undo(Scope::Mine)).expect_err("too many");
-    assert!(matches!(refused, Refusal::NothingToUndo { passed: Some(_) }), "{refused}");
+    let refused = one_more.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("too many");
+    assert!(matches!(refused, EditRefusal::NothingToUndo { passed: Some(_) }), "{refused}");
 }
 
 /// Rules: UNDO-2, DOC-2
 #[test]
 fn a_point_of_an_outdated_numbering_is_skipped() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", softness(0.5));
     studio.edit("ada", radius(2, 0.5));
     studio.edit("ben", insert(1));
     let undo = studio.undo("ada");
     assert_eq!(undo.action.skipped(), ["BEN has changed the radius of control point 2 of “key” since"]);
     assert_eq!(studio.light().points().len(), 5);
-    studio.done("ben", Request::Undo(Scope::Mine));
+    studio.done("ben", EditRequest::Undo(UndoScope::Mine));
     assert_eq!((studio.light().points().len(), studio.radius(2)), (4, 0.5), "the old numbering is back");
 }
 
 /// Rules: UNDO-2, CMD-2
 #[test]
 fn what_would_leave_a_fold_is_skipped() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", radius(1, 0.05));
     studio.edit("ada", radius(2, 0.05));
     studio.edit("ben", radius(3, 0.05));
@@ -204,7 +206,7 @@ fn what_would_leave_a_fold_is_skipped() {
     studio.edit("ben", position(2, 1.2, -2.0));
     let before = studio.hash();
     // Of her two steps the later one would leave the fold, and so would the other one then.
-    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("a fold");
+    let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("a fold");
     let why = refused.to_string();
     let stays = "there is nothing to undo: the radius of control point 2 of “key” cannot go back: ";
     assert!(why.starts_with(stays) && why.contains("folds"), "{why}");
@@ -214,10 +216,10 @@ fn what_would_leave_a_fold_is_skipped() {
 /// Rules: UNDO-2, CMD-3
 #[test]
 fn what_is_gone_is_skipped() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", angle(40.0));
     studio.edit("ben", Command::RemoveLight(KEY));
-    let refused = studio.ask("ada", Request::Undo(Scope::Mine)).expect_err("the light is gone");
+    let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("the light is gone");
     assert_eq!(refused.to_string(), "there is nothing to undo: BEN has removed “key” since");
     studio.undo("ben");
     assert_eq!(studio.angle(), 40.0, "as it was when it went");
@@ -226,54 +228,54 @@ fn what_is_gone_is_skipped() {
 /// Rules: UNDO-3, UNDO-5
 #[test]
 fn an_edit_ends_what_its_actor_can_redo() {
-    let nothing = |studio: &mut Studio, who: &str, scope| {
+    let nothing = |studio: &mut TestSession, who: &str, scope| {
         studio
             .clone()
-            .ask(who, Request::Redo(scope))
-            .is_err_and(|refusal| refusal == Refusal::NothingToRedo { passed: None })
+            .ask(who, EditRequest::Redo(scope))
+            .is_err_and(|refusal| refusal == EditRefusal::NothingToRedo { passed: None })
     };
-    let mut studio = Studio::new();
-    assert!(nothing(&mut studio, "ada", Scope::Mine) && nothing(&mut studio, "ada", Scope::Session));
+    let mut studio = TestSession::new();
+    assert!(nothing(&mut studio, "ada", UndoScope::Mine) && nothing(&mut studio, "ada", UndoScope::Session));
     studio.edit("ada", angle(40.0));
     studio.undo("ada");
-    assert!(!nothing(&mut studio, "ada", Scope::Mine));
-    assert!(nothing(&mut studio, "ada", Scope::Session), "it was not undone for the session");
-    assert!(nothing(&mut studio, "ben", Scope::Mine), "it is not his");
+    assert!(!nothing(&mut studio, "ada", UndoScope::Mine));
+    assert!(nothing(&mut studio, "ada", UndoScope::Session), "it was not undone for the session");
+    assert!(nothing(&mut studio, "ben", UndoScope::Mine), "it is not his");
     studio.edit("ben", softness(0.5));
-    assert!(!nothing(&mut studio, "ada", Scope::Mine), "another's edit ends nothing of hers");
+    assert!(!nothing(&mut studio, "ada", UndoScope::Mine), "another's edit ends nothing of hers");
     studio.edit("ada", softness(0.6));
-    assert!(nothing(&mut studio, "ada", Scope::Mine));
+    assert!(nothing(&mut studio, "ada", UndoScope::Mine));
 
-    studio.done("ada", Request::Undo(Scope::Session));
-    assert!(!nothing(&mut studio, "ben", Scope::Session), "anybody can redo for the session");
+    studio.done("ada", EditRequest::Undo(UndoScope::Session));
+    assert!(!nothing(&mut studio, "ben", UndoScope::Session), "anybody can redo for the session");
     studio.edit("cyd", angle(50.0));
-    assert!(nothing(&mut studio, "ben", Scope::Session), "and any edit ends it");
+    assert!(nothing(&mut studio, "ben", UndoScope::Session), "and any edit ends it");
 }
 
 /// Rules: UNDO-3, UNDO-1
 #[test]
 fn redo_brings_steps_back_latest_undo_first() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     for degrees in [30.0, 40.0, 50.0] {
         studio.edit("ada", angle(degrees));
     }
     studio.undo("ada");
     let second = studio.undo("ada");
     let redo = studio.redo("ada");
-    assert_eq!(redo.action, Action::Redo { scope: Scope::Mine, target: second.seq, skipped: Vec::new() });
+    assert_eq!(redo.action, Action::Redo { scope: UndoScope::Mine, target: second.seq, skipped: Vec::new() });
     assert_eq!(studio.angle(), 40.0);
     let undo = studio.undo("ada");
     assert!(matches!(undo.action, Action::Undo { target: 3, .. }), "what was redone can be undone again");
     studio.redo("ada");
     studio.redo("ada");
     assert_eq!(studio.angle(), 50.0);
-    studio.ask("ada", Request::Redo(Scope::Mine)).expect_err("all are back");
+    studio.ask("ada", EditRequest::Redo(UndoScope::Mine)).expect_err("all are back");
 }
 
 /// Rules: UNDO-1, DOC-1
 #[test]
 fn a_light_comes_back_as_itself() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     let placed = studio.session.document().lights()[&KEY].clone();
     studio.edit("ada", Command::RemoveLight(KEY));
     studio.undo("ada");
@@ -286,7 +288,7 @@ fn a_light_comes_back_as_itself() {
 /// Rules: UNDO-6
 #[test]
 fn a_scripts_batch_takes_nobody_elses_steps() {
-    let mut studio = Studio::new();
+    let mut studio = TestSession::new();
     studio.edit("ada", angle(40.0));
     for step in 0..=MAX_UNDO_DEPTH {
         studio.edit("script", softness(if step % 2 == 0 { 0.3 } else { 0.4 }));
@@ -295,7 +297,7 @@ fn a_scripts_batch_takes_nobody_elses_steps() {
     assert!(matches!(undo.action, Action::Undo { target: 2, .. }), "{:?}", undo.action);
     assert_eq!(studio.angle(), 25.0);
     let undone =
-        (0..=MAX_UNDO_DEPTH).take_while(|_| studio.ask("script", Request::Undo(Scope::Mine)).is_ok());
+        (0..=MAX_UNDO_DEPTH).take_while(|_| studio.ask("script", EditRequest::Undo(UndoScope::Mine)).is_ok());
     assert_eq!(undone.count(), MAX_UNDO_DEPTH, "its own first step is past the limit");
 }
 
@@ -306,7 +308,7 @@ fn a_scripts_batch_takes_nobody_elses_steps() {
 #[test]
 fn an_undo_costs_no_more_with_a_long_history() {
     let seconds_of_undos = |depth: usize| {
-        let mut studio = Studio::new();
+        let mut studio = TestSession::new();
         for step in 0..depth {
             studio.edit("ada", angle(20.0 + (step % 50) as f64));
         }

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::build::check_values;
-use crate::filter::{LightFilter, irradiance};
 use crate::parameters::{CONE_ANGLE, RANGE};
-use crate::{Light, LightError, Place};
+use crate::profile::{LightProfile, irradiance};
+use crate::{Light, LightCoords, LightError};
 
 /// A checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
 #[derive(Clone, Debug)]
@@ -19,7 +19,7 @@ pub struct Cone {
     /// Axial distance at which the light ends, in world units; `None` never.
     pub range: Option<f64>,
     /// What follows from the place.
-    pub light_filter: LightFilter,
+    pub light_profile: LightProfile,
 }
 
 impl Cone {
@@ -32,12 +32,12 @@ impl Cone {
             rotation: DMat3::from_quat(transform.rotation.normalize()),
             tan_outer: libm::tan(light.get(CONE_ANGLE).to_radians()),
             range: light.get(RANGE),
-            light_filter: LightFilter::of(light, 0.0),
+            light_profile: LightProfile::of(light, 0.0),
         })
     }
 
     /// Where a point lies, given from the source in world axes; `None` outside the cone.
-    pub fn locate(&self, from_source: DVec3) -> Option<Place> {
+    pub fn locate(&self, from_source: DVec3) -> Option<LightCoords> {
         let position = self.rotation.transpose() * from_source;
         let (depth, s) = (-position.z, position.length());
         let slope = position.truncate() / depth;
@@ -48,11 +48,11 @@ impl Cone {
         // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
         let DVec2 { x: v, y: w } = DVec2::new(-slope.x, slope.y) / self.tan_outer;
         let t = self.range.map_or(0.0, |range| depth / range);
-        Some(Place { t, v, w, s, direction: self.rotation * (-position / s) })
+        Some(LightCoords { t, v, w, s, direction: self.rotation * (-position / s) })
     }
 
     /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, place: &Place) -> DVec3 {
-        irradiance(&self.light_filter, DVec3::ONE, place)
+    pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
+        irradiance(&self.light_profile, DVec3::ONE, place)
     }
 }

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec3};
 
 use crate::build::check_values;
-use crate::filter::{LightFilter, irradiance};
 use crate::parameters::RANGE;
-use crate::{Light, LightError, Place};
+use crate::profile::{LightProfile, irradiance};
+use crate::{Light, LightCoords, LightError};
 
 /// A checked omni light, prepared for evaluation.
 #[derive(Clone, Debug)]
@@ -17,7 +17,7 @@ pub struct Omni {
     /// Distance at which the light ends, in world units; `None` never.
     pub range: Option<f64>,
     /// What follows from the place.
-    pub light_filter: LightFilter,
+    pub light_profile: LightProfile,
 }
 
 impl Omni {
@@ -29,24 +29,24 @@ impl Omni {
             translation: transform.translation,
             rotation: DMat3::from_quat(transform.rotation.normalize()),
             range: light.get(RANGE),
-            light_filter: LightFilter::of(light, 0.0),
+            light_profile: LightProfile::of(light, 0.0),
         })
     }
 
     /// Where a point lies, given from the source in world axes; `None` past the range, and at the source itself.
-    pub fn locate(&self, from_source: DVec3) -> Option<Place> {
+    pub fn locate(&self, from_source: DVec3) -> Option<LightCoords> {
         let s = from_source.length();
         if !(s > 0.0 && self.range.is_none_or(|range| s <= range)) {
             return None;
         }
         let [v, w] = on_cube(self.rotation.transpose() * from_source);
         let t = self.range.map_or(0.0, |range| s / range);
-        Some(Place { t, v, w, s, direction: -from_source / s })
+        Some(LightCoords { t, v, w, s, direction: -from_source / s })
     }
 
     /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, place: &Place) -> DVec3 {
-        irradiance(&self.light_filter, DVec3::ONE, place)
+    pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
+        irradiance(&self.light_profile, DVec3::ONE, place)
     }
 }
 

@@ -3,9 +3,9 @@
 use glam::{DMat3, DVec2, DVec3};
 
 use crate::build::check_values;
-use crate::filter::{LightFilter, irradiance};
 use crate::parameters::{HEIGHT, WIDTH};
-use crate::{Light, LightError, Place};
+use crate::profile::{LightProfile, irradiance};
+use crate::{Light, LightCoords, LightError};
 
 /// A checked directional light, prepared for evaluation. It shines along its -z, through its window where it has one: a
 /// rectangle about its axis, as long as the scene.
@@ -16,9 +16,9 @@ pub struct Parallel {
     /// World axes from the light's.
     pub rotation: DMat3,
     /// Half the window's width along x and its height along y, in world units; `None` without end.
-    pub half: [Option<f64>; 2],
+    pub half_size: [Option<f64>; 2],
     /// What follows from the place.
-    pub light_filter: LightFilter,
+    pub light_profile: LightProfile,
 }
 
 impl Parallel {
@@ -29,8 +29,8 @@ impl Parallel {
         Ok(Self {
             translation: transform.translation,
             rotation: DMat3::from_quat(transform.rotation.normalize()),
-            half: [light.get(WIDTH), light.get(HEIGHT)].map(|side| side.map(|side| side / 2.0)),
-            light_filter: LightFilter::of(light, 0.0),
+            half_size: [light.get(WIDTH), light.get(HEIGHT)].map(|side| side.map(|side| side / 2.0)),
+            light_profile: LightProfile::of(light, 0.0),
         })
     }
 
@@ -40,25 +40,25 @@ impl Parallel {
     }
 
     /// How far a world position lies from the window's middle, along x and y of those sides that the window has.
-    pub fn beside(&self, position: DVec3) -> DVec2 {
+    pub fn offset_in_window(&self, position: DVec3) -> DVec2 {
         let way = position - self.translation;
         let along = |axis: DVec3, half: Option<f64>| half.map_or(0.0, |_| axis.dot(way));
-        let [width, height] = self.half;
+        let [width, height] = self.half_size;
         DVec2::new(along(self.rotation.x_axis, width), along(self.rotation.y_axis, height))
     }
 
     /// Where a world position lies; `None` outside the window. A place along the light and a path's length have no
     /// meaning: both are 0.
-    pub fn locate(&self, position: DVec3) -> Option<Place> {
-        let beside = self.beside(position);
-        let [x, y] = [0, 1].map(|k| self.half[k].map_or(0.0, |half| beside[k] / half));
+    pub fn locate(&self, position: DVec3) -> Option<LightCoords> {
+        let beside = self.offset_in_window(position);
+        let [x, y] = [0, 1].map(|k| self.half_size[k].map_or(0.0, |half| beside[k] / half));
         // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
-        let place = Place { t: 0.0, v: -x, w: y, s: 0.0, direction: self.direction() };
+        let place = LightCoords { t: 0.0, v: -x, w: y, s: 0.0, direction: self.direction() };
         (x.abs() <= 1.0 && y.abs() <= 1.0).then_some(place)
     }
 
     /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, place: &Place) -> DVec3 {
-        irradiance(&self.light_filter, DVec3::ONE, place)
+    pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
+        irradiance(&self.light_profile, DVec3::ONE, place)
     }
 }

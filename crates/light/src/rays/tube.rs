@@ -5,12 +5,12 @@ use glam::DVec3;
 use crate::arc::arc_length;
 use crate::build::{self, Placement};
 use crate::curve::Curve;
-use crate::filter::{LightFilter, irradiance};
 use crate::frame::perpendicular_up;
 use crate::lanes::{Lanes, Mask, choose_vec};
 use crate::parameters::{DIRECTION, END_MODE, FRAME};
+use crate::profile::{LightProfile, irradiance};
 use crate::solve::{Roots, increasing_roots};
-use crate::{ControlPoint, Direction, EndMode, Frame, Light, LightError, Place, Real, Segment};
+use crate::{ControlPoint, DirectionMode, EndMode, FrameMode, Light, LightCoords, LightError, Real, Segment};
 
 /// A checked BendyLight, prepared for evaluation in `F` (light model, sections 1 to 6).
 ///
@@ -28,18 +28,18 @@ pub struct Tube<F: Lanes> {
     /// Tube space in the world.
     pub placement: Placement,
     /// Orientation of the cross-section.
-    pub frame: Frame,
-    /// Unit vector that orients it where `frame` is [`Frame::Up`].
+    pub frame: FrameMode,
+    /// Unit vector that orients it where `frame` is [`FrameMode::Up`].
     pub up: F::Vec3,
     /// Direction of arrival.
-    pub direction: Direction,
+    pub direction: DirectionMode,
     /// What follows from the place. Its least distance is a millionth of the light's length.
-    pub light_filter: LightFilter,
+    pub light_profile: LightProfile,
 }
 
 /// One way to reach a point from the curve, inside the tube. Lengths in tube space.
 #[derive(Clone, Copy, Debug)]
-pub struct Root<F: Lanes> {
+pub struct TubeRoot<F: Lanes> {
     /// Index of the segment; `n` on the extension.
     pub segment: usize,
     /// Parameter in the segment.
@@ -58,7 +58,7 @@ pub struct Root<F: Lanes> {
     pub u_hat: F::Vec3,
 }
 
-impl<F: Real> Root<F> {
+impl<F: Real> TubeRoot<F> {
     /// Global parameter `segment + u`.
     pub fn t(&self) -> f64 {
         self.segment as f64 + self.u.f64()
@@ -67,7 +67,7 @@ impl<F: Real> Root<F> {
 
 /// A root that lies in the tube, before its frame is known: what a search for the nearest compares.
 #[derive(Clone, Copy, Debug)]
-pub struct Inside<F: Lanes> {
+pub struct RootInTube<F: Lanes> {
     /// Index of the segment; `n` on the extension.
     pub segment: usize,
     /// Parameter in the segment.
@@ -101,7 +101,7 @@ pub struct TubePoint {
 
 /// The answer for one world position.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Location {
+pub struct TubeLocation {
     /// The point's place, or `None` outside the light. Where distant parts of a tube overlap, the one with
     /// the smallest `|r| / R`.
     pub point: Option<TubePoint>,
@@ -120,7 +120,7 @@ impl Tube<f64> {
             frame: light.get(FRAME),
             up: build::unit_up(light),
             direction: light.get(DIRECTION),
-            light_filter: LightFilter::of(light, least_distance(&placement)),
+            light_profile: LightProfile::of(light, least_distance(&placement)),
         })
     }
 
@@ -128,9 +128,9 @@ impl Tube<f64> {
     /// all its other values again.
     pub fn with_points(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
         let (segments, placement) =
-            build::segments_through(points, light.transform(), self.up, light.get(END_MODE))?;
-        let light_filter = self.light_filter.clone().from_distance(light, least_distance(&placement));
-        Ok(Self { segments, n: points.len() - 2, placement, light_filter, ..*self })
+            build::segments_of_points(points, light.transform(), self.up, light.get(END_MODE))?;
+        let light_profile = self.light_profile.clone().with_min_distance(light, least_distance(&placement));
+        Ok(Self { segments, n: points.len() - 2, placement, light_profile, ..*self })
     }
 
     /// The largest `R kappa` of each segment, below 1.
@@ -139,14 +139,14 @@ impl Tube<f64> {
     }
 
     /// The place of a root.
-    pub fn place_at(&self, root: &Root<f64>) -> Place {
-        let TubePoint { t, v, w, direction, .. } = self.describe(root);
-        Place { t, v, w, s: self.path_length(root), direction }
+    pub fn place_at(&self, root: &TubeRoot<f64>) -> LightCoords {
+        let TubePoint { t, v, w, direction, .. } = self.tube_point(root);
+        LightCoords { t, v, w, s: self.path_length(root), direction }
     }
 
     /// Irradiance at a root on a surface square to the light, linear RGB, without visibility.
-    pub fn irradiance(&self, root: &Root<f64>) -> DVec3 {
-        irradiance(&self.light_filter, self.segments[root.segment].emission(root.u), &self.place_at(root))
+    pub fn irradiance(&self, root: &TubeRoot<f64>) -> DVec3 {
+        irradiance(&self.light_profile, self.segments[root.segment].emission(root.u), &self.place_at(root))
     }
 }
 
@@ -159,7 +159,7 @@ impl From<&Tube<f64>> for Tube<f32> {
             frame: tube.frame,
             up: tube.up.as_vec3(),
             direction: tube.direction,
-            light_filter: tube.light_filter.clone(),
+            light_profile: tube.light_profile.clone(),
         }
     }
 }
@@ -203,28 +203,28 @@ impl<F: Lanes> Tube<F> {
 
     /// The root at `u` of segment `i`, and whether it lies in the tube: `|r| <= R`.
     #[inline(always)]
-    pub fn inside_at(&self, i: usize, q: F::Vec3, u: F) -> (Inside<F>, F::Mask) {
+    pub fn inside_at(&self, i: usize, q: F::Vec3, u: F) -> (RootInTube<F>, F::Mask) {
         let curve = &self.segments[i].curve;
         let (r, radius) = (curve.offset(q, u), curve.radius(u));
         let r2 = F::dot(r, r);
         let is_inside = radius.ge(F::of(0.0)) & r2.le(radius * radius);
-        (Inside { segment: i, u, r, r2, radius }, is_inside)
+        (RootInTube { segment: i, u, r, r2, radius }, is_inside)
     }
 
     /// All that is known at a root.
     #[inline(always)]
-    pub fn root_at(&self, inside: &Inside<F>) -> Root<F> {
-        let Inside { segment, u, r, radius, .. } = *inside;
+    pub fn root_at(&self, inside: &RootInTube<F>) -> TubeRoot<F> {
+        let RootInTube { segment, u, r, radius, .. } = *inside;
         let curve = &self.segments[segment].curve;
         let u_hat = curve.u_hat(u);
         let (v_hat, w_hat) = self.cross_section(curve, u_hat);
-        Root { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat }
+        TubeRoot { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat }
     }
 
     /// `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.
     #[inline(always)]
     pub fn cross_section(&self, curve: &Curve<F>, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
-        if self.frame == Frame::RotationMinimizing {
+        if self.frame == FrameMode::RotationMinimizing {
             return curve.rotation_minimizing(u_hat);
         }
         let w_hat = perpendicular_up::<F>(self.up, u_hat);
@@ -234,24 +234,24 @@ impl<F: Lanes> Tube<F> {
     /// Unit direction in tube space from the surface to where its light comes from, in the light's mode (light
     /// model, section 3, times R).
     #[inline(always)]
-    pub fn direction_at(&self, root: &Root<F>) -> F::Vec3 {
+    pub fn direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
         self.direction_by(self.direction, root)
     }
 
     /// The same by the tangent of the path, whatever the light's mode: the way that visibility follows.
     #[inline(always)]
-    pub fn path_direction_at(&self, root: &Root<F>) -> F::Vec3 {
-        self.direction_by(Direction::Path, root)
+    pub fn path_direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
+        self.direction_by(DirectionMode::Path, root)
     }
 
     #[inline(always)]
-    fn direction_by(&self, direction: Direction, root: &Root<F>) -> F::Vec3 {
+    fn direction_by(&self, direction: DirectionMode, root: &TubeRoot<F>) -> F::Vec3 {
         let curve = &self.segments[root.segment].curve;
         let (u_hat, r, radius) = (root.u_hat, root.r, root.radius);
         let spread = r * curve.radius_derivative(root.u);
         let tangent = match direction {
-            Direction::Tube => curve.d(root.u) * (F::of(2.0) * radius) + spread,
-            Direction::Path => {
+            DirectionMode::Tube => curve.d(root.u) * (F::of(2.0) * radius) + spread,
+            DirectionMode::Path => {
                 let turn = curve.u_hat_derivative(root.u, u_hat);
                 let speed = F::of(2.0) * F::length(curve.d(root.u));
                 let along = u_hat * ((speed - F::dot(r, turn)) * radius) + spread;
@@ -264,8 +264,8 @@ impl<F: Lanes> Tube<F> {
 
     /// `tau`, the frame's rotation about the tangent per unit of u; zero for the rotation-minimising frame.
     #[inline(always)]
-    pub fn twist(&self, root: &Root<F>, u_hat_derivative: F::Vec3) -> F {
-        if self.frame == Frame::RotationMinimizing {
+    pub fn twist(&self, root: &TubeRoot<F>, u_hat_derivative: F::Vec3) -> F {
+        if self.frame == FrameMode::RotationMinimizing {
             return F::of(0.0);
         }
         let along = F::dot(self.up, root.u_hat);
@@ -275,7 +275,7 @@ impl<F: Lanes> Tube<F> {
 
     /// Length of the way to a root, `sqrt(s_c^2 + |r|^2)` in world units with `s_c` the arc length along the curve.
     #[inline(always)]
-    pub fn path_length(&self, root: &Root<F>) -> F {
+    pub fn path_length(&self, root: &TubeRoot<F>) -> F {
         let segment = &self.segments[root.segment];
         let along = segment.arc_start + arc_length(&segment.curve, root.u);
         (along * along + F::dot(root.r, root.r)).sqrt() * F::of(self.placement.world_per_tube)
@@ -285,11 +285,11 @@ impl<F: Lanes> Tube<F> {
 impl<F: Real> Tube<F> {
     /// Calls `found` with every in-tube root of the tube-space point `q`, in ascending t; one at a joint
     /// comes once.
-    pub fn for_each_root(&self, q: F::Vec3, mut found: impl FnMut(Root<F>)) {
-        self.for_each_inside(q, |inside| found(self.root_at(&inside)));
+    pub fn for_each_root(&self, q: F::Vec3, mut found: impl FnMut(TubeRoot<F>)) {
+        self.for_each_root_in_tube(q, |inside| found(self.root_at(&inside)));
     }
 
-    fn for_each_inside(&self, q: F::Vec3, mut found: impl FnMut(Inside<F>)) {
+    fn for_each_root_in_tube(&self, q: F::Vec3, mut found: impl FnMut(RootInTube<F>)) {
         let mut last: Option<(usize, F)> = None;
         let mut report = |i: usize, u: F| {
             let same = |(j, v): (usize, F)| F::of((i - j) as f64) + (u - v) < F::JOINT_MERGE;
@@ -308,13 +308,13 @@ impl<F: Real> Tube<F> {
     }
 
     /// The root that counts: the one with the smallest `|r| / R` (light model, section 5).
-    pub fn nearest_root(&self, q: F::Vec3) -> Option<Root<F>> {
+    pub fn nearest_root(&self, q: F::Vec3) -> Option<TubeRoot<F>> {
         self.nearest_inside(q).map(|inside| self.root_at(&inside))
     }
 
-    fn nearest_inside(&self, q: F::Vec3) -> Option<Inside<F>> {
-        let mut best: Option<Inside<F>> = None;
-        self.for_each_inside(q, |inside| {
+    fn nearest_inside(&self, q: F::Vec3) -> Option<RootInTube<F>> {
+        let mut best: Option<RootInTube<F>> = None;
+        self.for_each_root_in_tube(q, |inside| {
             if best.is_none_or(|best| nearer(&inside, &best)) {
                 best = Some(inside);
             }
@@ -323,15 +323,15 @@ impl<F: Real> Tube<F> {
     }
 
     /// Where a world position lies in the light.
-    pub fn locate(&self, point_in_world: DVec3) -> Location {
+    pub fn locate(&self, point_in_world: DVec3) -> TubeLocation {
         let q = F::vec(self.placement.tube_from_world(point_in_world));
         let mut roots = Vec::new();
-        self.for_each_inside(q, |root| roots.push(root.segment as f64 + root.u.f64()));
-        Location { point: self.nearest_root(q).map(|root| self.describe(&root)), roots }
+        self.for_each_root_in_tube(q, |root| roots.push(root.segment as f64 + root.u.f64()));
+        TubeLocation { point: self.nearest_root(q).map(|root| self.tube_point(&root)), roots }
     }
 
     /// A root in the terms that people and files use.
-    pub fn describe(&self, root: &Root<F>) -> TubePoint {
+    pub fn tube_point(&self, root: &TubeRoot<F>) -> TubePoint {
         let over_radius = |x: F| if root.radius > F::of(0.0) { (x / root.radius).f64() } else { 0.0 };
         TubePoint {
             segment: root.segment,
@@ -347,7 +347,7 @@ impl<F: Real> Tube<F> {
 
 /// Whether `a` has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
 #[inline(always)]
-fn nearer<F: Lanes>(a: &Inside<F>, b: &Inside<F>) -> F::Mask {
+fn nearer<F: Lanes>(a: &RootInTube<F>, b: &RootInTube<F>) -> F::Mask {
     (a.r2 * b.radius * b.radius).lt(b.r2 * a.radius * a.radius)
 }
 

@@ -6,8 +6,8 @@ use light::parameters::{
     RANGE, ROTATION, TRANSLATION, UP, WIDTH,
 };
 use light::{
-    CheckedLight, Decay, EndMode, Light, LightError, Omni, Transform, Tube, bend, bend_to, straighten,
-    with_cone,
+    CheckedLight, Decay, EndMode, Light, LightError, Omni, Transform, Tube, as_spotlight, bend,
+    bend_with_length, straighten,
 };
 
 use crate::support::profile;
@@ -21,8 +21,11 @@ fn equal_to_its_spotlight() {
         rotation: DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68),
         scale: 2.5,
     };
-    let spot =
-        Light::spot().placed(transform).with(INTENSITY, 60.0).with(CONE_ANGLE, 35.0).with(RANGE, Some(12.0));
+    let spot = Light::spot()
+        .with_transform(transform)
+        .with(INTENSITY, 60.0)
+        .with(CONE_ANGLE, 35.0)
+        .with(RANGE, Some(12.0));
     let slope = 35_f64.to_radians().tan();
     for segments in [1, 2, 3, 7] {
         let light = bend(&spot, segments).expect("valid");
@@ -36,7 +39,7 @@ fn equal_to_its_spotlight() {
             let root = tube.nearest_root(tube.placement.tube_from_world(world)).expect("inside");
             let rho = local.truncate().length() / (-local.z * slope);
             let expected =
-                60.0 * tube.light_filter.profile.at(rho * rho) / (local.length() * transform.scale).powi(2);
+                60.0 * tube.light_profile.profile.at(rho * rho) / (local.length() * transform.scale).powi(2);
             assert!((tube.irradiance(&root).x / expected - 1.0).abs() < 1e-13);
         }
         let beyond = transform.world_from_local(DVec3::new(0.0, 0.0, -4.81));
@@ -57,7 +60,7 @@ fn endless_without_range() {
         assert!((point.direction - (-q).normalize()).length() < 1e-15);
         let root = tube.nearest_root(tube.placement.tube_from_world(q)).expect("inside");
         let rho = (0.1_f64 * 0.1 + 0.2 * 0.2).sqrt() / 20_f64.to_radians().tan();
-        let expected = tube.light_filter.profile.at(rho * rho) / q.length_squared();
+        let expected = tube.light_profile.profile.at(rho * rho) / q.length_squared();
         assert!((tube.irradiance(&root).x / expected - 1.0).abs() < 1e-13);
     }
 }
@@ -81,7 +84,8 @@ fn profile_falls_from_one_to_zero() {
 fn a_cone_takes_nothing_from_what_lies_in_it() {
     let sun = Light::directional().with(INTENSITY, 3.0).with(WIDTH, Some(1.0)).with(HEIGHT, Some(0.5));
     let toward = DVec3::new(0.0, 0.0, -2.0);
-    let bent = bend_to(&with_cone(&sun, 10.0, Some(toward), 20.0).expect("valid"), 3, 20.0).expect("valid");
+    let bent = bend_with_length(&as_spotlight(&sun, 10.0, Some(toward), 20.0).expect("valid"), 3, 20.0)
+        .expect("valid");
     let tube = Tube::<f64>::new(&bent).expect("valid");
     let lit = |x: f64, y: f64| {
         let q = tube.placement.tube_from_world(DVec3::new(x, y, toward.z));
@@ -98,8 +102,8 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
 
     let bulb = Light::omni().with(INTENSITY, 9.0).with(DECAY, Decay::None);
     for toward in [DVec3::X * 4.0, DVec3::X * 1e300] {
-        let bent =
-            bend_to(&with_cone(&bulb, 45.0, Some(toward), 4.0).expect("valid"), 3, 4.0).expect("valid");
+        let bent = bend_with_length(&as_spotlight(&bulb, 45.0, Some(toward), 4.0).expect("valid"), 3, 4.0)
+            .expect("valid");
         let tube = Tube::<f64>::new(&bent).expect("valid");
         let lit = |angle: f64| {
             let point = DVec3::new(angle.to_radians().cos(), angle.to_radians().sin(), 0.0) * 3.0;
@@ -129,8 +133,8 @@ fn a_bent_omni_light_ends_where_it_ended() {
     let planar = bend(&Light::spot().with(TRANSLATION, source).with(RANGE, Some(3.0)), 3).expect("valid");
     for light in &lights {
         let omni = Omni::new(light).expect("valid");
-        let spot = with_cone(light, 40.0, Some(toward), 3.0).expect("it has one end");
-        let bent = Tube::new(&bend_to(&spot, 3, 3.0).expect("valid")).expect("valid");
+        let spot = as_spotlight(light, 40.0, Some(toward), 3.0).expect("it has one end");
+        let bent = Tube::new(&bend_with_length(&spot, 3, 3.0).expect("valid")).expect("valid");
         let at = |tube: &Tube<f64>, point: DVec3| {
             let root = tube.nearest_root(tube.placement.tube_from_world(point));
             root.map_or(DVec3::ZERO, |root| tube.irradiance(&root))
@@ -158,7 +162,7 @@ fn a_bent_omni_light_ends_where_it_ended() {
     assert!(Tube::new(&planar).expect("valid").locate(beyond).point.is_some());
     assert!(omni.locate(beyond - source).is_none());
     let fading = plain.with(CUT_OFF, Some(2.0)).with(FAR_EDGE, 0.9).with(RANGE, Some(2.5));
-    let refused = with_cone(&fading, 40.0, Some(toward), 3.0);
+    let refused = as_spotlight(&fading, 40.0, Some(toward), 3.0);
     assert_eq!(refused, Err(LightError::RangeInFarEdge { range: 2.5, cut_off: 2.0 }));
 }
 
@@ -167,13 +171,16 @@ fn straightening_takes_bending_back() {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
     let transform = Transform { translation: DVec3::new(3.0, -2.0, 5.0), rotation, scale: 2.5 };
     for (range, segments) in [(None, 1), (Some(12.0), 3), (None, 5)] {
-        let spot =
-            Light::spot().placed(transform).with(CONE_ANGLE, 10.0).with(RANGE, range).with(INTENSITY, 60.0);
-        let bent = bend_to(&spot, segments, 10.0).expect("valid");
+        let spot = Light::spot()
+            .with_transform(transform)
+            .with(CONE_ANGLE, 10.0)
+            .with(RANGE, range)
+            .with(INTENSITY, 60.0);
+        let bent = bend_with_length(&spot, segments, 10.0).expect("valid");
         assert_eq!(straighten(&bent).expect("valid"), spot);
         let last = bent.points()[segments + 1];
         let offset = DVec3::new(0.3, 0.6, 0.0);
-        let moved = bent.clone().with_points(|_, point| {
+        let moved = bent.clone().map_points(|_, point| {
             point.position += offset * (point.position.z / last.position.z).powi(2);
             point.intensity = 0.5;
         });
@@ -195,9 +202,9 @@ fn straightening_takes_bending_back() {
 }
 
 /// The spotlight that a light still is, as the renderer has it.
-fn still(light: &Light) -> Option<Light> {
+fn equivalent_spotlight(light: &Light) -> Option<Light> {
     let checked = CheckedLight::new(light.clone()).expect("valid");
-    checked.straightened().map(|spot| spot.light().clone())
+    checked.equivalent_spotlight().map(|spot| spot.light().clone())
 }
 
 /// A BendyLight whose tube is a cone is the spotlight that it was bent from, however its control points are spread, and
@@ -207,14 +214,15 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
     let transform = Transform { translation: DVec3::new(3.0, -2.0, 5.0), rotation, scale: 2.5 };
     for (range, cone_angle, segments) in [(None, 1.0, 1), (Some(12.0), 25.0, 3), (None, 60.0, 7)] {
-        let spot = Light::spot().placed(transform).with(CONE_ANGLE, cone_angle).with(RANGE, range);
-        let bent = bend_to(&spot, segments, 10.0).expect("valid");
-        assert_eq!(still(&bent).expect("straight"), spot);
-        assert_eq!(still(&spot), None, "it is no BendyLight");
-        let is_bent = |what: &str, light: Light| assert_eq!(still(&light), None, "{segments}: {what}");
+        let spot = Light::spot().with_transform(transform).with(CONE_ANGLE, cone_angle).with(RANGE, range);
+        let bent = bend_with_length(&spot, segments, 10.0).expect("valid");
+        assert_eq!(equivalent_spotlight(&bent).expect("straight"), spot);
+        assert_eq!(equivalent_spotlight(&spot), None, "it is no BendyLight");
+        let is_bent =
+            |what: &str, light: Light| assert_eq!(equivalent_spotlight(&light), None, "{segments}: {what}");
         let last = segments + 1;
         let with_last = |change: fn(&mut light::ControlPoint)| {
-            bent.clone().with_points(|k, point| {
+            bent.clone().map_points(|k, point| {
                 if k == last {
                     change(point);
                 }
@@ -226,7 +234,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
         is_bent("redder at its end", with_last(|point| point.color.y = 0.5));
         is_bent(
             "with a radius at its source",
-            bent.clone().with_points(|k, point| point.radius += f64::from(k == 0)),
+            bent.clone().map_points(|k, point| point.radius += f64::from(k == 0)),
         );
         is_bent("with the profile of another angle", bent.clone().with(CONE_ANGLE, 0.99 * cone_angle));
         is_bent("with up along it", bent.clone().with(UP, DVec3::Z));
@@ -239,10 +247,10 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
     let points = at.map(|along| axis * along).to_vec();
     let light = Light::bendy(points, at.map(|along| slope * along).to_vec())
         .with(COLOR, DVec3::new(0.5, 1.0, 2.0))
-        .with_points(|_, point| (point.color, point.intensity) = (DVec3::new(1.0, 0.5, 0.25), 3.0));
+        .map_points(|_, point| (point.color, point.intensity) = (DVec3::new(1.0, 0.5, 0.25), 3.0));
     for (end_mode, range) in [(EndMode::Cut, Some(9.0)), (EndMode::Extend, None)] {
         let light = light.clone().with(END_MODE, end_mode);
-        let spot = still(&light).expect("straight");
+        let spot = equivalent_spotlight(&light).expect("straight");
         assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (range, 3.0));
         assert_eq!(spot.get(COLOR), DVec3::splat(0.5));
         // At every point it is that light, to roundings.
@@ -260,13 +268,13 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
         }
     }
     // The planted fault: control points that turn back.
-    let turning = light.with_points(|k, point| {
+    let turning = light.map_points(|k, point| {
         if k == 2 {
             point.position *= 1.5;
             point.radius *= 1.5;
         }
     });
-    assert_eq!(CheckedLight::new(turning).ok().and_then(|light| light.straightened().cloned()), None);
+    assert_eq!(CheckedLight::new(turning).ok().and_then(|light| light.equivalent_spotlight().cloned()), None);
 }
 
 /// Prepared from what it was prepared from before, a light with other control points is what it is when all of it is prepared
@@ -278,7 +286,7 @@ fn other_control_points_are_prepared_alike() {
     for light in [decaying.clone(), decaying.with(END_MODE, EndMode::Extend)] {
         let tube = Tube::new(&light).expect("valid");
         for (index, by) in [(1, 0.1), (3, 0.4), (5, 9.0)] {
-            let moved = light.clone().with_points(|k, point| {
+            let moved = light.clone().map_points(|k, point| {
                 if k == index {
                     point.position += DVec3::new(0.2, 0.1, -1.0) * by;
                 }
@@ -288,7 +296,7 @@ fn other_control_points_are_prepared_alike() {
             assert_eq!(format!("{other:?}"), format!("{anew:?}"));
             assert_ne!(format!("{other:?}"), format!("{tube:?}"));
         }
-        let wide = light.clone().with_points(|k, point| {
+        let wide = light.clone().map_points(|k, point| {
             point.position.x += if k == 2 { 1.0 } else { 0.0 };
             point.radius = 50.0;
         });

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use light::parameters::{CONE_ANGLE, DIRECTION, FRAME, RANGE};
-use light::{Direction, Frame, Light, Tube, bend};
+use light::{DirectionMode, FrameMode, Light, Tube, bend};
 use proptest::prelude::*;
 
 use crate::lights::{bent, point_at};
@@ -16,8 +16,8 @@ proptest! {
     /// slow: 1e-6 of an angle where its speed is over a tenth.
     #[test]
     fn path_is_the_tangent((light, _) in bent(0.7), at in 0.02..0.98_f64, angle in 0.0..TAU, up in any::<bool>()) {
-        let frame = if up { Frame::Up } else { Frame::RotationMinimizing };
-        let light = light.with(DIRECTION, Direction::Path).with(FRAME, frame);
+        let frame = if up { FrameMode::Up } else { FrameMode::RotationMinimizing };
+        let light = light.with(DIRECTION, DirectionMode::Path).with(FRAME, frame);
         let tube = Tube::new(&light).expect("the same shape is valid");
         let (v, w, h) = (0.8 * angle.cos(), 0.8 * angle.sin(), 1e-6);
         let steep = tube.segments[0].curve.u_hat(at).dot(tube.up).abs() > 0.98;
@@ -35,7 +35,7 @@ proptest! {
 #[test]
 fn cone_points_at_its_apex() {
     let spot = Light::spot().with(CONE_ANGLE, 40.0).with(RANGE, Some(3.0));
-    for direction in [Direction::Tube, Direction::Path] {
+    for direction in [DirectionMode::Tube, DirectionMode::Path] {
         let light = bend(&spot, 3).expect("valid").with(DIRECTION, direction);
         let tube = Tube::new(&light).expect("valid");
         for q in [DVec3::new(0.3, -0.2, -1.0), DVec3::new(1.0, 1.0, -2.9), DVec3::new(0.0, 0.0, -0.01)] {

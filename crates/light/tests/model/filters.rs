@@ -10,8 +10,8 @@ use light::parameters::{
     RADIAL_FALLOFF, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH,
 };
 use light::{
-    CheckedLight, Cone, CrossSection, Decay, Light, LightFilter, MAX_KNOTS, PeriodicCurve, ProfileCurve,
-    Section, bend, blackbody,
+    CheckedLight, Cone, CrossSection, Decay, Light, LightProfile, MAX_KNOTS, PeriodicCurve, ProfileCurve,
+    SectionOutline, bend, blackbody,
 };
 
 const POINTS: u32 = 1000;
@@ -24,7 +24,7 @@ fn shares() -> impl Iterator<Item = f64> {
 /// The largest difference of two functions over the angle from the axis to the edge.
 fn apart(light: &Light, expected: impl Fn(f64) -> f64) -> f64 {
     let outer = light.get(CONE_ANGLE).to_radians();
-    let filter = LightFilter::of(light, 0.0);
+    let filter = LightProfile::of(light, 0.0);
     let off = |share: f64| {
         let angle = outer * share;
         let rho = angle.tan() / outer.tan();
@@ -105,18 +105,18 @@ fn no_profile_divides_by_nothing() {
     for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power] {
         for angle in [1e-100, 1e-6, 25.0, 89.9] {
             let step = Light::spot().with(CONE_ANGLE, angle).with(PROFILE, curve).with(CONE_SOFTNESS, 0.0);
-            let profile = LightFilter::of(&step, 0.0).profile;
+            let profile = LightProfile::of(&step, 0.0).profile;
             assert!(shares().all(|rho| profile.at(rho * rho) == 1.0), "{curve:?} {angle}");
-            let soft = LightFilter::of(&step.with(CONE_SOFTNESS, 1e-15), 0.0).profile;
+            let soft = LightProfile::of(&step.with(CONE_SOFTNESS, 1e-15), 0.0).profile;
             assert!(shares().all(|rho| (0.0..=1.0).contains(&soft.at(rho * rho))), "{curve:?} {angle}");
         }
     }
 }
 
-fn section(width: f64, height: f64, roundness: f64) -> Section {
+fn section(width: f64, height: f64, roundness: f64) -> SectionOutline {
     let light = Light::spot().with(CROSS_SECTION, CrossSection::Superellipse);
     let light = light.with(SECTION_WIDTH, width).with(SECTION_HEIGHT, height);
-    Section::of(&light.with(SECTION_ROUNDNESS, roundness))
+    SectionOutline::of(&light.with(SECTION_ROUNDNESS, roundness))
 }
 
 /// Points of `(|x| / a)^(2/d) + (|y| / b)^(2/d) = 1`, by its own parameter.
@@ -231,8 +231,8 @@ fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
     assert_eq!([0.0, 0.49, 0.51, 0.99].map(at), [true, true, false, false]);
 }
 
-fn filter(light: &Light) -> LightFilter {
-    LightFilter::of(light, 0.0)
+fn filter(light: &Light) -> LightProfile {
+    LightProfile::of(light, 0.0)
 }
 
 #[test]
@@ -265,9 +265,9 @@ fn light_is_cut_on_and_off() {
         x * x * (3.0 - 2.0 * x)
     };
     let light = Light::spot().with(CUT_ON, Some(3.0)).with(NEAR_EDGE, 2.0);
-    let both = filter(&light.with(CUT_OFF, Some(6.0)).with(FAR_EDGE, 1.5)).cut;
-    let hard = filter(&Light::spot().with(CUT_ON, Some(3.0)).with(CUT_OFF, Some(6.0))).cut;
-    let off_alone = filter(&Light::spot().with(CUT_OFF, Some(6.0))).cut;
+    let both = filter(&light.with(CUT_OFF, Some(6.0)).with(FAR_EDGE, 1.5)).distance_ramps;
+    let hard = filter(&Light::spot().with(CUT_ON, Some(3.0)).with(CUT_OFF, Some(6.0))).distance_ramps;
+    let off_alone = filter(&Light::spot().with(CUT_OFF, Some(6.0))).distance_ramps;
     let mut differs = 0.0_f64;
     for s in shares().map(|share| 10.0 * share) {
         let expected = smoothstep(1.0, 3.0, s) * (1.0 - smoothstep(6.0, 7.5, s));
@@ -275,7 +275,7 @@ fn light_is_cut_on_and_off() {
         differs = differs.max((both.at(s) - smoothstep(1.0, 3.0, s)).abs());
         assert_eq!(hard.at(s), if s > 3.0 && s <= 6.0 { 1.0 } else { 0.0 }, "{s}");
         assert_eq!(off_alone.at(s), if s <= 6.0 { 1.0 } else { 0.0 }, "{s}");
-        assert_eq!(filter(&Light::spot()).cut.at(s), 1.0);
+        assert_eq!(filter(&Light::spot()).distance_ramps.at(s), 1.0);
     }
     assert!(differs > 0.9);
 }
@@ -336,6 +336,6 @@ fn the_whole_light_is_one_factor() {
     assert!((filter(&warm).tint - expected * blackbody(3200.0)).length() < 1e-12);
     assert!(bent.points().iter().all(|point| (point.color, point.intensity) == (DVec3::ONE, 1.0)));
     let off = CheckedLight::new(bent.with(ENABLED, false)).expect("valid");
-    assert!(off.light_filter().is_dark() && off.light_filter().tint == DVec3::ZERO);
+    assert!(off.light_profile().is_dark() && off.light_profile().tint == DVec3::ZERO);
     assert!(!filter(&spot).is_dark());
 }

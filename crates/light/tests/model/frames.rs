@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use light::parameters::FRAME;
-use light::{Frame, Light, Tube};
+use light::{FrameMode, Light, Tube};
 use proptest::prelude::*;
 
 use crate::lights::bent;
@@ -20,7 +20,7 @@ proptest! {
             ((v_hat(at + h).0 - v_hat(at - h).0) / (2.0 * h)).dot(v_hat(at).1)
         };
         prop_assert!(turn(&tube).abs() < 1e-6);
-        let twisting = Tube::new(&light.with(FRAME, Frame::Up)).expect("the same shape is valid");
+        let twisting = Tube::new(&light.with(FRAME, FrameMode::Up)).expect("the same shape is valid");
         prop_assume!(tube.r_kappa_max()[0] > 0.05);
         // The planted fault: the comparison would see a frame that follows "up", unless the curve's plane
         // holds it.

@@ -9,7 +9,7 @@ pub fn unit_cube() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// A valid light of 1 to 6 segments that wanders along -Z, bends by `bend` and tapers freely.
+/// A valid light of 1 to 6 segments that wanders along -Z, bends by `bent` and tapers freely.
 pub fn bent(bend: f64) -> impl Strategy<Value = (Light, Tube<f64>)> {
     prop::collection::vec((unit_cube(), 0.05..0.5_f64), 3..=8).prop_filter_map("folds", move |knots| {
         let start = knots[0].0 * bend;

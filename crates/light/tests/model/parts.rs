@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{DECAY, END_MODE, FRAME, ROTATION, TRANSLATION};
-use light::{Decay, EndMode, Frame, Light, Location, Tube};
+use light::{Decay, EndMode, FrameMode, Light, Tube, TubeLocation};
 
 /// Lights `size` units long that pass the origin bent, 3 units wide there: through the middle of a segment, over a joint,
 /// over their end and past it.
@@ -18,12 +18,12 @@ fn lights(size: f64) -> Vec<Light> {
         (EndMode::Extend, 3.0),
         (EndMode::Extend, 3.25),
     ] {
-        for frame in [Frame::RotationMinimizing, Frame::Up] {
+        for frame in [FrameMode::RotationMinimizing, FrameMode::Up] {
             let mut light = Light::bendy(points.map(|point| point * size).into(), vec![3.0; 5])
                 .with(END_MODE, end_mode)
                 .with(FRAME, frame)
                 .with(DECAY, Decay::InverseSquare)
-                .with_points(|i, point| point.color = DVec3::splat([1.0, 0.5, 0.25, 2.0, 1.0][i]));
+                .map_points(|i, point| point.color = DVec3::splat([1.0, 0.5, 0.25, 2.0, 1.0][i]));
             light.set(ROTATION.to(DQuat::from_xyzw(0.1, -0.5, 0.3, 0.8).normalize()));
             let tube = Tube::new(&light).expect("a light");
             let i = (t as usize).min(tube.segments.len() - 1);
@@ -41,20 +41,20 @@ fn scene() -> Vec<DVec3> {
 }
 
 /// Units of the world between where two locations of a point have it along the light; nothing where one is outside.
-fn apart(tube: &Tube<f64>, a: &Location, b: &Location) -> Option<f64> {
+fn world_distance(tube: &Tube<f64>, a: &TubeLocation, b: &TubeLocation) -> Option<f64> {
     let (a, b) = (a.point.as_ref()?, b.point.as_ref()?);
     let speed = 2.0 * tube.segments[b.segment].curve.d(b.u).length() * tube.placement.world_per_tube;
     let across = DVec3::new(a.v - b.v, a.w - b.w, 0.0).length() * b.radius;
     Some(((a.t - b.t) * speed).abs().max(across))
 }
 
-fn worst(tube: &Tube<f64>, points: &[DVec3], locate: impl Fn(DVec3) -> Location) -> f64 {
+fn max_world_distance(tube: &Tube<f64>, points: &[DVec3], locate: impl Fn(DVec3) -> TubeLocation) -> f64 {
     let mut worst = 0.0_f64;
     let mut inside = 0;
     for &point in points {
         let (found, exact) = (locate(point), tube.locate(point));
         assert_eq!(found.roots.len(), exact.roots.len(), "{point}: {found:?} {exact:?}");
-        if let Some(apart) = apart(tube, &found, &exact) {
+        if let Some(apart) = world_distance(tube, &found, &exact) {
             worst = worst.max(apart);
             inside += 1;
         }
@@ -76,7 +76,8 @@ fn a_part_is_the_light_there() {
                 part.t_span,
                 part.tube.n
             );
-            let off = worst(&tube, &scene(), |point| part.in_whole(&part.tube.locate(point)));
+            let off =
+                max_world_distance(&tube, &scene(), |point| part.to_whole_light(&part.tube.locate(point)));
             assert!(off <= 1e-13 * size, "{size:e}: {off:e}");
             for point in scene() {
                 let irradiance = |tube: &Tube<f64>| {
@@ -108,11 +109,13 @@ fn f32_holds_a_small_scene() {
             let points = scene();
             let part = tube.part_near_points(&points);
             let part_f32 = Tube::<f32>::from(&part.tube);
-            after = after.max(worst(&tube, &points, |point| part.in_whole(&part_f32.locate(point))));
+            after = after.max(max_world_distance(&tube, &points, |point| {
+                part.to_whole_light(&part_f32.locate(point))
+            }));
             // The planted fault: the light as a whole.
             for &point in &points {
                 let (found, exact) = (whole.locate(point), tube.locate(point));
-                before = before.max(apart(&tube, &found, &exact).unwrap_or(0.0));
+                before = before.max(world_distance(&tube, &found, &exact).unwrap_or(0.0));
             }
         }
         println!(

@@ -2,14 +2,14 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY, HEIGHT, RANGE, ROTATION, TRANSLATION, WIDTH};
-use light::{Cone, Decay, Light, Omni, Parallel, Place, Transform, Tube, bend};
+use light::{Cone, Decay, Light, LightCoords, Omni, Parallel, Transform, Tube, bend};
 
 use crate::support::profile;
 
 fn spot(cone_angle: f64) -> Light {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68);
     let transform = Transform { translation: DVec3::new(3.0, -2.0, 5.0), rotation, scale: 2.5 };
-    let spot = Light::spot().placed(transform).with(CONE_ANGLE, cone_angle);
+    let spot = Light::spot().with_transform(transform).with(CONE_ANGLE, cone_angle);
     spot.with(RANGE, Some(12.0)).with(DECAY, Decay::InverseSquare)
 }
 
@@ -28,11 +28,11 @@ fn a_cone_and_its_tube_give_the_same_place() {
             let world = spot.transform().translation + from_source;
             let root = tube.nearest_root(tube.placement.tube_from_world(world)).expect("inside");
             let bent = tube.place_at(&root);
-            let apart = |a: &Place, b: &Place| {
+            let apart = |a: &LightCoords, b: &LightCoords| {
                 let across = (a.v - b.v).abs() + (a.w - b.w).abs();
                 across * tan_outer + (a.t - b.t).abs() + (a.s - b.s).abs() + a.direction.distance(b.direction)
             };
-            let bent_as_share = Place { t: bent.t / 3.0, ..bent };
+            let bent_as_share = LightCoords { t: bent.t / 3.0, ..bent };
             assert!(apart(&straight, &bent_as_share) < 1e-13, "{cone_angle}: {straight:?} {bent:?}");
             assert!(((straight.v + v).abs() + (straight.w - w).abs()) * tan_outer < 1e-13, "{straight:?}");
             // The planted fault: t not as a share.
@@ -48,7 +48,8 @@ fn a_cone_and_its_tube_give_the_same_place() {
 fn an_omni_lights_faces_are_spotlights_of_45_degrees() {
     use std::f64::consts::{FRAC_PI_2, PI};
     let placed = spot(45.0);
-    let omni = Omni::new(&Light::omni().placed(placed.transform()).with(RANGE, Some(8.0))).expect("valid");
+    let omni =
+        Omni::new(&Light::omni().with_transform(placed.transform()).with(RANGE, Some(8.0))).expect("valid");
     let looks = [
         DQuat::IDENTITY,
         DQuat::from_rotation_y(FRAC_PI_2),

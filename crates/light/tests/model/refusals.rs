@@ -8,8 +8,8 @@ use light::parameters::{
     TRANSLATION, UP,
 };
 use light::{
-    CheckedLight, ControlPoint, Kind, Light, LightError, LightWarning, Links, MAX_KNOTS, MAX_LINK_BYTES,
-    MAX_LINKS, Owner, PeriodicCurve, Tube, Value, bend,
+    CheckedLight, ControlPoint, Light, LightError, LightWarning, Links, MAX_KNOTS, MAX_LINK_BYTES, MAX_LINKS,
+    ParameterKind, ParameterOwner, PeriodicCurve, Tube, Value, bend,
 };
 
 fn along_z(n: usize) -> Light {
@@ -27,7 +27,7 @@ fn refusal(change: impl FnOnce(&mut Light)) -> LightError {
 }
 
 #[test]
-fn shapes_that_cannot_be() {
+fn invalid_shapes_are_refused() {
     assert_eq!(Tube::new(&along_z(2)).expect_err("refused"), LightError::TooFewPoints(2));
     assert!(matches!(Tube::new(&along_z(300)), Err(LightError::TooManyPoints { count: 300, .. })));
     assert_eq!(refusal(|l| points(l)[1].radius = -0.1), LightError::Radius { index: 1, value: -0.1 });
@@ -71,7 +71,7 @@ fn folds_are_refused_at_one() {
 }
 
 #[test]
-fn spotlights() {
+fn invalid_spotlights_are_refused() {
     let spot = |change: fn(&mut Light)| {
         let mut spot = Light::spot();
         change(&mut spot);
@@ -103,7 +103,7 @@ fn links_have_limits() {
     );
     let mut text = Light::spot();
     text.set(light::Setting { parameter: LIGHT_LINK.row(), value: Value::Text("vase".into()) });
-    assert!(matches!(CheckedLight::new(text), Err(LightError::OtherType { field: "lightLink", .. })));
+    assert!(matches!(CheckedLight::new(text), Err(LightError::WrongType { field: "lightLink", .. })));
 }
 
 /// Rules: CURVE-1
@@ -187,16 +187,17 @@ fn every_row_refuses_what_lies_outside_its_range() {
     assert!(
         sentence(turned).starts_with("`transform.rotation` has length 0, but it must be a unit quaternion")
     );
-    for row in [Owner::Spot, Owner::Bendy, Owner::Omni, Owner::Directional]
-        .into_iter()
-        .flat_map(light::parameters_of)
+    for row in
+        [ParameterOwner::Spot, ParameterOwner::Bendy, ParameterOwner::Omni, ParameterOwner::Directional]
+            .into_iter()
+            .flat_map(light::parameters_of)
     {
         assert!(!row.label.is_empty() && row.doc.ends_with('.') && !row.group.is_empty(), "{row:?}");
-        for of in row.of {
+        for of in row.owners {
             let default = row.default(of.owner).expect("a light's parameter has a default");
             assert_eq!(row.check(&default), Ok(()), "{}", row.name);
         }
-        let Kind::Number(number) = row.kind else { continue };
+        let ParameterKind::Number(number) = row.kind else { continue };
         for (bound, beyond) in [(number.min, -1e-9), (number.max, 1e-9)] {
             let (Bound::Included(end) | Bound::Excluded(end)) = bound else { continue };
             let past = end + beyond * end.abs().max(1.0);

@@ -18,7 +18,7 @@ proptest! {
         let q = point_at(&tube, t, angle.cos(), angle.sin());
         let all = slabs(&tube, tube.n as f64, 0.0);
         let slab = all.iter().rev().find(|s| s.t_start <= t).expect("slabs start at 0");
-        let c = &slab.piece;
+        let c = &slab.slab_curve;
         prop_assert!((q - c.b0).dot(c.d0) > -1e-12 && (c.b2 - q).dot(c.d1) > -1e-12);
         let p = q - c.bounds.center;
         prop_assert!((0..3).all(|k| p.dot(c.bounds.axes[k]).abs() < c.bounds.half[k] + 1e-12));
@@ -42,7 +42,7 @@ fn no_overlap_past_coincident_points() {
     let points = [0.0, -1.0, -1.0, -2.0].map(|z| DVec3::new(0.0, 0.0, z)).to_vec();
     let tube = Tube::new(&Light::bendy(points, vec![0.1; 4])).expect("valid");
     for slab in slabs(&tube, 2.0, 1e-3) {
-        let c = &slab.piece;
+        let c = &slab.slab_curve;
         assert!(c.d0.z <= 0.0 && c.d1.z <= 0.0, "from t = {} on it runs back", slab.t_start);
     }
 }

@@ -17,7 +17,7 @@ fn joints_count_once() {
 /// At a cone's apex the radius is zero: the apex is inside with v = w = 0, its neighbours behind and beside
 /// are not.
 #[test]
-fn apex() {
+fn the_apex_lies_in_the_light() {
     let points = (0..3).map(|i| DVec3::new(0.0, 0.0, -f64::from(i))).collect();
     let tube = Tube::new(&Light::bendy(points, vec![0.0, 0.5, 1.0])).expect("valid");
     let apex = tube.locate(DVec3::ZERO).point.expect("the source lies in its light");

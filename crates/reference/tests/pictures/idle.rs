@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{CUT_OFF, CUT_ON, NAME, parameters_of};
-use light::{Kind, Light, Links, Parameter, Setting, Value};
+use light::{Light, Links, Parameter, ParameterKind, Setting, Value};
 use scene::{Aov, Scene};
 
 use crate::support::{floor, render, scene_of, sphere, spot, view};
@@ -22,20 +22,20 @@ fn lights() -> [Light; 4] {
     let (source, target) = (DVec3::new(1.0, 3.0, 0.5), DVec3::Y);
     let spot = spot(source, target);
     let bent = light::bend(&spot, 3).expect("bent");
-    let placed = |light: Light| light.placed(spot.transform());
+    let placed = |light: Light| light.with_transform(spot.transform());
     [placed(Light::omni()), placed(Light::directional()), spot.clone(), bent]
 }
 
 /// A value that is not the row's default.
 fn another(row: &Parameter) -> Value {
     match row.kind {
-        Kind::Number(number) => Value::Number(match number.unit {
+        ParameterKind::Number(number) => Value::Number(match number.unit {
             "K" => 2000.0,
             "world units" => 2.5,
             _ => 0.6,
         }),
-        Kind::Color => Value::Vector(DVec3::splat(0.5)),
-        Kind::Links => Value::Links(Links::new(Vec::new(), vec!["ball".into()]).expect("few")),
+        ParameterKind::Color => Value::Vector(DVec3::splat(0.5)),
+        ParameterKind::Links => Value::Links(Links::new(Vec::new(), vec!["ball".into()]).expect("few")),
         _ => panic!("{row:?}: say what else it can be"),
     }
 }
@@ -43,11 +43,11 @@ fn another(row: &Parameter) -> Value {
 /// Values of the parameter that another hangs on.
 fn all_of(row: &Parameter) -> Vec<Value> {
     match row.kind {
-        Kind::Flag => vec![Value::Flag(false), Value::Flag(true)],
-        Kind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
+        ParameterKind::Flag => vec![Value::Flag(false), Value::Flag(true)],
+        ParameterKind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
         // Within the way of the light to the floor.
-        Kind::Number(_) if row.name == CUT_ON.name => vec![Value::Absent, Value::Number(3.2)],
-        Kind::Number(_) if row.name == CUT_OFF.name => vec![Value::Absent, Value::Number(1.8)],
+        ParameterKind::Number(_) if row.name == CUT_ON.name => vec![Value::Absent, Value::Number(3.2)],
+        ParameterKind::Number(_) if row.name == CUT_OFF.name => vec![Value::Absent, Value::Number(1.8)],
         _ => panic!("{row:?}: say what it can be"),
     }
 }
@@ -86,9 +86,11 @@ fn what_needs_another_has_an_effect_with_it_and_none_without() {
 #[test]
 fn what_is_idle_of_an_owner_has_no_effect_there() {
     for light in lights() {
-        for row in parameters_of(light.owner()).iter().copied().filter(|row| row.is_idle_of(light.owner())) {
+        for row in
+            parameters_of(light.owner()).iter().copied().filter(|row| row.has_no_effect_on(light.owner()))
+        {
             assert!(!has_effect(&light, row), "{row:?} of {:?}", light.owner());
         }
-        assert!(!NAME.is_idle_of(light.owner()), "no picture shows a name of anything");
+        assert!(!NAME.has_no_effect_on(light.owner()), "no picture shows a name of anything");
     }
 }

@@ -10,7 +10,7 @@ use light::parameters::{
 };
 use light::{Light, LightId, Links};
 use raycast::Bvh;
-use reference::{Caster, DisabledBy, LightProbe, LightState, Probe, Reference, ReferenceError};
+use reference::{DisabledBy, LightProbe, LightState, Probe, ProbedCaster, Reference, ReferenceError};
 use scene::{Aov, Image, Sampler, Scene, TextureRef, View, Wrap};
 
 use crate::support::{floor, instances, looking, render, scene_of, sphere, spot, view};
@@ -26,7 +26,7 @@ fn ball_over_floor() -> Scene {
 }
 
 fn for_points(scene: &Scene) -> Reference {
-    Reference::for_points(Arc::new(Bvh::new(scene::pose(scene.clone()))))
+    Reference::for_point_queries(Arc::new(Bvh::new(scene::pose(scene.clone()))))
 }
 
 /// What the middle of a picture shows: the middle of the floor, under the ball.
@@ -65,7 +65,7 @@ fn from_above() -> [Light; 4] {
 fn each_state_has_its_cause_and_goes_with_it() {
     for shadowed in from_above() {
         // The ball's top is what light meets first; the facets' pole lies there exactly.
-        let LightState::Shadowed(Caster { node, position }) = under_the_ball(&shadowed).state else {
+        let LightState::Shadowed(ProbedCaster { node, position }) = under_the_ball(&shadowed).state else {
             panic!("{shadowed:?}")
         };
         assert!(node == 1 && position.distance(DVec3::Y * 1.4) < 1e-9, "{position}");
@@ -128,7 +128,7 @@ fn a_straight_light_has_the_closed_form() {
         let place = light.place.expect("inside");
         assert_eq!(light.state, LightState::Lit);
         assert!(near(place.path_length.expect("from somewhere"), way.length()), "{index}: {place:?}");
-        assert!(place.place.direction.distance(way.normalize()) < 1e-12, "{index}");
+        assert!(place.coords.direction.distance(way.normalize()) < 1e-12, "{index}");
         let [first, .., last] = light.path[..] else { panic!("a line") };
         assert!(first.distance(source) < 1e-12 && last.distance(point) < 1e-12, "{index}: {:?}", light.path);
         // All in between lies on the line.
@@ -138,7 +138,7 @@ fn a_straight_light_has_the_closed_form() {
             Some(found) => {
                 assert!(near(found, radius), "{index}: {found} {radius}");
                 let across = (-way - axis * depth).length() / radius;
-                assert!(near(libm::hypot(place.place.v, place.place.w), across), "{index}");
+                assert!(near(libm::hypot(place.coords.v, place.coords.w), across), "{index}");
             }
             None => assert_eq!(index, 2, "only an omni light has none"),
         }
@@ -164,11 +164,12 @@ fn the_way_of_a_bent_light_is_drawn_and_measured() {
     let probe = under_the_ball(&light);
     let tube = light::Tube::<f64>::new(&light).expect("a tube");
     let place = probe.place.expect("inside");
-    let (t, v, w) = (place.place.t, place.place.v, place.place.w);
+    let (t, v, w) = (place.coords.t, place.coords.v, place.coords.w);
     let found = tube.locate(DVec3::ZERO).point.expect("inside");
     assert!((found.t - t).abs() < 1e-12 && (found.radius - place.radius.expect("a tube")).abs() < 1e-12);
     let path = raycast::BentPath::new(&tube, v, w, DVec3::ZERO);
-    let at = |t: f64| path.at((t as usize).min(tube.n - 1), t - ((t as usize).min(tube.n - 1)) as f64);
+    let at =
+        |t: f64| path.position_at((t as usize).min(tube.n - 1), t - ((t as usize).min(tube.n - 1)) as f64);
     let walked: f64 = {
         let steps = 100_000;
         let place = |k: i32| at(t * f64::from(k) / f64::from(steps));
@@ -192,7 +193,9 @@ fn the_way_of_a_bent_light_is_drawn_and_measured() {
     }
     // The floor is flat, so what shadows it lies on the way itself.
     match probe.state {
-        LightState::Shadowed(Caster { node: 1, position }) => assert!(off_path(position) < length / 4096.0),
+        LightState::Shadowed(ProbedCaster { node: 1, position }) => {
+            assert!(off_path(position) < length / 4096.0);
+        }
         state => panic!("{state:?}"),
     }
     // The planted faults: the straight line is not the way, nor is it as long.
@@ -222,7 +225,7 @@ fn textured() -> Scene {
 fn the_parts_add_up_to_the_picture() {
     let scene = textured();
     let [bent, lamp, omni, sun] = from_above();
-    let bent = bent.with_points(|i, point| point.position.x += if i == 3 { 0.3 } else { 0.0 });
+    let bent = bent.map_points(|i, point| point.position.x += if i == 3 { 0.3 } else { 0.0 });
     let lights = [
         bent.with(SHADOW_COLOR, DVec3::new(0.2, 0.0, 0.1)),
         lamp.with(LIGHT_LINK, Links::new(vec!["floor".into()], Vec::new())),

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, RANGE};
 use light::{Light, LightInstance, Transform};
-use reference::{Picture, Reference};
+use reference::{Reference, ReferencePicture};
 use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 /// A square from -1 to 1 in the plane y = 0 that faces up.
@@ -71,7 +71,7 @@ pub fn view(eye: DVec3, target: DVec3, aov: Aov) -> View {
 
 pub fn spot(source: DVec3, target: DVec3) -> Light {
     let transform = Transform { translation: source, rotation: looking(source, target), scale: 1.0 };
-    Light::spot().placed(transform).with(INTENSITY, 10.0).with(RANGE, Some(6.0))
+    Light::spot().with_transform(transform).with(INTENSITY, 10.0).with(RANGE, Some(6.0))
 }
 
 /// The lights as the reference takes them: checked, and numbered from 0.
@@ -79,7 +79,7 @@ pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
     LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
-pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
+pub fn render(scene: &Scene, view: &View, lights: &[Light]) -> ReferencePicture {
     let frame = Reference::new(scene::pose(scene.clone()))
         .render(view, &instances(lights), || {})
         .expect("test pictures can be made");

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 use light::parameters::DIRECTION;
 use light::{CheckedLight, Light};
-use reference::{LightSample, Reference, Source, Surface};
+use reference::{LightSample, Reference, ReferenceLight, ShadedPoint};
 use scene::{Aov, Primitive, Scene, View};
 
 use crate::support::{floor, scene_of, sphere, spot, view};
@@ -24,13 +24,13 @@ fn front(target: DVec3) -> View {
 
 /// The same light of both kinds.
 fn kinds() -> [CheckedLight; 2] {
-    let bent = light::bend(&key(), 3).unwrap().with(DIRECTION, light::Direction::Path);
+    let bent = light::bend(&key(), 3).unwrap().with(DIRECTION, light::DirectionMode::Path);
     [key(), bent].map(|light| CheckedLight::new(light).expect("a light"))
 }
 
 /// Every point that the view sees in the light.
-fn seen(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(Surface, LightSample)> {
-    let (reference, source) = (Reference::new(scene::pose(scene.clone())), Source::new(kind));
+fn samples_in_view(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(ShadedPoint, LightSample)> {
+    let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(kind));
     let centre = |k: u32| DVec2::new(f64::from(k % view.width) + 0.5, f64::from(k / view.width) + 0.5);
     (0..view.width * view.height)
         .filter_map(|k| {
@@ -46,17 +46,18 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
     for facets in [6, 12, 24] {
         let scene = scene_of([(sphere(facets), DAffine3::IDENTITY)]);
         for kind in kinds() {
-            let seen = seen(&scene, &front(DVec3::ZERO), &kind);
-            let facing = |surface: &Surface, light: &LightSample| surface.normal.dot(light.along_path);
-            let wrong = seen.iter().filter(|(s, light)| light.visible != (facing(s, light) > 0.0)).count();
+            let seen = samples_in_view(&scene, &front(DVec3::ZERO), &kind);
+            let facing = |surface: &ShadedPoint, light: &LightSample| surface.normal.dot(light.along_path);
+            let wrong = seen.iter().filter(|(s, light)| light.is_visible != (facing(s, light) > 0.0)).count();
             assert!(seen.len() > 2000);
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
             // The planted fault, and how it was: facets that face away are dark, and shadow those behind them.
-            let (reference, source) = (Reference::new(scene::pose(scene.clone())), Source::new(&kind));
+            let (reference, source) =
+                (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
             let flat = seen.iter().filter(|(surface, light)| {
                 let mut flat = *surface;
                 flat.seen.terminator_offset = 0.0;
-                reference.sample(&source, &flat).unwrap().visible != (facing(surface, light) > 0.0)
+                reference.sample(&source, &flat).unwrap().is_visible != (facing(surface, light) > 0.0)
             });
             let flat = flat.count();
             assert!(flat > 400 / facets as usize, "{facets} facets: {flat}");
@@ -80,10 +81,11 @@ fn light_from_behind_stays_there() {
     let behind = spot(DVec3::new(0.0, 3.0, -0.8), DVec3::ZERO);
     for light in [light::bend(&behind, 3).unwrap(), behind] {
         let light = CheckedLight::new(light).expect("a light");
-        let seen = seen(&scene, &front(DVec3::ZERO), &light);
-        let faced = |(surface, light): &&(Surface, LightSample)| surface.normal.dot(light.along_path) > 0.05;
+        let seen = samples_in_view(&scene, &front(DVec3::ZERO), &light);
+        let faced =
+            |(surface, light): &&(ShadedPoint, LightSample)| surface.normal.dot(light.along_path) > 0.05;
         assert!(seen.iter().filter(faced).count() > 1000);
-        assert_eq!(seen.iter().filter(|(_, light)| light.visible).count(), 0);
+        assert_eq!(seen.iter().filter(|(_, light)| light.is_visible).count(), 0);
     }
 }
 
@@ -95,16 +97,16 @@ fn shadows_stay_attached() {
     let scene = scene_of([(sphere(12), DAffine3::IDENTITY), (post.0, stands)]);
     for kind in kinds() {
         let view = view(DVec3::new(-0.6, 4.0, 0.4), DVec3::Y, Aov::Visibility);
-        let seen = seen(&scene, &View { width: 144, height: 96, ..view }, &kind);
+        let seen = samples_in_view(&scene, &View { width: 144, height: 96, ..view }, &kind);
         let ball = || seen.iter().filter(|(surface, _)| surface.node == 0);
         let largest = ball().map(|(surface, _)| surface.terminator_offset).fold(0.0, f64::max);
         assert!(largest > 0.01 && largest < 0.035, "{largest}");
         // Behind the post, from the light: it stands in the plane x = 0.
         let beside = |low: f64, high: f64| {
-            let within = move |(surface, _): &&(Surface, LightSample)| {
+            let within = move |(surface, _): &&(ShadedPoint, LightSample)| {
                 surface.position.z.abs() < 0.3 && (low..high).contains(&-surface.position.x)
             };
-            let lit = ball().filter(within).filter(|(_, light)| light.visible).count();
+            let lit = ball().filter(within).filter(|(_, light)| light.is_visible).count();
             (lit, ball().filter(within).count())
         };
         let (lit, count) = beside(3.0 * largest, 0.2);

@@ -2,10 +2,15 @@
 
 use glam::{Vec2, Vec3};
 
-use super::{AlphaTest, AlphaTests, Wrap};
+use super::{AlphaTest, AlphaTests, TexelWrap};
 
-const TEST: AlphaTest =
-    AlphaTest { width: 4, height: 4, wrap_u: Wrap::Edge, wrap_v: Wrap::Edge, ..AlphaTest::OF_ONE_TEXEL };
+const TEST: AlphaTest = AlphaTest {
+    width: 4,
+    height: 4,
+    wrap_u: TexelWrap::ClampToEdge,
+    wrap_v: TexelWrap::ClampToEdge,
+    ..AlphaTest::OF_ONE_TEXEL
+};
 /// Alpha grows along u and v, by 10 and 40 a texel.
 const RAMP: [u8; 16] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150];
 /// Sums of four products in f32, each rounded a few times, and uv with a rounding of up to 8 texels.
@@ -32,24 +37,25 @@ fn beyond_its_edges_a_picture_goes_on_as_its_wrap_says() {
     for step in -40..40 {
         let u = step as f32 * 0.0625 + 0.03125;
         let close = |a: f32, b: f32| assert!((a - b).abs() < 255.0 * TOLERANCE, "{a} and {b} at {u}");
-        let repeat = with(Wrap::Repeat);
+        let repeat = with(TexelWrap::Repeat);
         close(at(&repeat, &RAMP, u, 0.4), at(&repeat, &RAMP, u + 1.0, 0.4));
         close(at(&repeat, &RAMP, 0.4, u), at(&repeat, &RAMP, 0.4, u - 3.0));
-        let mirror = with(Wrap::Mirror);
+        let mirror = with(TexelWrap::MirroredRepeat);
         close(at(&mirror, &RAMP, u, 0.4), at(&mirror, &RAMP, -u, 0.4));
         close(at(&mirror, &RAMP, 0.4, u), at(&mirror, &RAMP, 0.4, 2.0 - u));
-        let edge = with(Wrap::Edge);
+        let edge = with(TexelWrap::ClampToEdge);
         close(at(&edge, &RAMP, u, 0.4), at(&edge, &RAMP, u.clamp(0.0, 1.0), 0.4));
         close(at(&edge, &RAMP, 0.4, u), at(&edge, &RAMP, 0.4, u.clamp(0.0, 1.0)));
     }
     // Where a picture begins again, its last texel is next to its first: half of each.
-    assert!((at(&with(Wrap::Repeat), &RAMP, 0.0, 0.125) - 15.0).abs() < 255.0 * TOLERANCE);
-    assert!((at(&with(Wrap::Mirror), &RAMP, 0.0, 0.125) - 0.0).abs() < 255.0 * TOLERANCE);
+    assert!((at(&with(TexelWrap::Repeat), &RAMP, 0.0, 0.125) - 15.0).abs() < 255.0 * TOLERANCE);
+    assert!((at(&with(TexelWrap::MirroredRepeat), &RAMP, 0.0, 0.125) - 0.0).abs() < 255.0 * TOLERANCE);
 }
 
 #[test]
 fn texels_are_blended_unless_they_are_not() {
-    let nearest = AlphaTest { nearest: true, wrap_u: Wrap::Repeat, wrap_v: Wrap::Mirror, ..TEST };
+    let nearest =
+        AlphaTest { nearest: true, wrap_u: TexelWrap::Repeat, wrap_v: TexelWrap::MirroredRepeat, ..TEST };
     for (u, v, expected) in [(0.24, 0.0, 0.0), (0.26, 0.0, 10.0), (-0.01, 0.3, 70.0), (1.3, -0.3, 50.0)] {
         assert!((at(&nearest, &RAMP, u, v) - expected).abs() < 255.0 * TOLERANCE, "{u}, {v}");
     }

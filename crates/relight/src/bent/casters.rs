@@ -2,12 +2,12 @@
 
 use glam::{Mat3, Vec3};
 
-use super::slab::{Slab, TubeSpace};
-use crate::{AlphaTests, Scene};
+use super::slab::{MapSlab, TubeSpace};
+use crate::{AlphaTests, CasterScene};
 
 /// What throws shadows in a light, near it.
 #[derive(Clone, Copy, Debug)]
-pub struct Casters<'a> {
+pub struct BentCasters<'a> {
     /// Scene space, in blocks of 64.
     pub positions: &'a [[f32; 3]],
     /// Three a triangle; those without an alpha test come first.
@@ -22,7 +22,7 @@ pub struct Casters<'a> {
     /// The tests of the triangles that have one, counted from the first of those.
     pub alpha_tests: AlphaTests<'a>,
     /// Whose triangles those are.
-    pub scene: &'a Scene<'a>,
+    pub scene: &'a CasterScene<'a>,
 }
 
 /// A map to be drawn.
@@ -31,7 +31,7 @@ pub struct BentMap<'a> {
     /// Where the light lies.
     pub space: TubeSpace,
     /// In ascending t.
-    pub slabs: &'a [Slab],
+    pub slabs: &'a [MapSlab],
     /// Least and greatest corner of a box around all slabs, in tube space.
     pub bounds: [Vec3; 2],
     /// One a face.
@@ -50,9 +50,9 @@ pub struct BentFace {
     /// Clip coordinates (x, y, w) from (V, W, R).
     pub clip_from_mapped: Mat3,
     /// y / depth of a row of texels: the first plus the second for each; on the front 1.
-    pub row: [f32; 2],
+    pub row_divisor: [f32; 2],
     /// What is stored of t.
     pub depth_per_t: f32,
     /// Whether anything may cast shadows on it.
-    pub casts: bool,
+    pub has_casters: bool,
 }

@@ -4,7 +4,7 @@
 use light::{Curve, Lanes, Mask};
 
 use super::casters::{BentFace, BentMap};
-use super::slab::Mapped;
+use super::slab::TubePosition;
 
 /// Surfaces without an alpha test. Of a closed one light meets only the side that faces it.
 pub(super) const OPEN: u32 = u32::MAX;
@@ -21,13 +21,13 @@ const POSITION_ROUNDING: f64 = 1.0 / 4_194_304.0;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge<F: Lanes> {
     pub qa: F::Vec3,
-    pub a: Mapped<F>,
+    pub a: TubePosition<F>,
     pub qb: F::Vec3,
-    pub b: Mapped<F>,
+    pub b: TubePosition<F>,
 }
 
 impl<F: Lanes> Edge<F> {
-    /// Whether no bend of its slab shows in it: it is short, or lies nearly square to the light. `bounds` are the slab's.
+    /// Whether no bend of its slab shows in it: it is short, or lies nearly square to the light. `reach` are the slab's.
     #[inline(always)]
     pub fn is_safe(&self, bounds: [F; 4]) -> F::Mask {
         let dt = (self.b.t - self.a.t).abs();
@@ -50,7 +50,7 @@ fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
 /// Whether light meets the triangle from within what it is of: something else of that lies before it then. Not where moving
 /// its corners might turn it round. `turned` is 1 of what is inside out, -1 of others.
 #[inline(always)]
-pub(super) fn faces_away<F: Lanes>(map: &BentMap, [a, b, c]: [&Mapped<F>; 3], turned: F) -> F::Mask {
+pub(super) fn faces_away<F: Lanes>(map: &BentMap, [a, b, c]: [&TubePosition<F>; 3], turned: F) -> F::Mask {
     let has_width = a.r.least(b.r.least(c.r)).gt(F::of(0.0));
     let (v, w) = (a.v / a.r, a.w / a.r);
     let ab = [b.v / b.r - v, b.w / b.r - w];
@@ -70,7 +70,7 @@ fn length2<F: Lanes>([x, y]: [F; 2]) -> F {
 /// from the straight edges, as a length in tube space. Between its edges a triangle strays by at most 4/3 of what the middles
 /// of its edges do, were it quadratic: twice leaves room for more.
 #[inline(always)]
-pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&Mapped<F>; 3], bow: F) -> F::Mask {
+pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&TubePosition<F>; 3], bow: F) -> F::Mask {
     let mut off = F::Mask::of(true);
     for face in map.faces {
         off = off & off_face(face, corners, F::of(2.0) * bow);
@@ -79,23 +79,34 @@ pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&Mapped<F>; 3], bow: F)
 }
 
 #[inline(always)]
-fn off_face<F: Lanes>(face: &BentFace, [a, b, c]: [&Mapped<F>; 3], bow: F) -> F::Mask {
+fn off_face<F: Lanes>(face: &BentFace, [a, b, c]: [&TubePosition<F>; 3], bow: F) -> F::Mask {
     let m = &face.clip_from_mapped;
     let rows = [m.row(0), m.row(1), m.row(2)];
     let [margin_x, margin_y, margin_z] = [across(rows[0], bow), across(rows[1], bow), across(rows[2], bow)];
-    let (outer_a, outer_b, outer_c) =
-        (on(rows[2], a) + margin_z, on(rows[2], b) + margin_z, on(rows[2], c) + margin_z);
+    let (outer_a, outer_b, outer_c) = (
+        clip_coordinate(rows[2], a) + margin_z,
+        clip_coordinate(rows[2], b) + margin_z,
+        clip_coordinate(rows[2], c) + margin_z,
+    );
     let zero = F::of(0.0);
     let behind = outer_a.lt(zero) & outer_b.lt(zero) & outer_c.lt(zero);
     let outer = [outer_a, outer_b, outer_c];
     behind
-        | beyond([on(rows[0], a), on(rows[0], b), on(rows[0], c)], outer, margin_x)
-        | beyond([on(rows[1], a), on(rows[1], b), on(rows[1], c)], outer, margin_y)
+        | beyond(
+            [clip_coordinate(rows[0], a), clip_coordinate(rows[0], b), clip_coordinate(rows[0], c)],
+            outer,
+            margin_x,
+        )
+        | beyond(
+            [clip_coordinate(rows[1], a), clip_coordinate(rows[1], b), clip_coordinate(rows[1], c)],
+            outer,
+            margin_y,
+        )
 }
 
 /// A clip coordinate.
 #[inline(always)]
-fn on<F: Lanes>(row: glam::Vec3, at: &Mapped<F>) -> F {
+fn clip_coordinate<F: Lanes>(row: glam::Vec3, at: &TubePosition<F>) -> F {
     F::of(f64::from(row.x)) * at.v + F::of(f64::from(row.y)) * at.w + F::of(f64::from(row.z)) * at.r
 }
 
@@ -114,7 +125,7 @@ fn beyond<F: Lanes>(x: [F; 3], outer: [F; 3], margin: F) -> F::Mask {
 
 /// How far (V, W, R) strays from a straight edge, as a length in tube space.
 #[inline(always)]
-pub(super) fn bow<F: Lanes>(mapped: &Mapped<F>, straight: &Mapped<F>) -> F {
+pub(super) fn edge_error<F: Lanes>(mapped: &TubePosition<F>, straight: &TubePosition<F>) -> F {
     length2([mapped.v - straight.v, mapped.w - straight.w]) + (mapped.r - straight.r).abs()
 }
 
@@ -133,11 +144,11 @@ fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
 /// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along the light
 /// as the length it is in the scene. `t_span` is the slab's.
 #[inline(always)]
-pub(super) fn strays<F: Lanes>(
+pub(super) fn exceeds_tolerance<F: Lanes>(
     map: &BentMap,
     (curve, t_span): (&Curve<F>, F),
     q: F::Vec3,
-    (mapped, straight): (&Mapped<F>, &Mapped<F>),
+    (mapped, straight): (&TubePosition<F>, &TubePosition<F>),
 ) -> F::Mask {
     let zero = F::of(0.0);
     let has_width = mapped.r.least(straight.r).gt(zero);

@@ -3,7 +3,7 @@
 
 use light::Lanes;
 
-use super::BentMapPlace;
+use super::BentMapParams;
 use crate::lanes::{F32s, Masks, U32s};
 use crate::visibility::{fit_of, texel_at};
 
@@ -27,7 +27,7 @@ pub(super) struct MapTexel {
 
 /// The place of (V, W) where the tube is `radius` wide, on a map of `side` texels.
 #[inline(always)]
-pub(super) fn map_texel(map: &BentMapPlace, side: f32, [v_len, w_len]: Pair, radius: F32s) -> MapTexel {
+pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, radius: F32s) -> MapTexel {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
     // At the very source nothing lies aside.
     let radius = F32s::select(radius.gt(zero), radius, one);

@@ -1,29 +1,29 @@
 //! A bent shadow map: casters mapped into tube space, cut and split until their edges are straight there, and drawn.
 //! ARCHITECTURE, "Shadows", has why; `bent_map.wgsl` and its passes do the same on a device.
 //!
-//! Whoever calls goes from stage to stage, so that each can be measured: [`BentWork::map_vertices`],
-//! [`BentWork::map_triangles`], [`BentWork::split`], [`BentWork::draw`].
+//! Whoever calls goes from stage to stage, so that each can be measured: [`BentMapBuilder::map_vertices`],
+//! [`BentMapBuilder::map_triangles`], [`BentMapBuilder::needs_split`], [`BentMapBuilder::draw`].
 
 use glam::Vec3;
 use light::{Lanes, Mask};
 use rayon::prelude::*;
 
-use super::casters::{BentMap, Casters};
-use super::slab::{Mapped, SlabLanes};
-use super::split::{Drawn, Patch, ToClip, split};
-use super::triangles::{Listed, Vertex};
+use super::casters::{BentCasters, BentMap};
+use super::slab::{SlabLanes, TubePosition};
+use super::split::{Patch, SplitTriangles, ToClip, split};
+use super::triangles::{SortedTriangles, Vertex};
 use crate::depth_map::DepthMap;
 use crate::lanes::{LANES, U32s, Vec3s};
-use crate::raster::{Depths, Face, Holed, Scratch, draw_face_with_holes};
-use crate::simd::{self, Work};
+use crate::raster::{AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, draw_face_with_alpha_tests};
+use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
-const BLOCK: usize = 64;
+const VERTICES_PER_BLOCK: usize = 64;
 /// Leaves of casters that a thread lists at once.
-const LEAVES_A_TURN: usize = 32;
+const LEAVES_PER_CHUNK: usize = 32;
 /// Triangles that a thread cuts and splits at once.
-const SPLIT_A_TURN: usize = 64;
+const SPLITS_PER_CHUNK: usize = 64;
 /// A vertex in no slab.
 const NO_SLAB: u32 = u32::MAX;
 /// In slabs of distant parts of the tube that overlap there.
@@ -31,29 +31,31 @@ const SEVERAL_SLABS: u32 = u32::MAX - 1;
 
 /// Memory of making bent maps, kept from one to the next.
 #[derive(Debug, Default)]
-pub struct BentWork {
+pub struct BentMapBuilder {
     slabs: Vec<SlabLanes>,
     vertices: Vec<Vertex>,
-    listed: Vec<Listed>,
-    split: Vec<Drawn>,
-    scratch: Scratch,
+    listed: Vec<SortedTriangles>,
+    split: Vec<SplitTriangles>,
+    scratch: RasterMemory,
 }
 
-impl BentWork {
+impl BentMapBuilder {
     /// Maps each vertex near the light once.
-    pub fn map_vertices(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) {
+    pub fn map_vertices(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, .. } = self;
         slabs.clear();
         slabs.extend(map.slabs.iter().map(SlabLanes::new));
-        let nowhere = Mapped { v: 0.0, w: 0.0, r: 0.0, t: 0.0 };
+        let nowhere = TubePosition { v: 0.0, w: 0.0, r: 0.0, t: 0.0 };
         let unmapped = Vertex { q: Vec3::ZERO, slab: NO_SLAB, mapped: nowhere };
         vertices.resize(casters.positions.len(), unmapped);
-        let mut is_near = vec![false; casters.positions.len().div_ceil(BLOCK)];
+        let mut is_near = vec![false; casters.positions.len().div_ceil(VERTICES_PER_BLOCK)];
         for &block in casters.blocks {
             is_near[block as usize] = true;
         }
         workers.run(|| {
-            let blocks = vertices.par_chunks_mut(BLOCK).zip(casters.positions.par_chunks(BLOCK));
+            let blocks = vertices
+                .par_chunks_mut(VERTICES_PER_BLOCK)
+                .zip(casters.positions.par_chunks(VERTICES_PER_BLOCK));
             blocks.zip(&is_near).filter(|(_, is_near)| **is_near).for_each(|((vertices, positions), _)| {
                 simd::run(MapVertices { map, slabs, positions, vertices });
             });
@@ -61,21 +63,26 @@ impl BentWork {
     }
 
     /// Sorts out the triangles near the light: dropped, used as they are, or to be cut or split.
-    pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) {
+    pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, listed, .. } = self;
-        let turns = casters.leaves.len().div_ceil(LEAVES_A_TURN);
-        listed.resize_with(turns, Listed::default);
+        let turns = casters.leaves.len().div_ceil(LEAVES_PER_CHUNK);
+        listed.resize_with(turns, SortedTriangles::default);
         workers.run(|| {
-            listed.par_iter_mut().zip(casters.leaves.par_chunks(LEAVES_A_TURN)).for_each(
+            listed.par_iter_mut().zip(casters.leaves.par_chunks(LEAVES_PER_CHUNK)).for_each(
                 |(listed, leaves)| {
-                    listed.list((map, slabs), (casters, vertices), leaves);
+                    listed.sort((map, slabs), (casters, vertices), leaves);
                 },
             );
         });
     }
 
     /// Cuts what reaches over several slabs, and splits what is not straight. Returns how many triangles were looked at for it.
-    pub fn split(&mut self, workers: &Workers, map: &BentMap, casters: &Casters) -> Result<u64, Cancelled> {
+    pub fn split(
+        &mut self,
+        workers: &Workers,
+        map: &BentMap,
+        casters: &BentCasters,
+    ) -> Result<u64, Cancelled> {
         let mut to_clip: Vec<ToClip> =
             self.listed.iter().flat_map(|listed| &listed.to_clip).copied().collect();
         let mut patches: Vec<Patch> =
@@ -84,19 +91,21 @@ impl BentWork {
         to_clip.sort_unstable_by_key(|item| (item.slab, item.triangle));
         patches.sort_by_key(|patch| patch.slab);
         let count = to_clip.len() + patches.len();
-        let clip_turns = to_clip.len().div_ceil(SPLIT_A_TURN);
-        let turns = clip_turns + patches.len().div_ceil(SPLIT_A_TURN);
+        let clip_turns = to_clip.len().div_ceil(SPLITS_PER_CHUNK);
+        let turns = clip_turns + patches.len().div_ceil(SPLITS_PER_CHUNK);
         let Self { slabs, split: into, .. } = self;
-        into.resize_with(turns, Drawn::default);
+        into.resize_with(turns, SplitTriangles::default);
         let (of_clipped, of_patches) = into.split_at_mut(clip_turns);
-        let clipped =
-            of_clipped.iter_mut().zip(to_clip.chunks(SPLIT_A_TURN)).map(|(into, some)| (into, some, &[][..]));
-        let split_only = of_patches.iter_mut().zip(patches.chunks(SPLIT_A_TURN));
+        let clipped = of_clipped
+            .iter_mut()
+            .zip(to_clip.chunks(SPLITS_PER_CHUNK))
+            .map(|(into, some)| (into, some, &[][..]));
+        let split_only = of_patches.iter_mut().zip(patches.chunks(SPLITS_PER_CHUNK));
         let split_only = split_only.map(|(into, patches)| (into, &[][..], patches));
-        let turns: Vec<(&mut Drawn, &[ToClip], &[Patch])> = clipped.chain(split_only).collect();
+        let turns: Vec<(&mut SplitTriangles, &[ToClip], &[Patch])> = clipped.chain(split_only).collect();
         workers.each(turns.into_iter(), |(into, to_clip, patches)| {
-            into.whole.clear();
-            into.holed.clear();
+            into.opaque.clear();
+            into.alpha_tested.clear();
             simd::run(Split { map, slabs, casters, to_clip, patches, into });
             true
         })?;
@@ -108,24 +117,25 @@ impl BentWork {
         &mut self,
         workers: &Workers,
         map: &BentMap,
-        casters: &Casters,
+        casters: &BentCasters,
         into: &mut DepthMap,
     ) -> Result<u64, Cancelled> {
         let Self { listed, split, scratch, .. } = self;
-        let whole = listed.iter().map(|listed| listed.whole.as_slice());
-        let whole: Vec<_> = whole.chain(split.iter().map(|drawn| drawn.whole.as_slice())).collect();
-        let holed: Vec<_> = split.iter().map(|drawn| drawn.holed.as_slice()).collect();
+        let whole = listed.iter().map(|listed| listed.unsplit.as_slice());
+        let whole: Vec<_> = whole.chain(split.iter().map(|drawn| drawn.opaque.as_slice())).collect();
+        let holed: Vec<_> = split.iter().map(|drawn| drawn.alpha_tested.as_slice()).collect();
         let side = into.side();
         for (index, face) in map.faces.iter().enumerate() {
-            let depths = Depths::Bent { row: face.row, depth_per_value: face.depth_per_t };
-            let drawn = Face { clip_from_place: face.clip_from_mapped, depths };
-            let (whole, chunks) = if face.casts { (&whole[..], &holed[..]) } else { (&[][..], &[][..]) };
-            let holed = Holed { chunks, tests: casters.alpha_tests };
-            draw_face_with_holes(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side)?;
+            let depths = DepthRule::Bent { row_divisor: face.row_divisor, depth_per_value: face.depth_per_t };
+            let drawn = MapFace { clip_from_map: face.clip_from_mapped, depths };
+            let (whole, chunks) =
+                if face.has_casters { (&whole[..], &holed[..]) } else { (&[][..], &[][..]) };
+            let holed = AlphaTestedTriangles { chunks, tests: casters.alpha_tests };
+            draw_face_with_alpha_tests(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side)?;
         }
-        let count = |drawn: &Drawn| drawn.whole.len() + drawn.holed.len();
+        let count = |drawn: &SplitTriangles| drawn.opaque.len() + drawn.alpha_tested.len();
         let split = split.iter().map(count).sum::<usize>();
-        Ok((listed.iter().map(|listed| listed.whole.len()).sum::<usize>() + split) as u64)
+        Ok((listed.iter().map(|listed| listed.unsplit.len()).sum::<usize>() + split) as u64)
     }
 }
 
@@ -136,7 +146,7 @@ struct MapVertices<'a> {
     vertices: &'a mut [Vertex],
 }
 
-impl Work for MapVertices<'_> {
+impl SimdTask for MapVertices<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -155,7 +165,7 @@ impl Work for MapVertices<'_> {
             for (index, lanes) in slabs.iter().enumerate() {
                 let here = slab.equals(U32s::splat(index as u32));
                 if here.any() {
-                    let mapped = lanes.map(&map.space, q);
+                    let mapped = lanes.to_tube_position(&map.space, q);
                     for (i, vertex) in vertices.iter_mut().enumerate() {
                         if here.lane(i) {
                             vertex.mapped = mapped.lane(i);
@@ -195,13 +205,13 @@ fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
 struct Split<'a> {
     map: &'a BentMap<'a>,
     slabs: &'a [SlabLanes],
-    casters: &'a Casters<'a>,
+    casters: &'a BentCasters<'a>,
     to_clip: &'a [ToClip],
     patches: &'a [Patch],
-    into: &'a mut Drawn,
+    into: &'a mut SplitTriangles,
 }
 
-impl Work for Split<'_> {
+impl SimdTask for Split<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -12,17 +12,17 @@ mod triangles;
 mod visibility;
 
 use glam::{Mat4, Vec3};
-use light::{Curve, Lanes, LightFilter, Mask, Segment, Tube, TubeBox};
+use light::{Curve, Lanes, LightProfile, Mask, Segment, Tube, TubeBox};
 
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::{Sample, Shape};
-use crate::surfaces::Surface;
-use crate::{Scene, ShadowFilter};
+use crate::shape::{LightSampleLanes, RelitShape};
+use crate::surfaces::SurfaceLanes;
+use crate::{CasterScene, ShadowFilter};
 
-pub use casters::{BentFace, BentMap, Casters};
-pub use map::BentWork;
-pub use slab::{Slab, TubeSpace};
+pub use casters::{BentCasters, BentFace, BentMap};
+pub use map::BentMapBuilder;
+pub use slab::{MapSlab, TubeSpace};
 
 /// Largest colour and intensity, so that their product is still finite.
 const MAX_INTENSITY: f32 = 1e15;
@@ -31,19 +31,19 @@ const MAX_EMISSION: f32 = 1e15;
 
 /// A BendyLight as it is drawn, or a part of one.
 #[derive(Debug)]
-pub struct Bent {
+pub struct RelitBent {
     tube: Tube<F32s>,
     /// Columns, and the translation.
     tube_from_scene: [Vec3s; 4],
     /// Columns.
     world_from_tube: [Vec3s; 3],
     world_per_tube: f32,
-    map: BentMapPlace,
+    map: BentMapParams,
 }
 
 /// What a bent map's depths and faces stand for; see `tube.wgsl`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct BentMapPlace {
+pub struct BentMapParams {
     /// Depths count from this t, ...
     pub t_base: f32,
     /// ... and 1 is so much later.
@@ -62,11 +62,11 @@ pub struct BentMapPlace {
     pub filter: ShadowFilter,
 }
 
-impl Bent {
+impl RelitBent {
     /// `tube_from_scene` takes scene space to tube space.
-    pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapPlace) -> Self {
+    pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapParams) -> Self {
         Self {
-            tube: in_lanes(tube),
+            tube: splat_tube(tube),
             tube_from_scene: tube_from_scene.to_cols_array_2d().map(|[x, y, z, _]| Vec3s::splat([x, y, z])),
             world_from_tube: tube.placement.rotation.as_mat3().to_cols_array_2d().map(Vec3s::splat),
             world_per_tube: tube.placement.world_per_tube as f32,
@@ -94,18 +94,28 @@ impl Bent {
     }
 }
 
-impl Shape for Bent {
-    fn light_filter(&self) -> &LightFilter {
-        &self.tube.light_filter
+impl RelitShape for RelitBent {
+    fn light_profile(&self) -> &LightProfile {
+        &self.tube.light_profile
     }
 
     #[inline(always)]
-    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+    fn sample(
+        &self,
+        scene: &CasterScene,
+        map: Option<&DepthMap>,
+        surface: &SurfaceLanes,
+        asked: Masks,
+    ) -> LightSampleLanes {
         let q = self.tube_position(surface.position);
         let nearest = root::nearest(&self.tube, q, asked);
         let (zero, nothing) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
-        let mut sample =
-            Sample { inside: nearest.found, direction: nothing, irradiance: nothing, visibility: zero };
+        let mut sample = LightSampleLanes {
+            inside: nearest.found,
+            direction: nothing,
+            irradiance: nothing,
+            visibility: zero,
+        };
         // Sixteen pixels that lie together mostly lie in one segment.
         for segment in 0..self.tube.segments.len() {
             let here = nearest.found & nearest.segment.equals(F32s::splat(segment as f32));
@@ -120,36 +130,36 @@ impl Shape for Bent {
     }
 }
 
-impl Bent {
+impl RelitBent {
     /// What surfaces at roots of one segment get.
     #[inline(always)]
     fn sample_segment(
         &self,
-        scene: &Scene,
+        scene: &CasterScene,
         map: Option<&DepthMap>,
-        surface: &Surface,
+        surface: &SurfaceLanes,
         nearest: &root::Nearest,
         (segment, q, here): (usize, Vec3s, Masks),
-    ) -> Sample {
+    ) -> LightSampleLanes {
         let (inside, _) = self.tube.inside_at(segment, q, nearest.u);
         let root = self.tube.root_at(&inside);
         let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
         let radius = F32s::select(root.radius.gt(zero), root.radius, one);
         let (v, w) = (root.v_len / radius, root.w_len / radius);
         let toward = self.world_vector(self.tube.direction_at(&root));
-        let filter = &self.tube.light_filter;
+        let filter = &self.tube.light_profile;
         let s = if filter.needs_distance() { self.tube.path_length(&root) } else { zero };
         let most = F32s::splat(MAX_EMISSION);
         let [r, g, b] = F32s::coordinates(self.tube.segments[segment].emission(root.u));
         let emission = F32s::vec3([r.least(most), g.least(most), b.least(most)]);
-        let share = filter.share_at(v, w, s);
+        let share = filter.attenuation_at(v, w, s);
         // At the source itself light would be infinitely strong.
         let share = F32s::select(share.le(most), share, most);
         let visibility = match map {
             Some(map) => self.visibility(scene, map, surface, (&root, v, w), here),
             None => one,
         };
-        Sample {
+        LightSampleLanes {
             inside: here,
             direction: toward * (one / F32s::length(toward)),
             irradiance: emission * share,
@@ -159,11 +169,11 @@ impl Bent {
 }
 
 /// The light with each of its numbers in every lane.
-pub(crate) fn in_lanes(tube: &Tube<f64>) -> Tube<F32s> {
+pub(crate) fn splat_tube(tube: &Tube<f64>) -> Tube<F32s> {
     let of_tube = Tube::<f32>::from(tube);
     let bound = |x: f32| F32s::splat(x.clamp(-MAX_INTENSITY, MAX_INTENSITY));
     let segments = of_tube.segments.iter().map(|segment| Segment {
-        curve: curve_in_lanes(&segment.curve),
+        curve: splat_curve(&segment.curve),
         color: segment.color.map(|color| F32s::vec3(color.to_array().map(bound))),
         intensity: segment.intensity.map(bound),
         arc_start: F32s::splat(segment.arc_start),
@@ -175,7 +185,7 @@ pub(crate) fn in_lanes(tube: &Tube<f64>) -> Tube<F32s> {
         frame: of_tube.frame,
         up: in_lanes_vec(of_tube.up),
         direction: of_tube.direction,
-        light_filter: of_tube.light_filter,
+        light_profile: of_tube.light_profile,
     }
 }
 
@@ -184,7 +194,7 @@ fn in_lanes_vec(v: Vec3) -> Vec3s {
 }
 
 /// A curve with each of its numbers in every lane.
-pub(crate) fn curve_in_lanes(curve: &Curve<f32>) -> Curve<F32s> {
+pub(crate) fn splat_curve(curve: &Curve<f32>) -> Curve<F32s> {
     let bounds = &curve.bounds;
     Curve {
         b0: in_lanes_vec(curve.b0),

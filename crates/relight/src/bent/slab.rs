@@ -1,14 +1,14 @@
 //! Points mapped into tube space, slab by slab: the twin of `map_to_slab` of `bent_map.wgsl`.
 
 use glam::{Mat4, Vec3};
-use light::{Curve, Frame, Lanes, Mask, increasing_roots};
+use light::{Curve, FrameMode, Lanes, Mask, increasing_roots};
 
-use super::curve_in_lanes;
+use super::splat_curve;
 use crate::lanes::{F32s, LANES, Masks, Vec3s};
 
 /// A piece of the tube between two planes square to its curve; inside it and its box the map is one to one.
 #[derive(Clone, Copy, Debug)]
-pub struct Slab {
+pub struct MapSlab {
     /// Position, radius and frame.
     pub curve: Curve<f32>,
     /// The map's t where it starts.
@@ -28,8 +28,8 @@ pub struct TubeSpace {
     /// From scene space.
     pub from_scene: Mat4,
     /// Orientation of the cross-section.
-    pub frame: Frame,
-    /// Unit vector that orients it where that is [`Frame::Up`].
+    pub frame: FrameMode,
+    /// Unit vector that orients it where that is [`FrameMode::Up`].
     pub up: Vec3,
 }
 
@@ -44,7 +44,7 @@ pub(super) struct SlabLanes {
 
 /// (V, W, R, t) of a point, or of one a lane.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Mapped<F> {
+pub(super) struct TubePosition<F> {
     pub v: F,
     pub w: F,
     pub r: F,
@@ -61,10 +61,10 @@ impl TubeSpace {
 }
 
 impl SlabLanes {
-    pub fn new(slab: &Slab) -> Self {
+    pub fn new(slab: &MapSlab) -> Self {
         let plane = |[x, y, z, w]: [f32; 4]| (Vec3s::splat([x, y, z]), F32s::splat(w));
         Self {
-            curve: curve_in_lanes(&slab.curve),
+            curve: splat_curve(&slab.curve),
             t_start: F32s::splat(slab.t_start),
             t_span: F32s::splat(slab.t_span),
             planes: slab.planes.map(plane),
@@ -94,7 +94,7 @@ impl SlabLanes {
     /// Where points of the slab lie in the tube. The signs at the ends are known; rounding at a clipping plane must not lose
     /// the root.
     #[inline(always)]
-    pub fn map(&self, space: &TubeSpace, q: Vec3s) -> Mapped<F32s> {
+    pub fn to_tube_position(&self, space: &TubeSpace, q: Vec3s) -> TubePosition<F32s> {
         let (zero, curve) = (F32s::splat(0.0), &self.curve);
         let f0 = (-F32s::dot(q - curve.b0, curve.d0)).least(zero);
         let f1 = (-F32s::dot(q - curve.b2, curve.d1)).most(zero);
@@ -110,14 +110,14 @@ impl SlabLanes {
         }
         let u_hat = curve.u_hat(u);
         let (v_hat, w_hat) = match space.frame {
-            Frame::RotationMinimizing => curve.rotation_minimizing(u_hat),
-            Frame::Up => {
+            FrameMode::RotationMinimizing => curve.rotation_minimizing(u_hat),
+            FrameMode::Up => {
                 let w_hat = light::perpendicular_up::<F32s>(Vec3s::splat(space.up.to_array()), u_hat);
                 (F32s::cross(w_hat, u_hat), w_hat)
             }
         };
         let r = curve.offset(q, u);
-        Mapped {
+        TubePosition {
             v: F32s::dot(r, v_hat),
             w: F32s::dot(r, w_hat),
             r: curve.radius(u).most(zero),
@@ -126,15 +126,15 @@ impl SlabLanes {
     }
 }
 
-impl Mapped<F32s> {
+impl TubePosition<F32s> {
     /// One lane's.
     #[inline(always)]
-    pub fn lane(&self, lane: usize) -> Mapped<f32> {
-        Mapped { v: self.v.0[lane], w: self.w.0[lane], r: self.r.0[lane], t: self.t.0[lane] }
+    pub fn lane(&self, lane: usize) -> TubePosition<f32> {
+        TubePosition { v: self.v.0[lane], w: self.w.0[lane], r: self.r.0[lane], t: self.t.0[lane] }
     }
 }
 
-impl Mapped<f32> {
+impl TubePosition<f32> {
     /// A place of a vertex, and the value that is drawn.
     #[inline(always)]
     pub fn corner(self) -> [f32; 4] {
@@ -144,7 +144,7 @@ impl Mapped<f32> {
 
 /// Points side by side; where there are fewer than lanes the last one is repeated. Some there have to be.
 #[inline(always)]
-pub(super) fn side_by_side(points: &[Vec3]) -> Vec3s {
+pub(super) fn lanes_from_points(points: &[Vec3]) -> Vec3s {
     let mut lanes = Vec3s::splat([0.0; 3]);
     let last = points.len() - 1;
     for i in 0..LANES {

@@ -1,24 +1,24 @@
 //! Triangles cut to slabs, and split until their edges are as good as straight in the map: the twin of `bent_map_clip.wgsl` and
 //! `bent_map_split.wgsl`. Whether an edge is split depends on that edge alone, so neighbours agree and no cracks open.
 
-use super::casters::{BentMap, Casters};
-use super::edges::{Edge, INSIDE_OUT, OPEN, bow, faces_away, off_map, strays};
-use super::slab::{Mapped, Slab, SlabLanes, side_by_side};
+use super::casters::{BentCasters, BentMap};
+use super::edges::{Edge, INSIDE_OUT, OPEN, edge_error, exceeds_tolerance, faces_away, off_map};
+use super::slab::{MapSlab, SlabLanes, TubePosition, lanes_from_points};
 use crate::lanes::LANES;
-use crate::raster::{HoledTriangle, Triangle};
+use crate::raster::{AlphaTestedTriangle, RasterTriangle};
 use crate::scene::weights_at;
 use glam::Vec3;
 
 /// How often a patch may be split; what comes of it then is drawn as it is.
-const MOST_LEVELS: usize = 10;
+const MAX_LEVELS: usize = 10;
 /// Three corners, and one more for each of the six planes.
-const MOST_CORNERS: usize = 9;
+const MAX_CORNERS: usize = 9;
 
 /// What comes of some triangles that were cut and split.
 #[derive(Debug, Default)]
-pub(super) struct Drawn {
-    pub whole: Vec<Triangle>,
-    pub holed: Vec<HoledTriangle>,
+pub(super) struct SplitTriangles {
+    pub opaque: Vec<RasterTriangle>,
+    pub alpha_tested: Vec<AlphaTestedTriangle>,
 }
 
 /// A triangle in a slab that it may touch.
@@ -36,7 +36,7 @@ pub(super) struct Patch {
     /// Corners in tube space.
     pub q: [Vec3; 3],
     /// Where they lie in the tube.
-    pub mapped: [Mapped<f32>; 3],
+    pub mapped: [TubePosition<f32>; 3],
     pub slab: u32,
     /// Which triangle of those with an alpha test it is of, or what surface.
     pub caster: u32,
@@ -45,18 +45,18 @@ pub(super) struct Patch {
 /// Whether an edge needs a point between its ends, and that point.
 #[derive(Clone, Copy, Debug)]
 struct Middle {
-    split: bool,
+    needs_split: bool,
     /// How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
-    bow: f32,
+    edge_error: f32,
     q: Vec3,
-    mapped: Mapped<f32>,
+    mapped: TubePosition<f32>,
 }
 
 /// Memory of one turn.
 #[derive(Default)]
-struct Memory {
+struct SplitMemory {
     points: Vec<Vec3>,
-    mapped: Vec<Mapped<f32>>,
+    mapped: Vec<TubePosition<f32>>,
     /// Where the points of each patch's edges begin; those of safe ones have none.
     edges: Vec<[Option<usize>; 3]>,
 }
@@ -65,23 +65,23 @@ struct Memory {
 #[inline(always)]
 pub(super) fn split(
     (map, slabs): (&BentMap, &[SlabLanes]),
-    casters: &Casters,
+    casters: &BentCasters,
     (to_clip, patches): (&[ToClip], &[Patch]),
-    into: &mut Drawn,
+    into: &mut SplitTriangles,
 ) {
-    let mut memory = Memory::default();
+    let mut memory = SplitMemory::default();
     let mut level_patches = patches.to_vec();
     for of_slab in to_clip.chunk_by(|a, b| a.slab == b.slab) {
         clip((map, &slabs[of_slab[0].slab as usize]), casters, of_slab, &mut memory, &mut level_patches);
     }
-    for level in 0..=MOST_LEVELS {
+    for level in 0..=MAX_LEVELS {
         let mut next = Vec::new();
         for of_slab in level_patches.chunk_by(|a, b| a.slab == b.slab) {
             let slab = &slabs[of_slab[0].slab as usize];
             measure((map, slab), of_slab, &mut memory);
             for (patch, edges) in of_slab.iter().zip(&memory.edges) {
                 let middles = middles_of(map, patch, (edges, &memory));
-                divide(map, casters, (patch, &middles), level == MOST_LEVELS, (&mut next, into));
+                divide(map, casters, (patch, &middles), level == MAX_LEVELS, (&mut next, into));
             }
         }
         if next.is_empty() {
@@ -93,10 +93,10 @@ pub(super) fn split(
 
 /// Maps points of one slab, sixteen at a time.
 #[inline(always)]
-fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut Vec<Mapped<f32>>) {
+fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut Vec<TubePosition<f32>>) {
     mapped.clear();
     for points in points.chunks(LANES) {
-        let lanes = slab.map(&map.space, side_by_side(points));
+        let lanes = slab.to_tube_position(&map.space, lanes_from_points(points));
         for i in 0..points.len() {
             mapped.push(lanes.lane(i));
         }
@@ -107,9 +107,9 @@ fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut
 #[inline(always)]
 fn clip(
     (map, slab): (&BentMap, &SlabLanes),
-    casters: &Casters,
+    casters: &BentCasters,
     items: &[ToClip],
-    memory: &mut Memory,
+    memory: &mut SplitMemory,
     patches: &mut Vec<Patch>,
 ) {
     memory.points.clear();
@@ -142,8 +142,8 @@ fn clip(
 
 /// A triangle cut by planes: its corners, and how many they are.
 #[inline(always)]
-fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MOST_CORNERS], usize) {
-    let mut polygon = [Vec3::ZERO; MOST_CORNERS];
+fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS], usize) {
+    let mut polygon = [Vec3::ZERO; MAX_CORNERS];
     polygon[..3].copy_from_slice(&triangle);
     let mut count = 3;
     for &[x, y, z, w] in planes {
@@ -151,7 +151,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MOST_CORNERS]
             break;
         }
         let normal = Vec3::new(x, y, z);
-        let (mut kept, mut kept_count) = ([Vec3::ZERO; MOST_CORNERS], 0);
+        let (mut kept, mut kept_count) = ([Vec3::ZERO; MAX_CORNERS], 0);
         let mut before = polygon[count - 1];
         let mut before_distance = normal.dot(before) + w;
         for &here in &polygon[..count] {
@@ -166,7 +166,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MOST_CORNERS]
             };
             let inside = (distance >= 0.0).then_some(here);
             for corner in [crossing, inside].into_iter().flatten() {
-                if kept_count < MOST_CORNERS {
+                if kept_count < MAX_CORNERS {
                     kept[kept_count] = corner;
                     kept_count += 1;
                 }
@@ -180,7 +180,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MOST_CORNERS]
 
 /// Lists and maps the points that tell which edges of `patches`, all of one slab, are straight.
 #[inline(always)]
-fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut Memory) {
+fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut SplitMemory) {
     memory.points.clear();
     memory.edges.clear();
     let bounds = map.slabs[patches[0].slab as usize].edge_bounds;
@@ -212,9 +212,14 @@ impl Patch {
 /// Compares the image of each edge's middle with the middle of the images, and so the quarters: an S crosses its chord in the
 /// middle. The middle of homogeneous (V, W, R) is what is drawn; on a straight cone both agree.
 #[inline(always)]
-fn middles_of(map: &BentMap, patch: &Patch, (edges, memory): (&[Option<usize>; 3], &Memory)) -> [Middle; 3] {
-    let mut middles = [Middle { split: false, bow: 0.0, q: Vec3::ZERO, mapped: patch.mapped[0] }; 3];
-    let Slab { curve, t_span, .. } = &map.slabs[patch.slab as usize];
+fn middles_of(
+    map: &BentMap,
+    patch: &Patch,
+    (edges, memory): (&[Option<usize>; 3], &SplitMemory),
+) -> [Middle; 3] {
+    let mut middles =
+        [Middle { needs_split: false, edge_error: 0.0, q: Vec3::ZERO, mapped: patch.mapped[0] }; 3];
+    let MapSlab { curve, t_span, .. } = &map.slabs[patch.slab as usize];
     for k in 0..3 {
         let Some(first) = edges[k] else { continue };
         let ends = patch.edge(k);
@@ -224,21 +229,21 @@ fn middles_of(map: &BentMap, patch: &Patch, (edges, memory): (&[Option<usize>; 3
         (middle.q, middle.mapped) = (memory.points[first], memory.mapped[first]);
         for (i, straight) in there.iter().enumerate() {
             let (q, mapped) = (memory.points[first + i], &memory.mapped[first + i]);
-            middle.split |= strays(map, (curve, *t_span), q, (mapped, straight));
-            middle.bow = middle.bow.max(bow(mapped, straight));
+            middle.needs_split |= exceeds_tolerance(map, (curve, *t_span), q, (mapped, straight));
+            middle.edge_error = middle.edge_error.max(edge_error(mapped, straight));
         }
     }
     middles
 }
 
 #[inline(always)]
-fn halfway(a: &Mapped<f32>, b: &Mapped<f32>) -> Mapped<f32> {
-    Mapped { v: (a.v + b.v) * 0.5, w: (a.w + b.w) * 0.5, r: (a.r + b.r) * 0.5, t: (a.t + b.t) * 0.5 }
+fn halfway(a: &TubePosition<f32>, b: &TubePosition<f32>) -> TubePosition<f32> {
+    TubePosition { v: (a.v + b.v) * 0.5, w: (a.w + b.w) * 0.5, r: (a.r + b.r) * 0.5, t: (a.t + b.t) * 0.5 }
 }
 
 /// A patch of a triangle with an alpha test. A vertex that clipping and splitting made has no uv: where it lies in its triangle
 /// tells that, for both are flat in the scene.
-fn with_holes(map: &BentMap, casters: &Casters, patch: &Patch) -> HoledTriangle {
+fn alpha_tested_triangle(map: &BentMap, casters: &BentCasters, patch: &Patch) -> AlphaTestedTriangle {
     let (scene, tests) = (casters.scene, &casters.alpha_tests);
     let triangle = tests.scene_triangle(patch.caster);
     let [a, b, c] = scene.corners(triangle).map(|corner| map.space.position(corner.to_array()));
@@ -247,8 +252,8 @@ fn with_holes(map: &BentMap, casters: &Casters, patch: &Patch) -> HoledTriangle 
         let weights = weights_at([a, b, c], q);
         (at_a + weights.y * (at_b - at_a) + weights.z * (at_c - at_a)).to_array()
     });
-    let corners = patch.mapped.map(Mapped::corner);
-    HoledTriangle { corners, uv_alpha, test: tests.test_of(patch.caster) as u32 }
+    let corners = patch.mapped.map(TubePosition::corner);
+    AlphaTestedTriangle { corners, uv_alpha, test: tests.test_of(patch.caster) as u32 }
 }
 
 /// Drops a patch that lies off the map, draws one that is straight or the last, and splits others at the middles of those edges
@@ -256,31 +261,31 @@ fn with_holes(map: &BentMap, casters: &Casters, patch: &Patch) -> HoledTriangle 
 #[inline(always)]
 fn divide(
     map: &BentMap,
-    casters: &Casters,
+    casters: &BentCasters,
     (patch, middles): (&Patch, &[Middle; 3]),
     is_last: bool,
-    (next, into): (&mut Vec<Patch>, &mut Drawn),
+    (next, into): (&mut Vec<Patch>, &mut SplitTriangles),
 ) {
     let [a, b, c] = &patch.mapped;
-    let bow = middles[0].bow.max(middles[1].bow).max(middles[2].bow);
+    let bow = middles[0].edge_error.max(middles[1].edge_error).max(middles[2].edge_error);
     if off_map(map, [a, b, c], bow) {
         return;
     }
-    let splits = middles.iter().filter(|middle| middle.split).count();
+    let splits = middles.iter().filter(|middle| middle.needs_split).count();
     if splits == 0 || is_last {
         if patch.caster < INSIDE_OUT {
-            into.holed.push(with_holes(map, casters, patch));
+            into.alpha_tested.push(alpha_tested_triangle(map, casters, patch));
             return;
         }
         let turned = if patch.caster == INSIDE_OUT { 1.0 } else { -1.0 };
         if patch.caster == OPEN || !faces_away(map, [a, b, c], turned) {
-            into.whole.push([a.corner(), b.corner(), c.corner()]);
+            into.opaque.push([a.corner(), b.corner(), c.corner()]);
         }
         return;
     }
     let corner = |k: usize| (patch.q[k % 3], patch.mapped[k % 3]);
     let middle = |k: usize| (middles[k % 3].q, middles[k % 3].mapped);
-    let mut pass_on = |corners: [(Vec3, Mapped<f32>); 3]| {
+    let mut pass_on = |corners: [(Vec3, TubePosition<f32>); 3]| {
         let [(qa, a), (qb, b), (qc, c)] = corners;
         next.push(Patch { q: [qa, qb, qc], mapped: [a, b, c], ..*patch });
     };
@@ -292,7 +297,7 @@ fn divide(
         return;
     }
     // From where a split edge comes first and, of two, the second next.
-    let first = (0..3).find(|&k| middles[k].split && !middles[(k + 2) % 3].split).unwrap_or(0);
+    let first = (0..3).find(|&k| middles[k].needs_split && !middles[(k + 2) % 3].needs_split).unwrap_or(0);
     if splits == 1 {
         pass_on([corner(first), middle(first), corner(first + 2)]);
         pass_on([middle(first), corner(first + 1), corner(first + 2)]);

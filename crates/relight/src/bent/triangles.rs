@@ -4,13 +4,13 @@
 use glam::Vec3;
 use light::{Lanes, Mask};
 
-use super::casters::{BentMap, Casters};
+use super::casters::{BentCasters, BentMap};
 use super::edges::{Edge, INSIDE_OUT, OPEN, faces_away, off_map};
-use super::slab::{Mapped, SlabLanes};
+use super::slab::{SlabLanes, TubePosition};
 use super::split::{Patch, ToClip};
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
-use crate::raster::Triangle;
-use crate::simd::{self, Work};
+use crate::raster::RasterTriangle;
+use crate::simd::{self, SimdTask};
 
 /// A vertex of casters.
 #[derive(Clone, Copy, Debug)]
@@ -20,43 +20,43 @@ pub(super) struct Vertex {
     /// The first slab that holds it.
     pub slab: u32,
     /// Where it lies in that.
-    pub mapped: Mapped<f32>,
+    pub mapped: TubePosition<f32>,
 }
 
 /// What became of some of the triangles.
 #[derive(Debug, Default)]
-pub(super) struct Listed {
+pub(super) struct SortedTriangles {
     /// To be drawn as they are.
-    pub whole: Vec<Triangle>,
+    pub unsplit: Vec<RasterTriangle>,
     pub patches: Vec<Patch>,
     pub to_clip: Vec<ToClip>,
 }
 
-impl Listed {
+impl SortedTriangles {
     /// Lists what is in `leaves` anew.
-    pub fn list(
+    pub fn sort(
         &mut self,
         (map, slabs): (&BentMap, &[SlabLanes]),
-        (casters, vertices): (&Casters, &[Vertex]),
+        (casters, vertices): (&BentCasters, &[Vertex]),
         leaves: &[[u32; 2]],
     ) {
-        self.whole.clear();
+        self.unsplit.clear();
         self.patches.clear();
         self.to_clip.clear();
-        simd::run(List { map, slabs, casters, vertices, leaves, listed: self });
+        simd::run(SortTriangles { map, slabs, casters, vertices, leaves, listed: self });
     }
 }
 
-struct List<'a> {
+struct SortTriangles<'a> {
     map: &'a BentMap<'a>,
     slabs: &'a [SlabLanes],
-    casters: &'a Casters<'a>,
+    casters: &'a BentCasters<'a>,
     vertices: &'a [Vertex],
     leaves: &'a [[u32; 2]],
-    listed: &'a mut Listed,
+    listed: &'a mut SortedTriangles,
 }
 
-impl Work for List<'_> {
+impl SimdTask for SortTriangles<'_> {
     type Output = ();
 
     #[inline(always)]
@@ -67,7 +67,7 @@ impl Work for List<'_> {
             let mut triangle = first;
             while triangle < end {
                 let count = (end - triangle).min(LANES as u32) as usize;
-                self.sixteen(triangle, count, shell);
+                self.sort_sixteen(triangle, count, shell);
                 triangle += LANES as u32;
             }
         }
@@ -77,16 +77,16 @@ impl Work for List<'_> {
 /// Corners of sixteen triangles: in tube space, mapped, and the slabs that hold them.
 struct Corners {
     q: [Vec3s; 3],
-    mapped: [Mapped<F32s>; 3],
+    mapped: [TubePosition<F32s>; 3],
     slab: [U32s; 3],
     /// The bounds of the first corner's slab.
     bounds: [F32s; 4],
 }
 
-impl List<'_> {
+impl SortTriangles<'_> {
     /// Lists up to sixteen triangles of a leaf.
     #[inline(always)]
-    fn sixteen(&mut self, first: u32, count: usize, shell: u32) {
+    fn sort_sixteen(&mut self, first: u32, count: usize, shell: u32) {
         let corners = self.corners(first, count);
         let mut there = Masks::of(false);
         for i in 0..count {
@@ -95,18 +95,18 @@ impl List<'_> {
         let [slab_a, slab_b, slab_c] = corners.slab;
         let in_one = there & slab_a.equals(slab_b) & slab_a.equals(slab_c) & below(slab_a, self.slabs.len());
         if in_one.any() {
-            self.in_one_slab(&corners, in_one, (first, count, shell));
+            self.sort_in_one_slab(&corners, in_one, (first, count, shell));
         }
         let across = there & !in_one;
         if across.any() {
-            self.across_slabs(&corners, across, (first, count, shell));
+            self.sort_across_slabs(&corners, across, (first, count, shell));
         }
     }
 
     #[inline(always)]
     fn corners(&self, first: u32, count: usize) -> Corners {
         let (zero, none) = (F32s::splat(0.0), Vec3s::splat([0.0; 3]));
-        let nowhere = Mapped { v: zero, w: zero, r: zero, t: zero };
+        let nowhere = TubePosition { v: zero, w: zero, r: zero, t: zero };
         let mut corners =
             Corners { q: [none; 3], mapped: [nowhere; 3], slab: [U32s::splat(0); 3], bounds: [zero; 4] };
         for i in 0..LANES {
@@ -136,7 +136,7 @@ impl List<'_> {
     }
 
     #[inline(always)]
-    fn in_one_slab(&mut self, corners: &Corners, here: Masks, (first, count, shell): (u32, usize, u32)) {
+    fn sort_in_one_slab(&mut self, corners: &Corners, here: Masks, (first, count, shell): (u32, usize, u32)) {
         let [qa, qb, qc] = corners.q;
         let [a, b, c] = &corners.mapped;
         // Nearly all are. Looking closer here would cost every triangle nine solves.
@@ -164,7 +164,7 @@ impl List<'_> {
             let mapped = [a.lane(i), b.lane(i), c.lane(i)];
             // Patches know their triangle, and by it their holes.
             if safe.lane(i) && caster >= INSIDE_OUT {
-                self.listed.whole.push([mapped[0].corner(), mapped[1].corner(), mapped[2].corner()]);
+                self.listed.unsplit.push([mapped[0].corner(), mapped[1].corner(), mapped[2].corner()]);
             } else {
                 let q = [qa.lane(i), qb.lane(i), qc.lane(i)];
                 self.listed.patches.push(Patch { q, mapped, slab: corners.slab[0].0[i], caster });
@@ -173,7 +173,12 @@ impl List<'_> {
     }
 
     #[inline(always)]
-    fn across_slabs(&mut self, corners: &Corners, across: Masks, (first, count, shell): (u32, usize, u32)) {
+    fn sort_across_slabs(
+        &mut self,
+        corners: &Corners,
+        across: Masks,
+        (first, count, shell): (u32, usize, u32),
+    ) {
         let near = across & near_all(self.map.bounds, &corners.q);
         if !near.any() {
             return;

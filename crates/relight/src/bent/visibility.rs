@@ -1,38 +1,40 @@
 //! How much of a bent light nothing is in the way of: the twin of `bent_visibility` of `bendy.wgsl`.
 
-use light::{Lanes, Mask, Root};
+use light::{Lanes, Mask, TubeRoot};
 
 use super::lookup::{MapTexel, Pair, map_texel};
-use super::{Bent, BentMapPlace};
-use crate::Scene;
+use super::{BentMapParams, RelitBent};
+use crate::CasterScene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
-use crate::nearby::{self, Met};
-use crate::surfaces::Surface;
-use crate::visibility::{Facing, LitTexels, Receiver, asks_scene, decided, facing, filtered, gathered};
+use crate::nearby::{self, ReceiverPoint};
+use crate::surfaces::SurfaceLanes;
+use crate::visibility::{
+    Facing, LitTexels, Receiver, facing, filter_visibility, gathered, needs_exact_trace, resolve_visibility,
+};
 
 /// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
 /// than this, and what the map cannot tell the scene is asked; ...
-const GRAZING: f32 = 1.0;
+const GRAZING_TEXELS: f32 = 1.0;
 /// ... more than this, and the scene is asked whatever the map tells; ...
 const EDGE_ON: f32 = 256.0;
 /// ... the map is believed as if it were this at most; ...
-const STEEP: f32 = 4.0;
+const MAX_RUN_TEXELS: f32 = 4.0;
 /// ... casters stray from the surface as if it were this at most; ...
-const STEEP_CASTER: f32 = 32.0;
+const MAX_CASTER_RUN_TEXELS: f32 = 32.0;
 /// ... and seen edge on it runs so far.
-const STEEPEST: f32 = 4096.0;
+const EDGE_ON_RUN_TEXELS: f32 = 4096.0;
 /// What is nearer than that, where light grazes ...
-const REACH: f32 = 48.0;
+const REACH_TEXELS: f32 = 48.0;
 /// ... and else, ...
-const NEAR_REACH: f32 = 8.0;
+const NEAR_REACH_TEXELS: f32 = 8.0;
 /// ... or than the plane runs to the farthest of the texels around, so many steps away, is left to the scene.
 const STEPS_AROUND: f32 = 1.5;
 /// A path is followed in pieces, each as long as all that are nearer to the surface: a chord strays by less the nearer it is. The
 /// first has so many widths of a texel at most, from which its chord strays by some hundredths of one, ...
 const FIRST_PIECE: f32 = 16.0;
 /// ... or there are as many as this.
-const MOST_PIECES: usize = 12;
+const MAX_PIECES: usize = 12;
 
 /// A receiver's place on the map, and what its own plane looks like there.
 struct BentReceiver {
@@ -71,18 +73,18 @@ impl Receiver for BentReceiver {
         // A texel that nothing was drawn to holds the last depth, and a plane may run on past it.
         let latest = self.far * F32s::splat(1.0 - 1.0 / 4_194_304.0);
         let stored = gathered(map, self.face, first);
-        let mut lit = LitTexels { told: [beyond; 4], left: [beyond; 4] };
+        let mut lit = LitTexels { resolved: [beyond; 4], deferred: [beyond; 4] };
         for k in 0..4 {
             let stored = stored[k] * self.far;
-            lit.told[k] = lit.told[k] | stored.ge((expected[k] - self.tolerance).least(latest));
-            lit.left[k] = lit.left[k] | stored.ge((expected[k] - self.reach).least(latest));
+            lit.resolved[k] = lit.resolved[k] | stored.ge((expected[k] - self.tolerance).least(latest));
+            lit.deferred[k] = lit.deferred[k] | stored.ge((expected[k] - self.reach).least(latest));
         }
         lit
     }
 }
 
 /// What is known of a path at a root.
-struct Path {
+struct PathFrame {
     v_hat: Vec3s,
     w_hat: Vec3s,
     /// Half the derivatives of position, first and second.
@@ -98,15 +100,15 @@ struct Path {
 }
 
 /// Where a point beside a root's lies in the tube, or past its rim.
-struct Lifted {
+struct OffsetPoint {
     dt: F32s,
     vw_len: Pair,
     radius: F32s,
 }
 
-impl Bent {
+impl RelitBent {
     #[inline(always)]
-    fn path(&self, root: &Root<F32s>, v: F32s, w: F32s) -> Path {
+    fn path(&self, root: &TubeRoot<F32s>, v: F32s, w: F32s) -> PathFrame {
         let curve = &self.tube.segments[root.segment].curve;
         let (v_hat, w_hat) = (root.v_hat, F32s::cross(root.u_hat, root.v_hat));
         let d = curve.d(root.u);
@@ -117,7 +119,7 @@ impl Bent {
         let tangent = root.u_hat * (center_speed - F32s::dot(root.r, u_hat_derivative))
             + (v_hat * v + w_hat * w) * radius_derivative
             + F32s::cross(root.u_hat, root.r) * twist;
-        Path {
+        PathFrame {
             v_hat,
             w_hat,
             d,
@@ -132,7 +134,12 @@ impl Bent {
 
     /// The place beside a root, to second order in `lift`, which is short. `sigma` is `|P'| - r . u_hat'`.
     #[inline(always)]
-    fn lifted(&self, (root, path): (&Root<F32s>, &Path), lift: Vec3s, sigma: F32s) -> Lifted {
+    fn offset_point(
+        &self,
+        (root, path): (&TubeRoot<F32s>, &PathFrame),
+        lift: Vec3s,
+        sigma: F32s,
+    ) -> OffsetPoint {
         let (zero, one, two) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(2.0));
         let curve = &self.tube.segments[root.segment].curve;
         // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
@@ -151,7 +158,11 @@ impl Bent {
         let w_len = F32s::dot(r_there, F32s::cross(u_hat, v_hat));
         let turned = path.twist * dt;
         let radius = root.radius + (path.radius_derivative + curve.ar * dt) * dt;
-        Lifted { dt, vw_len: [v_len + turned * w_len, w_len - turned * v_len], radius: radius.most(zero) }
+        OffsetPoint {
+            dt,
+            vw_len: [v_len + turned * w_len, w_len - turned * v_len],
+            radius: radius.most(zero),
+        }
     }
 
     /// How much of the arriving light nothing is in the way of, where it is `asked`.
@@ -162,17 +173,17 @@ impl Bent {
     #[inline(always)]
     pub(super) fn visibility(
         &self,
-        scene: &Scene,
+        scene: &CasterScene,
         map: &DepthMap,
-        surface: &Surface,
-        (root, v, w): (&Root<F32s>, F32s, F32s),
+        surface: &SurfaceLanes,
+        (root, v, w): (&TubeRoot<F32s>, F32s, F32s),
         asked: Masks,
     ) -> F32s {
         let zero = F32s::splat(0.0);
         let path = self.path(root, v, w);
         let arriving = self.world_vector(path.tangent);
         let arriving = arriving * (F32s::splat(-1.0) / F32s::length(arriving));
-        let Facing { asked, faces_light, normal } = facing(scene, surface, arriving, asked);
+        let Facing { active: asked, faces_light, normal } = facing(scene, surface, arriving, asked);
         if !asked.any() {
             return zero;
         }
@@ -180,30 +191,36 @@ impl Bent {
         let sigma = (path.center_speed - curvature).most(F32s::splat(0.1) * path.center_speed);
         let world_per_tube = F32s::splat(self.world_per_tube);
         let lift = self.tube_vector(surface.normal) * (surface.terminator_offset / world_per_tube);
-        let lifted = self.lifted((root, &path), lift, sigma);
+        let lifted = self.offset_point((root, &path), lift, sigma);
         let on_map = map_texel(&self.map, map.side() as f32, lifted.vw_len, lifted.radius);
 
         let normal = self.tube_vector(normal);
         let plane = (normal, faces_light);
         let (receiver, width, grazes) = self.receiver(root, (&path, v, w), &lifted, &on_map, plane);
         let run = length2(receiver.step);
-        let shares = filtered(&receiver, map, self.map.filter);
-        let is_untold = asks_scene(shares, grazes) | shares.told.lt(shares.left);
-        let is_edge_on = run.gt(F32s::splat(EDGE_ON) * width) & shares.left.gt(zero);
-        let asks = asked & (is_untold | is_edge_on);
+        let shares = filter_visibility(&receiver, map, self.map.filter);
+        let is_deferred = needs_exact_trace(shares, grazes) | shares.resolved.lt(shares.deferred);
+        let is_edge_on = run.gt(F32s::splat(EDGE_ON) * width) & shares.deferred.gt(zero);
+        let asks = asked & (is_deferred | is_edge_on);
         // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
         let two = F32s::splat(2.0);
-        let back = F32s::select(is_untold, two * receiver.reach + run, two * F32s::splat(REACH) * width);
+        let back =
+            F32s::select(is_deferred, two * receiver.reach + run, two * F32s::splat(REACH_TEXELS) * width);
         let back = back / on_map.gain;
         let t = F32s::splat(root.segment as f32) + root.u + lifted.dt;
         let radii = F32s::select(lifted.radius.gt(zero), lifted.radius, F32s::splat(1.0));
         let (v, w) = (lifted.vw_len[0] / radii, lifted.vw_len[1] / radii);
-        let visibility = decided(shares, asks, |i| {
+        let visibility = resolve_visibility(shares, asks, |i| {
             let first = FIRST_PIECE * width.0[i] / on_map.gain.0[i];
             let [t, v, w, back] = [t, v, w, back].map(|x| x.0[i]);
             let reaches = |pieces: &usize| first * (1_u32 << (pieces - 1)) as f32 >= back;
-            let pieces = (1..MOST_PIECES).find(reaches).unwrap_or(MOST_PIECES);
-            self.is_met_on_path(scene, &surface.met(i), ([t, v, w], back, pieces), faces_light.lane(i))
+            let pieces = (1..MAX_PIECES).find(reaches).unwrap_or(MAX_PIECES);
+            self.is_path_occluded(
+                scene,
+                &surface.receiver_point(i),
+                ([t, v, w], back, pieces),
+                faces_light.lane(i),
+            )
         });
         F32s::select(asked, visibility, zero)
     }
@@ -212,9 +229,9 @@ impl Bent {
     #[inline(always)]
     fn receiver(
         &self,
-        root: &Root<F32s>,
-        (path, v, w): (&Path, F32s, F32s),
-        lifted: &Lifted,
+        root: &TubeRoot<F32s>,
+        (path, v, w): (&PathFrame, F32s, F32s),
+        lifted: &OffsetPoint,
         on_map: &MapTexel,
         (normal, faces_light): (Vec3s, Masks),
     ) -> (BentReceiver, F32s, Masks) {
@@ -226,8 +243,8 @@ impl Bent {
         let footprint = texel_width(place, on_map, (lifted.radius, path)) / speed;
         // Seen edge on, the plane runs off along the light within a texel: the way it leans.
         let edge_on = length2(leaning) * speed;
-        let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / STEEPEST));
-        let caster_facing = facing.most(edge_on * F32s::splat(1.0 / STEEP_CASTER));
+        let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / EDGE_ON_RUN_TEXELS));
+        let caster_facing = facing.most(edge_on * F32s::splat(1.0 / MAX_CASTER_RUN_TEXELS));
         let rise = lifted.radius / facing;
         let step = [
             rise * dot2(leaning, on_map.right) * on_map.gain,
@@ -237,11 +254,12 @@ impl Bent {
         // plane moved so far along its normal is met e / (n . T) earlier.
         let width = footprint * on_map.gain;
         let run = length2(step);
-        let grazes = !faces_light | run.gt(F32s::splat(GRAZING) * width);
-        let near = F32s::select(grazes, F32s::splat(REACH), F32s::splat(NEAR_REACH)) * width;
+        let grazes = !faces_light | run.gt(F32s::splat(GRAZING_TEXELS) * width);
+        let near = F32s::select(grazes, F32s::splat(REACH_TEXELS), F32s::splat(NEAR_REACH_TEXELS)) * width;
         let rounding =
             F32s::splat(place.t_last / 4_194_304.0) + F32s::splat(place.mesh_error) / caster_facing;
-        let tolerance = F32s::splat(place.tolerance_texels) * (width + run.least(F32s::splat(STEEP) * width))
+        let tolerance = F32s::splat(place.tolerance_texels)
+            * (width + run.least(F32s::splat(MAX_RUN_TEXELS) * width))
             + rounding * on_map.gain;
         let receiver = BentReceiver {
             face: on_map.face,
@@ -256,7 +274,7 @@ impl Bent {
     }
 }
 
-impl Bent {
+impl RelitBent {
     /// The points of the paths of constant (v, w) at `t`, in tube space.
     #[inline(always)]
     fn path_points(&self, t: F32s, v: F32s, w: F32s) -> Vec3s {
@@ -278,10 +296,10 @@ impl Bent {
 
     /// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there, in so many
     /// pieces.
-    fn is_met_on_path(
+    fn is_path_occluded(
         &self,
-        scene: &Scene,
-        surface: &Met,
+        scene: &CasterScene,
+        surface: &ReceiverPoint,
         ([t, v, w], back, pieces): ([f32; 3], f32, usize),
         faces_light: bool,
     ) -> bool {
@@ -296,13 +314,13 @@ impl Bent {
         let ways = self.world_vector(from_end) * F32s::splat(self.world_per_tube);
         let end = surface.shadow_position();
         // Light that bends may have come through the surface's own triangle before.
-        if faces_light && nearby::is_behind_its_own(scene, surface, end + ways.lane(0)) {
+        if faces_light && nearby::crosses_own_triangle(scene, surface, end + ways.lane(0)) {
             return true;
         }
         let (mut before, mut own) = (end, Some(surface.triangle));
         for piece in 0..pieces {
             let here = end + ways.lane(piece);
-            if nearby::is_met(scene, (before, here - before), own, surface.depth) {
+            if nearby::is_segment_occluded(scene, (before, here - before), own, surface.depth) {
                 return true;
             }
             (before, own) = (here, None);
@@ -314,7 +332,7 @@ impl Bent {
 /// The speed by which a map's error along the light is measured, of a path at (v, w): on a wide cone far from that of the
 /// centre.
 #[inline(always)]
-fn map_speed(place: &BentMapPlace, path: &Path, v: F32s, w: F32s) -> F32s {
+fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s {
     if place.slope.is_none() {
         return path.center_speed;
     }
@@ -323,7 +341,7 @@ fn map_speed(place: &BentMapPlace, path: &Path, v: F32s, w: F32s) -> F32s {
 
 /// How wide the steps of (v, w) from texel to texel are for a path.
 #[inline(always)]
-fn texel_width(place: &BentMapPlace, texel: &MapTexel, (radius, path): (F32s, &Path)) -> F32s {
+fn texel_width(place: &BentMapParams, texel: &MapTexel, (radius, path): (F32s, &PathFrame)) -> F32s {
     if place.slope.is_none() {
         return radius * length2(texel.right).most(length2(texel.down));
     }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{F32s, Surface, Vec3s, reflected};
+use super::{F32s, SurfaceLanes, Vec3s, evaluate_brdf};
 use crate::lanes::{LANES, Masks, U32s};
 
 /// Largest error, as a share. Directions are unit to an ulp of 2^-24, and what a highlight is narrow by, `tan^2 / alpha^2`,
@@ -85,13 +85,13 @@ fn cases() -> Vec<[Case; LANES]> {
     (0..100).map(|group| std::array::from_fn(|lane| one(group * LANES + lane + 1))).collect()
 }
 
-fn in_lanes(cases: &[Case; LANES]) -> (Surface, Vec3s) {
+fn in_lanes(cases: &[Case; LANES]) -> (SurfaceLanes, Vec3s) {
     let vectors = |of: fn(&Case) -> DVec3| {
         let axis = |k: usize| F32s(std::array::from_fn(|lane| of(&cases[lane])[k] as f32));
         Vec3s { x: axis(0), y: axis(1), z: axis(2) }
     };
     let numbers = |of: fn(&Case) -> f64| F32s(std::array::from_fn(|lane| of(&cases[lane]) as f32));
-    let surface = Surface {
+    let surface = SurfaceLanes {
         exists: Masks([u32::MAX; LANES]),
         position: Vec3s::splat([0.0; 3]),
         depth: F32s::splat(1.0),
@@ -112,7 +112,7 @@ fn off(dropped: Option<Factor>) -> usize {
     let mut off = 0;
     for cases in cases() {
         let (surface, to_light) = in_lanes(&cases);
-        let lobes = reflected(&surface, to_light);
+        let lobes = evaluate_brdf(&surface, to_light);
         for (lane, case) in cases.iter().enumerate() {
             let found = [lobes.diffuse, lobes.specular].map(|lobe| lobe.lane(lane).as_dvec3());
             let close = |(found, expected): (DVec3, DVec3)| {

@@ -1,11 +1,11 @@
 //! Powers and angles against double precision.
 
 use super::*;
-use crate::simd::{self, Work};
+use crate::simd::{self, SimdTask};
 
 struct Both(F32s, f32, F32s);
 
-impl Work for Both {
+impl SimdTask for Both {
     type Output = (F32s, F32s);
 
     #[inline(always)]

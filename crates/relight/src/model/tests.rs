@@ -1,16 +1,16 @@
 //! Sixteen lanes have the bits of one: what `f32` finds in a light, they find too.
 
 use light::parameters::{DIRECTION, END_MODE, FRAME, PROFILE};
-use light::{Direction, EndMode, Frame, Light, ProfileCurve, Root, Tube};
+use light::{DirectionMode, EndMode, FrameMode, Light, ProfileCurve, Tube, TubeRoot};
 
 use super::*;
-use crate::bent::in_lanes;
-use crate::simd::{self, Work};
+use crate::bent::splat_tube;
+use crate::simd::{self, SimdTask};
 
 /// Numbers from 0 to 1 that are the same everywhere: a linear congruence.
-struct Spread(u32);
+struct RandomNumbers(u32);
 
-impl Spread {
+impl RandomNumbers {
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (self.0 >> 8) as f32 / 16_777_216.0
@@ -27,8 +27,8 @@ fn lights() -> Vec<Light> {
     let straight = bent(&[[0.0; 3], [0.0, 0.0, -1.0], [0.0, 0.0, -2.0]], &[0.0, 0.4, 0.8]);
     let mut all = Vec::new();
     for light in [bow, straight] {
-        for frame in [Frame::RotationMinimizing, Frame::Up] {
-            for direction in [Direction::Tube, Direction::Path] {
+        for frame in [FrameMode::RotationMinimizing, FrameMode::Up] {
+            for direction in [DirectionMode::Tube, DirectionMode::Path] {
                 for end in [EndMode::Cut, EndMode::Extend] {
                     let light = light.clone().with(FRAME, frame).with(DIRECTION, direction);
                     all.push(light.with(END_MODE, end));
@@ -47,7 +47,7 @@ struct OnSegment<'a> {
     q: Vec3s,
 }
 
-impl Work for OnSegment<'_> {
+impl SimdTask for OnSegment<'_> {
     type Output = ([Masks; 2], [[F32s; 8]; 2]);
 
     #[inline(always)]
@@ -73,7 +73,7 @@ fn at(tube: &Tube<F32s>, segment: usize, q: Vec3s, u: F32s) -> (Masks, [F32s; 8]
     (is_inside, [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s])
 }
 
-fn of_one(tube: &Tube<f32>, root: &Root<f32>) -> [f32; 8] {
+fn of_one(tube: &Tube<f32>, root: &TubeRoot<f32>) -> [f32; 8] {
     let direction = tube.direction_at(root);
     let s = tube.path_length(root);
     [root.u, root.v_len, root.w_len, root.radius, direction.x, direction.y, direction.z, s]
@@ -81,11 +81,11 @@ fn of_one(tube: &Tube<f32>, root: &Root<f32>) -> [f32; 8] {
 
 #[test]
 fn sixteen_lanes_find_what_one_finds() {
-    let mut spread = Spread(7);
+    let mut spread = RandomNumbers(7);
     let mut compared = 0;
     for light in lights() {
         let tube = Tube::new(&light).expect("the light is sound");
-        let (one, many) = (Tube::<f32>::from(&tube), in_lanes(&tube));
+        let (one, many) = (Tube::<f32>::from(&tube), splat_tube(&tube));
         for _ in 0..200 {
             let mut q = Vec3s::splat([0.0; 3]);
             for i in 0..LANES {
@@ -118,30 +118,30 @@ fn sixteen_lanes_find_what_one_finds() {
 }
 
 /// What becomes of light on its way, a share each.
-struct Shares<'a>(&'a light::LightFilter, [F32s; 3]);
+struct Shares<'a>(&'a light::LightProfile, [F32s; 3]);
 
-impl Work for Shares<'_> {
+impl SimdTask for Shares<'_> {
     type Output = F32s;
 
     #[inline(always)]
     fn run(self) -> F32s {
         let Self(filter, [v, w, s]) = self;
-        filter.share_at(v, w, s)
+        filter.attenuation_at(v, w, s)
     }
 }
 
 /// Powers and angles are computed otherwise in lanes: within what `elementary` says of them, times what follows.
 #[test]
 fn light_falls_off_as_it_does_in_double_precision() {
-    let mut spread = Spread(3);
+    let mut spread = RandomNumbers(3);
     let light = lights().remove(0);
     for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power, ProfileCurve::Cosine] {
         let tube = Tube::new(&light.clone().with(PROFILE, curve)).expect("the light is sound");
         for _ in 0..500 {
             let places = [0; 3].map(|_| spread.next());
-            let many = simd::run(Shares(&tube.light_filter, places.map(F32s::splat)));
+            let many = simd::run(Shares(&tube.light_profile, places.map(F32s::splat)));
             let [v, w, s] = places.map(f64::from);
-            let one = tube.light_filter.share_at(v, w, s);
+            let one = tube.light_profile.attenuation_at(v, w, s);
             // f32 rounds (1 - share) / span, span a fifth or so of what it is of, and curves are at most three times as steep.
             assert!(
                 (f64::from(many.0[5]) - one).abs() < 1e-5,

@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 
-use super::{is_beside, rounding};
-use crate::HierarchyNode;
+use super::{misses_box, rounding_error};
+use crate::CasterHierarchyNode;
 
 /// What is held against it: a box and a segment.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +34,13 @@ fn cases() -> impl Strategy<Value = Case> {
 
 impl Case {
     fn slack(&self) -> f32 {
-        rounding(self.start) + rounding(self.start + self.way)
+        rounding_error(self.start) + rounding_error(self.start + self.way)
     }
 
     fn is_beside(&self) -> bool {
-        let node = HierarchyNode { min: self.min.into(), max: self.max.into(), triangle_count: 0, next: 0 };
-        is_beside(&node, (self.start + 0.5 * self.way, 0.5 * self.way, self.slack()))
+        let node =
+            CasterHierarchyNode { min: self.min.into(), max: self.max.into(), triangle_count: 0, next: 0 };
+        misses_box(&node, (self.start + 0.5 * self.way, 0.5 * self.way, self.slack()))
     }
 
     /// Whether some of the segment is in the box made larger by `room`, by what is left of it between each pair of planes (Liang

@@ -5,12 +5,12 @@
 pub(super) type ClipCorner<const N: usize> = [f32; N];
 
 /// Most corners of a triangle after five cuts.
-const MOST: usize = 8;
+const MAX_CORNERS: usize = 8;
 
 /// Corners of a convex polygon, in order.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Polygon<const N: usize> {
-    corners: [ClipCorner<N>; MOST],
+    corners: [ClipCorner<N>; MAX_CORNERS],
     count: usize,
 }
 
@@ -20,8 +20,8 @@ impl<const N: usize> Polygon<N> {
     ///
     /// Two triangles that share an edge get the same corners on it: a cut goes from inside to outside, whichever way
     /// round the triangle does, and corners inside stay as they are.
-    pub fn cut(triangle: [ClipCorner<N>; 3], least_w: f32, guard: f32) -> Self {
-        let mut polygon = Self { corners: [[0.0; N]; MOST], count: 0 };
+    pub fn clip(triangle: [ClipCorner<N>; 3], least_w: f32, guard: f32) -> Self {
+        let mut polygon = Self { corners: [[0.0; N]; MAX_CORNERS], count: 0 };
         let is_finite = triangle.as_flattened().iter().all(|x| x.is_finite());
         if is_finite && triangle.iter().all(|corner| corner[..3] != [0.0; 3]) {
             polygon.corners[..3].copy_from_slice(&triangle);
@@ -37,7 +37,7 @@ impl<const N: usize> Polygon<N> {
             [0.0, 1.0, guard, 0.0],
         ];
         for plane in planes {
-            polygon = polygon.cut_by(plane);
+            polygon = polygon.clip_by_plane(plane);
         }
         polygon
     }
@@ -48,8 +48,8 @@ impl<const N: usize> Polygon<N> {
         corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])
     }
 
-    fn cut_by(&self, plane: [f64; 4]) -> Self {
-        let mut cut = Self { corners: [[0.0; N]; MOST], count: 0 };
+    fn clip_by_plane(&self, plane: [f64; 4]) -> Self {
+        let mut cut = Self { corners: [[0.0; N]; MAX_CORNERS], count: 0 };
         let mut push = |corner: ClipCorner<N>| {
             cut.corners[cut.count] = corner;
             cut.count += 1;

@@ -7,7 +7,7 @@
 )]
 
 use super::Band;
-use super::rule::Rule;
+use super::rule::DepthTest;
 use super::wide::{Floats, Ints, LANES};
 
 /// A corner on the face.
@@ -15,18 +15,18 @@ use super::wide::{Floats, Ints, LANES};
 pub(super) struct Corner {
     /// To the right and down from the centre of the first texel, in 1/256 of a texel; at most 2^22 either way.
     pub at: [i32; 2],
-    /// N and D of [`Rule`].
+    /// N and D of [`DepthTest`].
     pub n: f32,
     pub d: f32,
 }
 
-/// A triangle. Its numbers are integers below 2^48 where `Small` has integers, and exact.
+/// A triangle. Its numbers are integers below 2^48 where `SmallTriangle` has integers, and exact.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Large {
+pub(super) struct LargeTriangle {
     /// The first and the last column and row of texels whose centres may be covered.
     pub columns: [i32; 2],
     pub rows: [i32; 2],
-    /// Edge functions as `Small` has them: `c + a i + b j` at the texel in column `i` and row `j` of the face.
+    /// Edge functions as `SmallTriangle` has them: `c + a i + b j` at the texel in column `i` and row `j` of the face.
     a: [f64; 3],
     b: [f64; 3],
     c: [f64; 3],
@@ -34,7 +34,7 @@ pub(super) struct Large {
     d: Plane,
 }
 
-/// A number that is linear on the face, as `Small` has N and D: the first, plus the others times the edge functions of
+/// A number that is linear on the face, as `SmallTriangle` has N and D: the first, plus the others times the edge functions of
 /// the second and the third corner.
 pub(super) type Plane = [f64; 3];
 
@@ -52,7 +52,7 @@ pub(super) struct Run {
     pub d_step: f32,
 }
 
-impl Large {
+impl LargeTriangle {
     /// `None` where it cannot cover a texel of a face with so many a side.
     pub fn new(corners: [Corner; 3], side: usize) -> Option<Self> {
         Self::with_planes(corners, [], side).map(|(large, [])| large)
@@ -117,7 +117,10 @@ impl Large {
         let one = self.a[1] * x + self.b[1] * y + self.c[1];
         let two = self.a[2] * x + self.b[2] * y + self.c[2];
         let [p, q, r] = others;
-        (here(&self.d, one, two), [here(p, one, two), here(q, one, two), here(r, one, two)])
+        (
+            evaluate_plane(&self.d, one, two),
+            [evaluate_plane(p, one, two), evaluate_plane(q, one, two), evaluate_plane(r, one, two)],
+        )
     }
 
     /// What it covers of a row. A quotient of integers below 2^53 is rounded to no integer that it is not, and so its
@@ -156,7 +159,7 @@ impl Large {
 impl Run {
     /// Which texels are covered of the sixteen from `done` texels after its first on, and N and D there.
     #[inline(always)]
-    pub fn sixteen(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
+    pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
         let along = count + Ints::splat(done as i32);
         let covered = Ints::splat(self.count as i32 - 1) - along;
         let along = along.floats();
@@ -168,24 +171,24 @@ impl Run {
 
 /// A plane where the edge functions of the second and the third corner are `one` and `two`.
 #[inline(always)]
-fn here(plane: &Plane, one: f64, two: f64) -> f64 {
+fn evaluate_plane(plane: &Plane, one: f64, two: f64) -> f64 {
     plane[0] + plane[1] * one + plane[2] * two
 }
 
 /// Draws the rows of a triangle that are in a band.
 #[inline(always)]
-pub(super) fn draw<R: Rule>(rule: R, large: &Large, band: &mut Band) {
+pub(super) fn draw<R: DepthTest>(rule: R, large: &LargeTriangle, band: &mut Band) {
     let first = (large.rows[0] as usize).max(band.first);
     let end = (large.rows[1] as usize + 1).min(band.end);
     for row in first..end {
         let Some(run) = large.run(row) else { continue };
-        let in_row = rule.in_row(row);
+        let in_row = rule.row_factor(row);
         let at = (row - band.first) * band.stride + run.first;
         let mut done = 0;
         while done < run.count {
             let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
-            let (covered, n, d) = run.sixteen(done, band.count);
-            *texels = rule.stored(covered, n, d, in_row, Floats(*texels)).0;
+            let (covered, n, d) = run.lanes_from(done, band.lane_indices);
+            *texels = rule.updated_depths(covered, n, d, in_row, Floats(*texels)).0;
             done += LANES;
         }
     }

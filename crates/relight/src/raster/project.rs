@@ -9,19 +9,19 @@ use glam::Mat3;
 use super::clip::ClipCorner;
 use super::large::Corner;
 use super::wide::{Floats, Ints, LANES};
-use super::{Depths, Face, Triangle};
+use super::{DepthRule, MapFace, RasterTriangle};
 
 /// Texels from the middle of a face to the end of the guard band, beyond which triangles are cut.
 const GUARD_TEXELS: f32 = 8192.0;
 /// What has less is as good as at the source: what is divided by more stays within f32.
-const LEAST_W: f32 = 1e-30;
+const MIN_W: f32 = 1e-30;
 /// A float of at most 2^22 that this is added to has its nearest integer in its last bits.
 const ROUND: f32 = 12_582_912.0;
 
 /// From places to a face's texels, and what is interpolated there.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
-    clip_from_place: Mat3,
+    clip_from_map: Mat3,
     pub side: usize,
     /// What has less is cut away.
     pub least_w: f32,
@@ -35,15 +35,15 @@ pub(super) struct Projection {
 }
 
 impl Projection {
-    pub fn new(face: &Face, side: usize) -> Self {
+    pub fn new(face: &MapFace, side: usize) -> Self {
         let near = match face.depths {
-            Depths::Perspective { near } => Some(near),
-            Depths::Bent { .. } | Depths::Orthographic => None,
+            DepthRule::Perspective { near } => Some(near),
+            DepthRule::Bent { .. } | DepthRule::Orthographic => None,
         };
         Self {
-            clip_from_place: face.clip_from_place,
+            clip_from_map: face.clip_from_map,
             side,
-            least_w: near.unwrap_or(LEAST_W),
+            least_w: near.unwrap_or(MIN_W),
             guard: GUARD_TEXELS / (0.5 * side as f32),
             scale: 128.0 * side as f32,
             shift: 128.0 * side as f32 - 128.0,
@@ -53,7 +53,7 @@ impl Projection {
 
     /// A corner in clip coordinates.
     pub fn clip(&self, [x, y, z, value]: [f32; 4]) -> ClipCorner<4> {
-        let matrix = self.clip_from_place;
+        let matrix = self.clip_from_map;
         let axis = |k: usize| {
             let yz = y.mul_add(matrix.y_axis[k], z * matrix.z_axis[k]);
             x.mul_add(matrix.x_axis[k], yz)
@@ -84,7 +84,7 @@ pub(super) struct Corners {
 
 /// X, Y, Z and the value of each corner. Not inlined: among other things, compilers make something slower of it.
 #[inline(never)]
-pub(super) fn by_axes(group: &[Triangle; LANES]) -> [[Floats; 4]; 3] {
+pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[Floats; 4]; 3] {
     let mut places = [[Floats::ZERO; 4]; 3];
     for (lane, triangle) in group.iter().enumerate() {
         for corner in 0..3 {
@@ -99,7 +99,7 @@ pub(super) fn by_axes(group: &[Triangle; LANES]) -> [[Floats; 4]; 3] {
 /// The corners of this number.
 #[inline(always)]
 pub(super) fn project(place: &[Floats; 4], projection: &Projection) -> Corners {
-    let matrix = projection.clip_from_place;
+    let matrix = projection.clip_from_map;
     let clip = [
         clip_axis(place, matrix.x_axis.x, matrix.y_axis.x, matrix.z_axis.x),
         clip_axis(place, matrix.x_axis.y, matrix.y_axis.y, matrix.z_axis.y),

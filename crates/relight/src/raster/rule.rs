@@ -6,74 +6,74 @@
 
 use super::wide::{Floats, Ints};
 
-/// One of [`super::Depths`], as the innermost loops know it.
+/// One of [`super::DepthRule`], as the innermost loops know it.
 ///
 /// They interpolate two numbers that are linear on the face: N, which set-up makes of a corner's value, and D = 1 / w.
-pub(super) trait Rule: Copy + Send + Sync {
+pub(super) trait DepthTest: Copy + Send + Sync {
     /// What a map is cleared to.
     const CLEARED: f32;
 
     /// What D is multiplied by in a row of texels.
-    fn in_row(self, row: usize) -> f32;
+    fn row_factor(self, row: usize) -> f32;
 
     /// What texels store that stored `old`, after a triangle that covers those of `covered`.
-    fn stored(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats;
+    fn updated_depths(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats;
 }
 
 /// N is value / w. The least N / (D * what the row is divided by).
 #[derive(Clone, Copy)]
-pub(super) struct Bent<'a> {
+pub(super) struct BentDepthTest<'a> {
     pub rows: &'a [f32],
 }
 
 /// N is near / w. The greatest.
 #[derive(Clone, Copy)]
-pub(super) struct Perspective;
+pub(super) struct PerspectiveDepthTest;
 
 /// N is the value. The greatest that is at most 1.
 #[derive(Clone, Copy)]
-pub(super) struct Orthographic;
+pub(super) struct OrthographicDepthTest;
 
-impl Rule for Bent<'_> {
+impl DepthTest for BentDepthTest<'_> {
     const CLEARED: f32 = 1.0;
 
     #[inline(always)]
-    fn in_row(self, row: usize) -> f32 {
+    fn row_factor(self, row: usize) -> f32 {
         self.rows[row]
     }
 
     #[inline(always)]
-    fn stored(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats {
+    fn updated_depths(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats {
         let depth = (n / (d * Floats::splat(in_row))).greater(Floats::splat(0.0));
         covered.select_floats(depth, old).lesser(old)
     }
 }
 
-impl Rule for Perspective {
+impl DepthTest for PerspectiveDepthTest {
     const CLEARED: f32 = 0.0;
 
     #[inline(always)]
-    fn in_row(self, _row: usize) -> f32 {
+    fn row_factor(self, _row: usize) -> f32 {
         1.0
     }
 
     #[inline(always)]
-    fn stored(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
+    fn updated_depths(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
         // Rounded, near / near may be more than 1.
         covered.select_floats(n.lesser(Floats::splat(1.0)), old).greater(old)
     }
 }
 
-impl Rule for Orthographic {
+impl DepthTest for OrthographicDepthTest {
     const CLEARED: f32 = 0.0;
 
     #[inline(always)]
-    fn in_row(self, _row: usize) -> f32 {
+    fn row_factor(self, _row: usize) -> f32 {
         1.0
     }
 
     #[inline(always)]
-    fn stored(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
+    fn updated_depths(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
         let covered = covered | n.at_most(Floats::splat(1.0));
         covered.select_floats(n, old).greater(old)
     }

@@ -8,26 +8,26 @@
 use pulp::{Simd, WithSimd};
 
 use super::clip::{ClipCorner, Polygon};
-use super::large::{Corner, Large};
-use super::project::{Corners, Projection, by_axes, is_inside, project};
-use super::small::{LARGEST, Small};
-use super::wide::{COUNT, Floats, Ints, LANES};
-use super::{BAND, Triangle};
+use super::large::{Corner, LargeTriangle};
+use super::project::{Corners, Projection, is_inside, project, transpose_corners};
+use super::small::{MAX_SMALL_TEXELS, SmallTriangle};
+use super::wide::{Floats, Ints, LANE_INDICES, LANES};
+use super::{BAND, RasterTriangle};
 
 /// Some triangles of a face, set up.
 #[derive(Debug, Default)]
-pub(super) struct Piece {
-    pub large: Vec<Large>,
+pub(super) struct OpaquePiece {
+    pub large: Vec<LargeTriangle>,
     /// Of each band.
-    pub small_in: Vec<Vec<Small>>,
+    pub small_by_band: Vec<Vec<SmallTriangle>>,
     /// Of each band: places in `large`.
-    pub large_in: Vec<Vec<u32>>,
+    pub large_by_band: Vec<Vec<u32>>,
 }
 
 /// Sets triangles up.
 pub(super) struct SetUp<'a> {
-    pub piece: &'a mut Piece,
-    pub triangles: &'a [Triangle],
+    pub piece: &'a mut OpaquePiece,
+    pub triangles: &'a [RasterTriangle],
     pub projection: &'a Projection,
 }
 
@@ -54,28 +54,28 @@ impl WithSimd for SetUp<'_> {
     }
 }
 
-impl Piece {
+impl OpaquePiece {
     fn clear(&mut self, bands: usize) {
         self.large.clear();
-        self.small_in.resize_with(bands, Vec::new);
-        self.small_in.iter_mut().for_each(Vec::clear);
-        self.large_in.resize_with(bands, Vec::new);
-        self.large_in.iter_mut().for_each(Vec::clear);
+        self.small_by_band.resize_with(bands, Vec::new);
+        self.small_by_band.iter_mut().for_each(Vec::clear);
+        self.large_by_band.resize_with(bands, Vec::new);
+        self.large_by_band.iter_mut().for_each(Vec::clear);
     }
 
-    fn add_large(&mut self, large: Large) {
+    fn add_large(&mut self, large: LargeTriangle) {
         let [first, last] = large.rows.map(|row| row as usize / BAND);
         for band in first..=last {
-            self.large_in[band].push(self.large.len() as u32);
+            self.large_by_band[band].push(self.large.len() as u32);
         }
         self.large.push(large);
     }
 
     fn add_cut(&mut self, triangle: [ClipCorner<4>; 3], projection: &Projection) {
-        let polygon = Polygon::cut(triangle, projection.least_w, projection.guard);
+        let polygon = Polygon::clip(triangle, projection.least_w, projection.guard);
         for corners in polygon.triangles() {
             let corners = corners.map(|corner| projection.corner(corner));
-            if let Some(large) = Large::new(corners, projection.side) {
+            if let Some(large) = LargeTriangle::new(corners, projection.side) {
                 self.add_large(large);
             }
         }
@@ -88,18 +88,23 @@ fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
     let [least, most] = [p.least(q).least(r), p.greatest(q).greatest(r)];
     let first = (least + Ints::splat(255)).shifted_down(8).greatest(Ints::splat(0));
     let last = most.shifted_down(8).least(Ints::splat(side as i32 - 1));
-    ([first, last], Ints::splat(256 * LARGEST) - (most - least))
+    ([first, last], Ints::splat(256 * MAX_SMALL_TEXELS) - (most - least))
 }
 
 #[inline(always)]
-fn set_up_group(piece: &mut Piece, group: &[Triangle; LANES], count: usize, projection: &Projection) {
-    let places = by_axes(group);
+fn set_up_group(
+    piece: &mut OpaquePiece,
+    group: &[RasterTriangle; LANES],
+    count: usize,
+    projection: &Projection,
+) {
+    let places = transpose_corners(group);
     let corners =
         [project(&places[0], projection), project(&places[1], projection), project(&places[2], projection)];
     let is_whole = is_inside(&corners[0], projection)
         | is_inside(&corners[1], projection)
         | is_inside(&corners[2], projection)
-        | (Ints::splat(count as i32 - 1) - COUNT);
+        | (Ints::splat(count as i32 - 1) - LANE_INDICES);
     let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
     let (columns, is_narrow) = span(p[0], q[0], r[0], projection.side);
     let (rows, is_low) = span(p[1], q[1], r[1], projection.side);
@@ -111,7 +116,7 @@ fn set_up_group(piece: &mut Piece, group: &[Triangle; LANES], count: usize, proj
             let small = smalls.lane(lane);
             let (first, last) = (small.rows[0] as usize / BAND, small.rows[1] as usize / BAND);
             for band in first..=last {
-                piece.small_in[band].push(small);
+                piece.small_by_band[band].push(small);
             }
         } else if is_whole.0[lane] < 0 {
             piece.add_cut(corners.map(|corner| corner.clip.map(|x| x.0[lane])), projection);
@@ -121,7 +126,7 @@ fn set_up_group(piece: &mut Piece, group: &[Triangle; LANES], count: usize, proj
                 n: corner.n.0[lane],
                 d: corner.d.0[lane],
             });
-            if let Some(large) = Large::new(corners, projection.side) {
+            if let Some(large) = LargeTriangle::new(corners, projection.side) {
                 piece.add_large(large);
             }
         }
@@ -130,7 +135,11 @@ fn set_up_group(piece: &mut Piece, group: &[Triangle; LANES], count: usize, proj
 
 /// Triangles whose centres of texels are in `columns` and `rows`, and a condition that holds where they may cover some.
 #[inline(always)]
-fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (Small<Ints, Floats>, Ints) {
+fn small_ones(
+    corners: &[Corners; 3],
+    columns: [Ints; 2],
+    rows: [Ints; 2],
+) -> (SmallTriangle<Ints, Floats>, Ints) {
     let [p, q, r] = [corners[0].at, corners[1].at, corners[2].at];
     let area = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
     let origin = [columns[0] * Ints::splat(256), rows[0] * Ints::splat(256)];
@@ -140,7 +149,7 @@ fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (S
     let area = area.select(area, -area);
     let per_area = Floats::splat(1.0) / area.floats();
     let rests = [second.rest, third.rest];
-    let smalls = Small {
+    let smalls = SmallTriangle {
         columns,
         rows,
         e: [first.e, second.e, third.e],
@@ -155,7 +164,7 @@ fn small_ones(corners: &[Corners; 3], columns: [Ints; 2], rows: [Ints; 2]) -> (S
     (smalls, (area - Ints::splat(1)) | more.select(more, has_first))
 }
 
-/// Edge functions as `Small` has them, and what they would be at the first texel without division by 256, less 256
+/// Edge functions as `SmallTriangle` has them, and what they would be at the first texel without division by 256, less 256
 /// times what they are.
 #[derive(Clone, Copy)]
 struct Edges {
@@ -179,7 +188,7 @@ fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges
     Edges { e, a, b, rest: (start - e * Ints::splat(256)).floats() }
 }
 
-/// As `Small` has N and D, by those at the corners.
+/// As `SmallTriangle` has N and D, by those at the corners.
 #[inline(always)]
 fn plane(x: Floats, second: Floats, third: Floats, per_area: Floats, rests: [Floats; 2]) -> [Floats; 3] {
     let (one, two) = ((second - x) * per_area, (third - x) * per_area);

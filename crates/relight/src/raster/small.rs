@@ -1,4 +1,4 @@
-//! Triangles of at most [`LARGEST`] texels either way, which most are: in integers of 32 bits, 16 texels of a row at a
+//! Triangles of at most [`MAX_SMALL_TEXELS`] texels either way, which most are: in integers of 32 bits, 16 texels of a row at a
 //! time.
 #![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 #![expect(
@@ -7,16 +7,16 @@
 )]
 
 use super::Band;
-use super::rule::Rule;
+use super::rule::DepthTest;
 use super::wide::{Floats, Ints, LANES};
 
 /// Texels from a corner to another, at most: in 1/256 of a texel, twice the product of two such distances fits 32 bits,
 /// and 1/256 of that is exact in f32.
-pub(super) const LARGEST: i32 = 112;
+pub(super) const MAX_SMALL_TEXELS: i32 = 112;
 
 /// A triangle, or 16 of them where its numbers are `Ints` and `Floats`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Small<Int = i32, Float = f32> {
+pub(super) struct SmallTriangle<Int = i32, Float = f32> {
     /// The first and the last column and row of texels whose centres may be covered.
     pub columns: [Int; 2],
     pub rows: [Int; 2],
@@ -30,12 +30,12 @@ pub(super) struct Small<Int = i32, Float = f32> {
     pub d: [Float; 3],
 }
 
-impl Small<Ints, Floats> {
+impl SmallTriangle<Ints, Floats> {
     /// One of them.
     #[inline(always)]
-    pub fn lane(&self, k: usize) -> Small {
+    pub fn lane(&self, k: usize) -> SmallTriangle {
         let Self { columns, rows, e, a, b, n, d } = self;
-        Small {
+        SmallTriangle {
             columns: [columns[0].0[k], columns[1].0[k]],
             rows: [rows[0].0[k], rows[1].0[k]],
             e: [e[0].0[k], e[1].0[k], e[2].0[k]],
@@ -49,7 +49,7 @@ impl Small<Ints, Floats> {
 
 /// Draws the rows of a triangle that are in a band.
 #[inline(always)]
-pub(super) fn draw<R: Rule>(rule: R, small: &Small, band: &mut Band) {
+pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band) {
     let [left, right] = [small.columns[0] as usize, small.columns[1] as usize];
     let top = small.rows[0] as usize;
     let first = top.max(band.first);
@@ -66,22 +66,22 @@ pub(super) fn draw<R: Rule>(rule: R, small: &Small, band: &mut Band) {
         let across = (column - left) as i32;
         let mut at = (first - band.first) * band.stride + column;
         column += LANES;
-        let most = first_edge.most(across, last_row)
-            | second_edge.most(across, last_row)
-            | third_edge.most(across, last_row);
+        let most = first_edge.max_over_rows(across, last_row)
+            | second_edge.max_over_rows(across, last_row)
+            | third_edge.max_over_rows(across, last_row);
         if most < 0 {
             continue;
         }
-        let mut first_e = first_edge.along(across, band.count);
-        let mut second_e = second_edge.along(across, band.count);
-        let mut third_e = third_edge.along(across, band.count);
+        let mut first_e = first_edge.along(across, band.lane_indices);
+        let mut second_e = second_edge.along(across, band.lane_indices);
+        let mut third_e = third_edge.along(across, band.lane_indices);
         for row in first..end {
             let Some(texels) = band.texels[at..].first_chunk_mut::<LANES>() else { return };
             let covered = first_e | second_e | third_e;
             let (one, two) = (second_e.floats(), third_e.floats());
             let n = two.times_plus(n[2], one.times_plus(n[1], n[0]));
             let d = two.times_plus(d[2], one.times_plus(d[1], d[0]));
-            *texels = rule.stored(covered, n, d, rule.in_row(row), Floats(*texels)).0;
+            *texels = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels)).0;
             first_e = first_e + Ints::splat(first_edge.b);
             second_e = second_e + Ints::splat(second_edge.b);
             third_e = third_e + Ints::splat(third_edge.b);
@@ -101,7 +101,7 @@ struct Edge {
 
 impl Edge {
     #[inline(always)]
-    fn new(small: &Small, k: usize, down: i32) -> Self {
+    fn new(small: &SmallTriangle, k: usize, down: i32) -> Self {
         let (e, a, b) = (small.e[k], small.a[k], small.b[k]);
         Self { e: e.wrapping_add(b.wrapping_mul(down)), a, b }
     }
@@ -114,7 +114,7 @@ impl Edge {
 
     /// The greatest that it is at those of the rows up to `last_row`.
     #[inline(always)]
-    fn most(self, across: i32, last_row: i32) -> i32 {
+    fn max_over_rows(self, across: i32, last_row: i32) -> i32 {
         let start = self.e.wrapping_add(self.a.wrapping_mul(across));
         let along = start.wrapping_add(self.a.wrapping_mul(LANES as i32 - 1).max(0));
         along.wrapping_add(self.b.wrapping_mul(last_row).max(0))

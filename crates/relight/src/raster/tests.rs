@@ -12,11 +12,11 @@ use std::sync::OnceLock;
 
 use glam::Mat3;
 
-use super::{Depths, Face, Scratch, Triangle, draw_face};
+use super::{DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face};
 use crate::Workers;
 
 /// A bent light's depths, on a face where they are the values themselves.
-const PLAIN: Depths = Depths::Bent { row: [1.0, 0.0], depth_per_value: 1.0 };
+const PLAIN: DepthRule = DepthRule::Bent { row_divisor: [1.0, 0.0], depth_per_value: 1.0 };
 
 /// Numbers without order, the same each time: xorshift.
 struct Random(u64);
@@ -47,22 +47,22 @@ fn corner(at: [i32; 2], w: f32, value: f32, side: usize) -> [f32; 4] {
 }
 
 /// Corners with w = 1 and the value 1/2.
-fn flat(corners: [[i32; 2]; 3], side: usize) -> Triangle {
+fn flat(corners: [[i32; 2]; 3], side: usize) -> RasterTriangle {
     corners.map(|at| corner(at, 1.0, 0.5, side))
 }
 
 /// A map of these triangles, whose places are clip coordinates.
-fn drawn(triangles: &[Triangle], depths: Depths, side: usize) -> Vec<f32> {
+fn drawn(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<f32> {
     static WORKERS: OnceLock<Workers> = OnceLock::new();
     let mut texels = vec![f32::NAN; side * side];
-    let face = Face { clip_from_place: Mat3::IDENTITY, depths };
-    let workers = WORKERS.get_or_init(|| Workers::of(2));
-    draw_face(&face, &[triangles], workers, &mut Scratch::default(), &mut texels, side);
+    let face = MapFace { clip_from_map: Mat3::IDENTITY, depths };
+    let workers = WORKERS.get_or_init(|| Workers::with_threads(2));
+    draw_face(&face, &[triangles], workers, &mut RasterMemory::default(), &mut texels, side);
     texels
 }
 
 /// How many of these triangles, each drawn alone, cover each texel.
-fn counts(triangles: &[Triangle], depths: Depths, side: usize) -> Vec<usize> {
+fn counts(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<usize> {
     let cleared = drawn(&[], depths, side);
     let mut counts = vec![0; side * side];
     for triangle in triangles {

@@ -20,7 +20,7 @@ pub(super) struct Floats(pub [f32; LANES]);
 pub(super) struct Ints(pub [i32; LANES]);
 
 /// 0, 1, 2 and so on.
-pub(super) const COUNT: Ints = Ints([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
+pub(super) const LANE_INDICES: Ints = Ints([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
 
 /// A function of lanes: `name(a: Type, ...) -> Type = what it does to one lane of each`.
 macro_rules! lanewise {

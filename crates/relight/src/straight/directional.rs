@@ -2,30 +2,31 @@
 //! scene's origin; light travels along -z.
 
 use glam::Mat4;
-use light::{Lanes, LightFilter, Mask};
+use light::{Lanes, LightProfile, Mask};
 
-use super::{DEPTH_ROUNDING, GRAZING, LightFrame, Located, REACH, nothing, rise_of_facets};
+use super::{DEPTH_ROUNDING, GRAZING_TEXELS, LightFrame, Located, REACH_TEXELS, no_light, rise_of_facets};
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
-use crate::shape::{Sample, Shape};
-use crate::surfaces::Surface;
+use crate::shape::{LightSampleLanes, RelitShape};
+use crate::surfaces::SurfaceLanes;
 use crate::visibility::{
-    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+    Facing, LitTexels, Receiver, beyond_map, facing, filter_visibility, fit_of, gathered,
+    resolve_along_segment, texel_at,
 };
-use crate::{Scene, ShadowFilter};
+use crate::{CasterScene, ShadowFilter};
 
 /// A directional light as it is drawn.
 #[derive(Debug)]
-pub struct Directional {
+pub struct RelitDirectional {
     frame: LightFrame,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     window: [f32; 4],
-    map: DirectionalMapPlace,
+    map: DirectionalMapParams,
 }
 
 /// What a directional light's map shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct DirectionalMapPlace {
+pub struct DirectionalMapParams {
     /// Middle and 1 / half size of it, along x and y.
     pub fit: [f32; 4],
     /// The z that has the map's depth 0: none of the scene is below.
@@ -38,16 +39,16 @@ pub struct DirectionalMapPlace {
     pub filter: ShadowFilter,
 }
 
-impl Directional {
+impl RelitDirectional {
     /// `light_from_scene` turns scene space to light space. The place across the window is (-x, y) times the first two
     /// of `window` plus the others: 0 where it has no end.
     pub fn new(
         light_from_scene: Mat4,
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         window: [f32; 4],
-        map: DirectionalMapPlace,
+        map: DirectionalMapParams,
     ) -> Self {
-        Self { frame: LightFrame::new(light_from_scene), light_filter, window, map }
+        Self { frame: LightFrame::new(light_from_scene), light_profile, window, map }
     }
 
     #[inline(always)]
@@ -58,27 +59,33 @@ impl Directional {
         let v = F32s::splat(shift_v) - position.x * F32s::splat(scale_v);
         let w = position.y * F32s::splat(scale_w) + F32s::splat(shift_w);
         let toward = self.frame.scene_vector(Vec3s { x: zero, y: zero, z: one });
-        Located { inside: v.abs().le(one) & w.abs().le(one), v, w, s: zero, toward }
+        Located { inside: v.abs().le(one) & w.abs().le(one), v, w, s: zero, to_light: toward }
     }
 }
 
-impl Shape for Directional {
-    fn light_filter(&self) -> &LightFilter {
-        &self.light_filter
+impl RelitShape for RelitDirectional {
+    fn light_profile(&self) -> &LightProfile {
+        &self.light_profile
     }
 
     #[inline(always)]
-    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+    fn sample(
+        &self,
+        scene: &CasterScene,
+        map: Option<&DepthMap>,
+        surface: &SurfaceLanes,
+        asked: Masks,
+    ) -> LightSampleLanes {
         let mut located = self.locate(surface.position);
         located.inside = located.inside & asked;
         if !located.inside.any() {
-            return nothing();
+            return no_light();
         }
         let visibility = match map {
-            Some(map) => self.visibility(scene, map, surface, located.toward, located.inside),
+            Some(map) => self.visibility(scene, map, surface, located.to_light, located.inside),
             None => F32s::splat(1.0),
         };
-        located.sample(&self.light_filter, visibility)
+        located.sample(&self.light_profile, visibility)
     }
 }
 
@@ -109,31 +116,31 @@ impl Receiver for DirectionalReceiver {
         let rises = [corner, corner + right, corner + down, corner + (right + down)];
         let stored = gathered(map, U32s::splat(0), first);
         let beyond = beyond_map(first, map.side());
-        let mut lit = LitTexels { told: beyond, left: beyond };
+        let mut lit = LitTexels { resolved: beyond, deferred: beyond };
         for k in 0..4 {
             // Nothing is below 0, which is what the map holds where there is nothing.
             let plane = (self.depth + rises[k].within(-self.most, self.most)).most(F32s::splat(0.0));
-            lit.told[k] = lit.told[k] | stored[k].le(plane + self.tolerance);
-            lit.left[k] = lit.left[k] | stored[k].le(plane + self.reach);
+            lit.resolved[k] = lit.resolved[k] | stored[k].le(plane + self.tolerance);
+            lit.deferred[k] = lit.deferred[k] | stored[k].le(plane + self.reach);
         }
         lit
     }
 }
 
-impl Directional {
+impl RelitDirectional {
     /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
     /// height that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
     #[inline(always)]
     fn visibility(
         &self,
-        scene: &Scene,
+        scene: &CasterScene,
         map: &DepthMap,
-        surface: &Surface,
+        surface: &SurfaceLanes,
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
         let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
+        let Facing { active: asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
@@ -151,7 +158,8 @@ impl Directional {
         let rise_length = (rise[0] * rise[0] + rise[1] * rise[1]).sqrt();
 
         // Nothing is higher than the map's depths reach.
-        let run = (F32s::splat(REACH) * width).most(F32s::splat(1.5) * rise_length).least(one / depth_scale);
+        let run =
+            (F32s::splat(REACH_TEXELS) * width).most(F32s::splat(1.5) * rise_length).least(one / depth_scale);
         // The receiver's own caster strays along the normal; light grazes at a cosine of 0.1 at least. And positions are
         // rounded, as are the map's depths, up to 1.
         let facets = rise_of_facets(width, cosine);
@@ -167,12 +175,12 @@ impl Directional {
             tolerance,
             reach: tolerance.most(most),
         };
-        let shares = filtered(&receiver, map, place.filter);
+        let shares = filter_visibility(&receiver, map, place.filter);
 
         // Beside the receiver a steep caster may be higher than it is here: the scene is asked for twice the reach, and
         // as far as the plane rises in the texels around.
-        let grazes = asked & (!faces_light | rise_length.gt(F32s::splat(GRAZING) * width));
+        let grazes = asked & (!faces_light | rise_length.gt(F32s::splat(GRAZING_TEXELS) * width));
         let way = to_light * (F32s::splat(3.0) * run);
-        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)
     }
 }

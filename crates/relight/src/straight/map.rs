@@ -3,32 +3,35 @@
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
 
-use super::casters::{HoledCasters, StraightFace, StraightMap};
-use super::holed;
+use super::alpha_tested;
+use super::casters::{AlphaTestedCasters, StraightFace, StraightMap};
 use crate::depth_map::DepthMap;
-use crate::raster::{Depths, Face, Holed, HoledTriangle, Scratch, Triangle, draw_face_with_holes};
-use crate::simd::{self, Work};
+use crate::raster::{
+    AlphaTestedTriangle, AlphaTestedTriangles, DepthRule, MapFace, RasterMemory, RasterTriangle,
+    draw_face_with_alpha_tests,
+};
+use crate::simd::{self, SimdTask};
 use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
-const BLOCK: usize = 64;
+const VERTICES_PER_BLOCK: usize = 64;
 /// Leaves of casters that a thread lists at once: as many triangles as the rasteriser sets up at once.
-const LEAVES_A_TURN: usize = 32;
+const LEAVES_PER_CHUNK: usize = 32;
 /// Of a texel: corners may be moved so far where a triangle is drawn.
-const SNAP: f32 = 1.0 / 256.0;
+const SNAP_TEXELS: f32 = 1.0 / 256.0;
 /// What f32 makes of a position of size 1 that was turned and moved.
 const POSITION_ROUNDING: f32 = 1.0 / 4_194_304.0;
 
 /// Memory of making maps of straight lights, kept from one to the next.
 #[derive(Debug, Default)]
-pub struct StraightWork {
-    places: Vec<[f32; 4]>,
-    listed: Vec<Vec<Triangle>>,
-    holed: Vec<Vec<HoledTriangle>>,
-    scratch: Scratch,
+pub struct StraightMapBuilder {
+    map_positions: Vec<[f32; 4]>,
+    listed: Vec<Vec<RasterTriangle>>,
+    holed: Vec<Vec<AlphaTestedTriangle>>,
+    scratch: RasterMemory,
 }
 
-impl StraightWork {
+impl StraightMapBuilder {
     /// Draws all faces. `positions` are in scene space, in blocks of 64; those blocks that leaves have corners in are
     /// `blocks`. `indices` are three a triangle.
     pub fn draw(
@@ -36,33 +39,33 @@ impl StraightWork {
         workers: &Workers,
         map: &StraightMap,
         (positions, blocks, indices): (&[[f32; 3]], &[u32], &[u32]),
-        holed: &HoledCasters,
+        holed: &AlphaTestedCasters,
         into: &mut DepthMap,
     ) -> Result<(), Cancelled> {
         self.map_vertices(workers, map, (positions, blocks));
         let side = into.side();
-        let depths = map.near.map_or(Depths::Orthographic, |near| Depths::Perspective { near });
+        let depths = map.near.map_or(DepthRule::Orthographic, |near| DepthRule::Perspective { near });
         for (index, face) in map.faces.iter().enumerate() {
             let texels = into.face_mut(index);
-            if !face.casts {
+            if !face.has_casters {
                 workers.run(|| texels.par_chunks_mut(side).for_each(|some| some.fill(0.0)));
                 continue;
             }
-            let Self { places, listed, holed: listed_holed, scratch } = self;
+            let Self { map_positions: places, listed, holed: listed_holed, scratch } = self;
             let snap = snap(face, side);
-            let turns = face.leaves.len().div_ceil(LEAVES_A_TURN);
+            let turns = face.leaves.len().div_ceil(LEAVES_PER_CHUNK);
             listed.resize_with(turns, Vec::new);
             workers.run(|| {
-                let turns = listed.par_iter_mut().zip(face.leaves.par_chunks(LEAVES_A_TURN));
+                let turns = listed.par_iter_mut().zip(face.leaves.par_chunks(LEAVES_PER_CHUNK));
                 turns.for_each(|(listed, leaves)| {
                     listed.clear();
-                    simd::run(List { near: map.near, snap, places, indices, leaves, listed });
+                    simd::run(List { near: map.near, snap, map_positions: places, indices, leaves, listed });
                 });
             });
-            holed::list(workers, (map, face), holed, listed_holed);
-            let drawn = Face { clip_from_place: face.clip_from_place, depths };
-            let with_holes = Holed { chunks: listed_holed, tests: holed.tests };
-            draw_face_with_holes(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
+            alpha_tested::list_triangles(workers, (map, face), holed, listed_holed);
+            let drawn = MapFace { clip_from_map: face.clip_from_map, depths };
+            let with_holes = AlphaTestedTriangles { chunks: listed_holed, tests: holed.tests };
+            draw_face_with_alpha_tests(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
         }
         Ok(())
     }
@@ -74,17 +77,18 @@ impl StraightWork {
         map: &StraightMap,
         (positions, blocks): (&[[f32; 3]], &[u32]),
     ) {
-        let places = &mut self.places;
+        let places = &mut self.map_positions;
         places.resize(positions.len(), [0.0; 4]);
-        let mut is_near = vec![false; positions.len().div_ceil(BLOCK)];
+        let mut is_near = vec![false; positions.len().div_ceil(VERTICES_PER_BLOCK)];
         for &block in blocks {
             is_near[block as usize] = true;
         }
         workers.run(|| {
-            let blocks = places.par_chunks_mut(BLOCK).zip(positions.par_chunks(BLOCK));
+            let blocks =
+                places.par_chunks_mut(VERTICES_PER_BLOCK).zip(positions.par_chunks(VERTICES_PER_BLOCK));
             blocks.zip(&is_near).filter(|(_, is_near)| **is_near).for_each(|((places, positions), _)| {
                 for (place, position) in places.iter_mut().zip(positions) {
-                    *place = map.place(*position);
+                    *place = map.map_position(*position);
                 }
             });
         });
@@ -93,35 +97,35 @@ impl StraightWork {
 
 impl StraightMap<'_> {
     #[inline(always)]
-    pub(super) fn place(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
-        let Mat4 { x_axis, y_axis, z_axis, w_axis } = self.place_from_scene;
+    pub(super) fn map_position(&self, [x, y, z]: [f32; 3]) -> [f32; 4] {
+        let Mat4 { x_axis, y_axis, z_axis, w_axis } = self.map_from_scene;
         (x_axis * x + y_axis * y + z_axis * z + w_axis).to_array()
     }
 }
 
 /// How far corners may be moved where a face is drawn: as slopes, or where rays are parallel in world units.
 fn snap(face: &StraightFace, side: usize) -> f32 {
-    let place_from_clip = face.clip_from_place.inverse();
+    let place_from_clip = face.clip_from_map.inverse();
     let half = place_from_clip.x_axis.length_squared().max(place_from_clip.y_axis.length_squared()).sqrt();
-    half * 2.0 / side as f32 * SNAP
+    half * 2.0 / side as f32 * SNAP_TEXELS
 }
 
 /// Lists what of a face's leaves shows.
 struct List<'a> {
     near: Option<f32>,
     snap: f32,
-    places: &'a [[f32; 4]],
+    map_positions: &'a [[f32; 4]],
     indices: &'a [u32],
     leaves: &'a [[u32; 2]],
-    listed: &'a mut Vec<Triangle>,
+    listed: &'a mut Vec<RasterTriangle>,
 }
 
-impl Work for List<'_> {
+impl SimdTask for List<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run(self) {
-        let Self { near, snap, places, indices, leaves, listed } = self;
+        let Self { near, snap, map_positions: places, indices, leaves, listed } = self;
         // Looking along light's way, triangles of a closed surface that face the light turn the one way about a source,
         // and the other about the way to where parallel rays come from.
         let turned = if near.is_some() { 1.0 } else { -1.0 };
@@ -144,8 +148,8 @@ impl Work for List<'_> {
 
 /// Whether light meets a triangle from behind, by more than what moving its corners might turn round.
 #[inline(always)]
-fn faces_away(triangle: &Triangle, sign: f32, [slack, rounding]: [f32; 2]) -> bool {
-    let [a, b, c] = [place(&triangle[0]), place(&triangle[1]), place(&triangle[2])];
+fn faces_away(triangle: &RasterTriangle, sign: f32, [slack, rounding]: [f32; 2]) -> bool {
+    let [a, b, c] = [xyz(&triangle[0]), xyz(&triangle[1]), xyz(&triangle[2])];
     let (ab, ac, bc) = (b - a, c - a, c - b);
     // Six times what it makes with the source: of that for parallel rays, twice its area across the light.
     let volume = sign * a.dot(ab.cross(ac));
@@ -158,6 +162,6 @@ fn faces_away(triangle: &Triangle, sign: f32, [slack, rounding]: [f32; 2]) -> bo
 }
 
 #[inline(always)]
-fn place(corner: &[f32; 4]) -> Vec3 {
+fn xyz(corner: &[f32; 4]) -> Vec3 {
     Vec3::new(corner[0], corner[1], corner[2])
 }

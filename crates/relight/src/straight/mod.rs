@@ -1,34 +1,34 @@
 //! Lights whose rays are straight: where surfaces lie in them, and what their maps say of them. Each shape has its own
 //! place in the light, and its own receiver; they share the pass that draws maps, and what follows from a place.
 
+mod alpha_tested;
 mod casters;
 mod directional;
-mod holed;
 mod map;
 mod omni;
 mod spot;
 
 use glam::Mat4;
-use light::{Lanes, LightFilter, Mask};
+use light::{Lanes, LightProfile, Mask};
 
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::Sample;
+use crate::shape::LightSampleLanes;
 
-pub use casters::{HoledCasters, HoledRun, StraightFace, StraightMap};
-pub use directional::{Directional, DirectionalMapPlace};
-pub use map::StraightWork;
-pub use omni::{Omni, OmniMapPlace};
-pub use spot::{Spot, SpotMapPlace};
+pub use casters::{AlphaTestedCasters, AlphaTestedRun, StraightFace, StraightMap};
+pub use directional::{DirectionalMapParams, RelitDirectional};
+pub use map::StraightMapBuilder;
+pub use omni::{OmniMapParams, RelitOmni};
+pub use spot::{RelitSpot, SpotMapParams};
 
 /// Lengths along the light, in a texel's widths. Where the receiver's plane runs farther than this from texel to texel,
 /// what the map cannot tell the scene is asked; ...
-const GRAZING: f32 = 1.0;
+const GRAZING_TEXELS: f32 = 1.0;
 /// ... farther than this the plane is only followed as the texels around need.
-const REACH: f32 = 48.0;
+const REACH_TEXELS: f32 = 48.0;
 /// Some ulps of a map's largest depth, 1, by which depths that are linear across a triangle are off.
 const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
 /// Largest share that stays finite through the BRDF: nothing is left of this much at the source itself.
-const MOST_SHARE: f32 = 1e15;
+const MAX_SHARE: f32 = 1e15;
 
 /// From scene space to light space: the scene's axes, turned, about the light or the scene's origin.
 #[derive(Clone, Copy, Debug)]
@@ -74,20 +74,20 @@ struct Located {
     /// Length of light's way, in world units; 0 where nothing depends on it.
     s: F32s,
     /// Unit vector to where light comes from, in scene space.
-    toward: Vec3s,
+    to_light: Vec3s,
 }
 
 impl Located {
     /// What surfaces there get of a light of that filter.
     #[inline(always)]
-    fn sample(&self, filter: &LightFilter, visibility: F32s) -> Sample {
-        let most = F32s::splat(MOST_SHARE);
-        let share = filter.share_at(self.v, self.w, self.s);
+    fn sample(&self, filter: &LightProfile, visibility: F32s) -> LightSampleLanes {
+        let most = F32s::splat(MAX_SHARE);
+        let share = filter.attenuation_at(self.v, self.w, self.s);
         // At the source itself light would be infinitely strong.
         let share = F32s::select(share.le(most), share, most);
-        Sample {
+        LightSampleLanes {
             inside: self.inside,
-            direction: self.toward,
+            direction: self.to_light,
             irradiance: Vec3s { x: share, y: share, z: share },
             visibility,
         }
@@ -105,7 +105,7 @@ fn rise_of_facets(width: F32s, cosine: F32s) -> F32s {
 /// far along its normal, its plane has 1 / depth larger by the share `error / (height - error)`, at most by its own size; light
 /// grazes at a cosine of 0.1.
 #[inline(always)]
-fn strayed(height: F32s, way_length: F32s, error: f32) -> F32s {
+fn depth_error(height: F32s, way_length: F32s, error: f32) -> F32s {
     let error = F32s::splat(error);
     let plane_height = height.most(F32s::splat(0.1) * way_length);
     let room = (plane_height - error).most(error);
@@ -116,7 +116,7 @@ fn strayed(height: F32s, way_length: F32s, error: f32) -> F32s {
 /// at most half of it, and farther to the texels around, but for the first tenth. `run` is how far it runs from one to the next, as
 /// a share too.
 #[inline(always)]
-fn followed(reach: F32s, run: F32s) -> F32s {
+fn followed_share(reach: F32s, run: F32s) -> F32s {
     let around = F32s::splat(1.5) * run;
     let to_texels_around = (around / (F32s::splat(1.0) + around)).least(F32s::splat(0.9));
     reach.least(F32s::splat(0.5)).most(to_texels_around)
@@ -124,9 +124,14 @@ fn followed(reach: F32s, run: F32s) -> F32s {
 
 /// Nothing of a light that holds none of the surfaces.
 #[inline(always)]
-fn nothing() -> Sample {
+fn no_light() -> LightSampleLanes {
     let zero = Vec3s::splat([0.0; 3]);
-    Sample { inside: Masks::of(false), direction: zero, irradiance: zero, visibility: F32s::splat(0.0) }
+    LightSampleLanes {
+        inside: Masks::of(false),
+        direction: zero,
+        irradiance: zero,
+        visibility: F32s::splat(0.0),
+    }
 }
 
 #[cfg(test)]

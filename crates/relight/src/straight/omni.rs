@@ -4,28 +4,28 @@
 mod receiver;
 
 use glam::Mat4;
-use light::{Lanes, LightFilter, Mask};
+use light::{Lanes, LightProfile, Mask};
 
-use super::{LightFrame, Located, nothing};
+use super::{LightFrame, Located, no_light};
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::{Sample, Shape};
-use crate::surfaces::Surface;
-use crate::{Scene, ShadowFilter};
+use crate::shape::{LightSampleLanes, RelitShape};
+use crate::surfaces::SurfaceLanes;
+use crate::{CasterScene, ShadowFilter};
 
 /// An omni light as it is drawn.
 #[derive(Debug)]
-pub struct Omni {
+pub struct RelitOmni {
     frame: LightFrame,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     /// Infinite where the light has no end.
     range: f32,
-    map: OmniMapPlace,
+    map: OmniMapParams,
 }
 
 /// What an omni light's map shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct OmniMapPlace {
+pub struct OmniMapParams {
     /// The near plane of its faces: depths are this over the way ahead.
     pub near: f32,
     /// How far what casts shadows may stray from the surface, in world units.
@@ -36,17 +36,17 @@ pub struct OmniMapPlace {
     pub filter: ShadowFilter,
 }
 
-impl Omni {
+impl RelitOmni {
     /// `light_from_scene` takes scene space to light space, by a rotation and a shift. `range` is the distance at which
     /// the light ends, in world units.
     pub fn new(
         light_from_scene: Mat4,
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         range: Option<f32>,
-        map: OmniMapPlace,
+        map: OmniMapParams,
     ) -> Self {
         let range = range.unwrap_or(f32::INFINITY);
-        Self { frame: LightFrame::new(light_from_scene), light_filter, range, map }
+        Self { frame: LightFrame::new(light_from_scene), light_profile, range, map }
     }
 
     #[inline(always)]
@@ -60,7 +60,7 @@ impl Omni {
             v,
             w,
             s,
-            toward: self.frame.scene_vector(position * (F32s::splat(-1.0) / s)),
+            to_light: self.frame.scene_vector(position * (F32s::splat(-1.0) / s)),
         }
     }
 }
@@ -80,22 +80,28 @@ fn on_cube(way: Vec3s) -> [F32s; 2] {
     [left / size, F32s::select(is_y, up_on_y, way.y) / size]
 }
 
-impl Shape for Omni {
-    fn light_filter(&self) -> &LightFilter {
-        &self.light_filter
+impl RelitShape for RelitOmni {
+    fn light_profile(&self) -> &LightProfile {
+        &self.light_profile
     }
 
     #[inline(always)]
-    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+    fn sample(
+        &self,
+        scene: &CasterScene,
+        map: Option<&DepthMap>,
+        surface: &SurfaceLanes,
+        asked: Masks,
+    ) -> LightSampleLanes {
         let mut located = self.locate(surface.position);
         located.inside = located.inside & asked;
         if !located.inside.any() {
-            return nothing();
+            return no_light();
         }
         let visibility = match map {
-            Some(map) => self.visibility(scene, map, surface, located.toward, located.inside),
+            Some(map) => self.visibility(scene, map, surface, located.to_light, located.inside),
             None => F32s::splat(1.0),
         };
-        located.sample(&self.light_filter, visibility)
+        located.sample(&self.light_profile, visibility)
     }
 }

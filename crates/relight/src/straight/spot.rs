@@ -4,29 +4,29 @@
 mod receiver;
 
 use glam::Mat4;
-use light::{Lanes, LightFilter, Mask};
+use light::{Lanes, LightProfile, Mask};
 
-use super::{LightFrame, Located, nothing};
+use super::{LightFrame, Located, no_light};
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
-use crate::shape::{Sample, Shape};
-use crate::surfaces::Surface;
-use crate::{Scene, ShadowFilter};
+use crate::shape::{LightSampleLanes, RelitShape};
+use crate::surfaces::SurfaceLanes;
+use crate::{CasterScene, ShadowFilter};
 
 /// A spotlight as it is drawn.
 #[derive(Debug)]
-pub struct Spot {
+pub struct RelitSpot {
     frame: LightFrame,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     tan_outer: f32,
     /// Infinite where the light has no end.
     range: f32,
-    map: SpotMapPlace,
+    map: SpotMapParams,
 }
 
 /// What a spotlight's map shows. Of one face, or of the front of a cube about the light's axis, +x, -x, +y and -y.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SpotMapPlace {
+pub struct SpotMapParams {
     /// Its near plane: depths are this over the way ahead.
     pub near: f32,
     /// How far what casts shadows may stray from the surface, in world units.
@@ -37,17 +37,17 @@ pub struct SpotMapPlace {
     pub filter: ShadowFilter,
 }
 
-impl Spot {
+impl RelitSpot {
     /// `light_from_scene` takes scene space to light space, by a rotation and a shift. `tan_outer` is the tangent of
     /// the half angle, `range` the axial distance at which the light ends, in world units.
     pub fn new(
         light_from_scene: Mat4,
-        light_filter: LightFilter,
+        light_profile: LightProfile,
         (tan_outer, range): (f32, Option<f32>),
-        map: SpotMapPlace,
+        map: SpotMapParams,
     ) -> Self {
         let range = range.unwrap_or(f32::INFINITY);
-        Self { frame: LightFrame::new(light_from_scene), light_filter, tan_outer, range, map }
+        Self { frame: LightFrame::new(light_from_scene), light_profile, tan_outer, range, map }
     }
 
     #[inline(always)]
@@ -66,27 +66,33 @@ impl Spot {
             v: -x / tan,
             w: y / tan,
             s,
-            toward: self.frame.scene_vector(position * (F32s::splat(-1.0) / s)),
+            to_light: self.frame.scene_vector(position * (F32s::splat(-1.0) / s)),
         }
     }
 }
 
-impl Shape for Spot {
-    fn light_filter(&self) -> &LightFilter {
-        &self.light_filter
+impl RelitShape for RelitSpot {
+    fn light_profile(&self) -> &LightProfile {
+        &self.light_profile
     }
 
     #[inline(always)]
-    fn sample(&self, scene: &Scene, map: Option<&DepthMap>, surface: &Surface, asked: Masks) -> Sample {
+    fn sample(
+        &self,
+        scene: &CasterScene,
+        map: Option<&DepthMap>,
+        surface: &SurfaceLanes,
+        asked: Masks,
+    ) -> LightSampleLanes {
         let mut located = self.locate(surface.position);
         located.inside = located.inside & asked;
         if !located.inside.any() {
-            return nothing();
+            return no_light();
         }
         let visibility = match map {
-            Some(map) => self.visibility(scene, map, surface, located.toward, located.inside),
+            Some(map) => self.visibility(scene, map, surface, located.to_light, located.inside),
             None => F32s::splat(1.0),
         };
-        located.sample(&self.light_filter, visibility)
+        located.sample(&self.light_profile, visibility)
     }
 }

@@ -5,10 +5,10 @@ mod holes;
 mod places;
 mod shadows;
 
-use super::SpotMapPlace;
+use super::SpotMapParams;
 use crate::ShadowFilter;
 
-const SPOT_MAP: SpotMapPlace = SpotMapPlace {
+const SPOT_MAP: SpotMapParams = SpotMapParams {
     near: 0.1,
     mesh_error: 0.0,
     fits: [[0.0, 0.0, 1.0, 1.0]; 5],

@@ -11,7 +11,7 @@ use crate::ShadowSettings;
 use crate::shadow_settings::MapSize;
 
 /// Length of the arrays of faces in the shaders.
-pub(super) const MOST_FACES: usize = 5;
+pub(super) const MAX_FACES: usize = 5;
 /// Largest slope of a tube of one face, `tan 60 degrees`: past it the texels at the middle of a cone would be wider than
 /// those of a cube's faces at half the resolution.
 const LARGEST_SLOPE: f64 = 1.732_050_807_568_877;
@@ -41,7 +41,7 @@ impl Faces {
 
     /// The front, and for a cube those of +V, -V, +W and -W.
     pub fn count(self) -> usize {
-        if self.is_cube() { MOST_FACES } else { 1 }
+        if self.is_cube() { MAX_FACES } else { 1 }
     }
 
     pub fn is_cube(self) -> bool {

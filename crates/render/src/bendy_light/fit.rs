@@ -5,10 +5,10 @@
 //! distance to the tangent at the piece's middle, and V and W are N and M turned about the tangent.
 
 use glam::{DMat3, DVec3};
-use light::{Curve, Frame, Slab, Tube, quadratic_range};
+use light::{Curve, FrameMode, Tube, TubeSlab, quadratic_range};
 
-use super::faces::{Faces, MOST_FACES};
-use crate::clusters::{Cluster, Clusters, OpenSides, Side};
+use super::faces::{Faces, MAX_FACES};
+use crate::clusters::{ClusterBounds, Clusters, OpenSide, OpenSides};
 use crate::shadow_settings::Culling;
 
 /// Pieces that a slab of at most 15 degrees is cut into.
@@ -27,10 +27,10 @@ type Range = [f64; 2];
 
 /// Where in a light something may cast shadows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fit {
+pub(super) struct BendyFit {
     pub faces: Faces,
     /// x / depth and y / depth on each face; `None` where nothing is.
-    pub bounds: [Option<[Range; 2]>; MOST_FACES],
+    pub bounds: [Option<[Range; 2]>; MAX_FACES],
     /// Along the light; `None` where nothing is in it.
     pub t: Option<Range>,
     /// Which sides of the casters' bounds may cast shadows.
@@ -39,13 +39,13 @@ pub(super) struct Fit {
 
 /// What of a face is drawn.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drawn {
+pub(super) struct DrawnFace {
     pub center: [f64; 2],
     /// Half the size.
     pub half: [f64; 2],
 }
 
-impl Fit {
+impl BendyFit {
     /// Fits a map to `clusters`, boxes in scene space; an extended tube ends at `t_max`.
     pub fn new(
         (tube, faces, t_max): (&Tube<f64>, Faces, f64),
@@ -54,10 +54,10 @@ impl Fit {
         culling: Culling,
     ) -> Self {
         let pieces = pieces(tube, t_max, scene_origin);
-        let comes_in = |side: &Side| !culling.sides || comes_in(&pieces, tube, side, scene_origin);
+        let comes_in = |side: &OpenSide| !culling.sides || may_enter(&pieces, tube, side, scene_origin);
         let open_sides = clusters.open_sides(comes_in);
-        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: None, open_sides };
-        let trees: Vec<_> = clusters.casting(open_sides).collect();
+        let mut fit = Self { faces, bounds: [None; MAX_FACES], t: None, open_sides };
+        let trees: Vec<_> = clusters.casting_trees(open_sides).collect();
         for (piece, tree) in pieces.iter().flat_map(|piece| trees.iter().map(move |tree| (piece, tree))) {
             tree.walk(|cluster, has_more| {
                 let Some(here) = piece.bounds_of(cluster) else { return false };
@@ -74,13 +74,13 @@ impl Fit {
     /// All of a light up to `t_max`, and all that it meets.
     pub fn whole(faces: Faces, clusters: &Clusters, t_max: f64) -> Self {
         let open_sides = clusters.open_sides(|_| true);
-        Self { faces, bounds: [None; MOST_FACES], t: Some([0.0, t_max]), open_sides }
+        Self { faces, bounds: [None; MAX_FACES], t: Some([0.0, t_max]), open_sides }
     }
 
-    fn of(faces: Faces, place: &PlaceRange) -> Self {
+    fn of(faces: Faces, place: &CoordsRange) -> Self {
         let depth = place.radius.map(|r| r / faces.slope());
         let open_sides = OpenSides::default();
-        let mut fit = Self { faces, bounds: [None; MOST_FACES], t: Some(place.t), open_sides };
+        let mut fit = Self { faces, bounds: [None; MAX_FACES], t: Some(place.t), open_sides };
         for (face, bounds) in fit.bounds.iter_mut().enumerate().take(faces.count()) {
             let opposite = |[low, high]: Range| [-high, -low];
             let [x, y, ahead] = match face {
@@ -122,13 +122,13 @@ impl Fit {
 
     /// What is drawn of a face of so many texels a side. No more than lies in the tube, whose rim is the map's; beyond
     /// the edge of another face as far as the filter reaches.
-    pub fn drawn(&self, face: usize, side: f64) -> Drawn {
+    pub fn drawn(&self, face: usize, side: f64) -> DrawnFace {
         let limits = self.faces.limits(face);
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
         let bounds = self.bounds[face].unwrap_or(limits);
         let size = [0, 1].map(|axis| bounds[axis][1] - bounds[axis][0]);
         let least = size[0].max(size[1]) * SMALLEST_RATIO;
-        let mut drawn = Drawn { center: [0.0; 2], half: [0.0; 2] };
+        let mut drawn = DrawnFace { center: [0.0; 2], half: [0.0; 2] };
         for axis in 0..2 {
             let [low, high] = limits[axis];
             let rim = |slope: f64| !self.faces.is_cube() || slope.abs() < 1.0;
@@ -145,17 +145,19 @@ impl Fit {
     }
 }
 
-fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<Piece> {
+fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<TubePiece> {
     let share = |k: u32| f64::from(k) / f64::from(PIECES);
     light::slabs(tube, t_max, ROUNDING)
         .iter()
-        .flat_map(|slab| (0..PIECES).map(|k| Piece::new(tube, slab, [share(k), share(k + 1)], scene_origin)))
+        .flat_map(|slab| {
+            (0..PIECES).map(|k| TubePiece::new(tube, slab, [share(k), share(k + 1)], scene_origin))
+        })
         .collect()
 }
 
 /// Whether light may come in through a side: it does not where it goes nowhere but out.
-fn comes_in(pieces: &[Piece], tube: &Tube<f64>, side: &Side, scene_origin: DVec3) -> bool {
-    !pieces.iter().all(|piece| piece.leaves(tube, side, scene_origin))
+fn may_enter(pieces: &[TubePiece], tube: &Tube<f64>, side: &OpenSide, scene_origin: DVec3) -> bool {
+    !pieces.iter().all(|piece| piece.only_leaves_through(tube, side, scene_origin))
 }
 
 /// x / depth and y / depth within `limits`; `None` where there are none.
@@ -196,7 +198,7 @@ fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range;
 }
 
 /// Where a box lies in a piece: all that its points may have.
-struct PlaceRange {
+struct CoordsRange {
     v: Range,
     w: Range,
     radius: Range,
@@ -204,7 +206,7 @@ struct PlaceRange {
 }
 
 /// A short piece of the tube, with what is linear in positions as a normal in scene space and an offset.
-struct Piece {
+struct TubePiece {
     curve: Curve<f64>,
     t_start: f64,
     t_span: f64,
@@ -228,9 +230,9 @@ struct Piece {
     twist: f64,
 }
 
-impl Piece {
-    fn new(tube: &Tube<f64>, slab: &Slab, [start, end]: Range, scene_origin: DVec3) -> Self {
-        let curve = slab.piece.piece(start, end);
+impl TubePiece {
+    fn new(tube: &Tube<f64>, slab: &TubeSlab, [start, end]: Range, scene_origin: DVec3) -> Self {
+        let curve = slab.slab_curve.subcurve(start, end);
         let placement = &tube.placement;
         let to_tube: DMat3 = placement.rotation.transpose() * (1.0 / placement.world_per_tube);
         let origin = placement.tube_from_world(scene_origin);
@@ -241,7 +243,7 @@ impl Piece {
         let cos = first.dot(middle).min(last.dot(middle)).clamp(0.0, 1.0);
         let sin = (1.0 - cos * cos).sqrt();
         let (v_hat, _) = tube.cross_section(&curve, middle);
-        let twist = if tube.frame == Frame::Up {
+        let twist = if tube.frame == FrameMode::Up {
             // The frame turns about the tangent by `cot` of the tangent's angle to "up" for each radian of the bend.
             let turn = cos.acos();
             let angle = tube.up.cross(middle).length().atan2(tube.up.dot(middle).abs()) - turn;
@@ -267,7 +269,7 @@ impl Piece {
     }
 
     /// Where points of the box that lie in the piece may be; `None` where none do.
-    fn bounds_of(&self, cluster: &Cluster) -> Option<PlaceRange> {
+    fn bounds_of(&self, cluster: &ClusterBounds) -> Option<CoordsRange> {
         let range = |(normal, offset): (DVec3, f64)| {
             let [low, high] = cluster.range(normal, offset);
             let slack = ROUNDING * (1.0 + low.abs().max(high.abs()));
@@ -296,16 +298,17 @@ impl Piece {
             return None;
         }
         let (alpha, beta) = (self.alpha, self.beta);
-        let (v, w) = (sum(normal, alpha, in_plane, beta), sum(normal, beta, in_plane, -alpha));
+        let (v, w) =
+            (linear_range(normal, alpha, in_plane, beta), linear_range(normal, beta, in_plane, -alpha));
         let (v, w) = turned(v, w, self.twist);
         let t = u.map(|u| self.t_start + self.t_span * u);
-        Some(PlaceRange { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
+        Some(CoordsRange { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
     }
 
     /// Whether every path of the piece that is not well inside of a side goes outwards there.
     ///
     /// A path's tangent is `u_hat (|P'| - r . u_hat') + (r / R) R'`, where the frame does not turn about it.
-    fn leaves(&self, tube: &Tube<f64>, side: &Side, scene_origin: DVec3) -> bool {
+    fn only_leaves_through(&self, tube: &Tube<f64>, side: &OpenSide, scene_origin: DVec3) -> bool {
         let in_scene = |corner: DVec3| tube.placement.world_from_tube(corner) - scene_origin;
         let highest = self.curve.bounds.corners().map(|corner| side.height(in_scene(corner)));
         if highest.into_iter().fold(f64::NEG_INFINITY, f64::max) < -ROUNDING * (1.0 + side.offset.abs()) {
@@ -316,7 +319,7 @@ impl Piece {
         let angle = outward.dot(self.curve.u_hat(0.5)).clamp(-1.0, 1.0).acos() + cos.acos();
         let (d, a) = self.in_plane[0];
         let slowest = d.min(d + a);
-        if tube.frame == Frame::Up || angle >= std::f64::consts::FRAC_PI_2 || slowest <= 0.0 {
+        if tube.frame == FrameMode::Up || angle >= std::f64::consts::FRAC_PI_2 || slowest <= 0.0 {
             return false;
         }
         let turning = (self.in_plane[1].1.abs() + a.abs() * sin) / slowest;
@@ -366,7 +369,7 @@ fn quadratic_on(p: f64, (d, a): (f64, f64), [start, end]: Range) -> Range {
 }
 
 /// The range of `a x + b y`.
-fn sum([x_low, x_high]: Range, a: f64, [y_low, y_high]: Range, b: f64) -> Range {
+fn linear_range([x_low, x_high]: Range, a: f64, [y_low, y_high]: Range, b: f64) -> Range {
     let (ax, ay) = ([a * x_low, a * x_high], [b * y_low, b * y_high]);
     [ax[0].min(ax[1]) + ay[0].min(ay[1]), ax[0].max(ax[1]) + ay[0].max(ay[1])]
 }

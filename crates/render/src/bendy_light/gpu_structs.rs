@@ -1,9 +1,9 @@
 //! The structs of the bent passes, as WGSL lays them out.
 
-use super::faces::MOST_FACES;
+use super::faces::MAX_FACES;
 #[cfg(test)]
 use crate::gpu_structs::StructLayout;
-use crate::gpu_structs::{LightFilter, Mat4, gpu_struct};
+use crate::gpu_structs::{LightProfile, Mat4, gpu_struct};
 
 /// Columns of a 3 x 3 matrix, each with a gap behind it.
 pub(crate) type Mat3 = [[f32; 4]; 3];
@@ -82,8 +82,8 @@ gpu_struct! {
         t_start: f32,
         t_span: f32,
         pad0: [f32; 2],
-        light_filter: LightFilter,
-        fits: [[f32; 4]; MOST_FACES],
+        light_profile: LightProfile,
+        fits: [[f32; 4]; MAX_FACES],
     }
 }
 
@@ -122,7 +122,7 @@ gpu_struct! {
         opaque_triangles: u32,
         masked_capacity: u32,
         pad0: [f32; 2],
-        faces: [Mat3; MOST_FACES],
+        faces: [Mat3; MAX_FACES],
     }
 }
 

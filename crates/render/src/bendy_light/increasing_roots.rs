@@ -22,7 +22,7 @@ pub fn increasing_roots(
     cases: &[(Curve<f32>, Vec3)],
     dispatches: u32,
 ) -> Result<(Vec<Roots<f32>>, Duration), RenderError> {
-    gpu.checked(|| {
+    gpu.with_error_scopes(|| {
         let init = |label, contents: &[u8], usage| {
             gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(label), contents, usage })
         };
@@ -38,13 +38,13 @@ pub fn increasing_roots(
         let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("increasing_roots"),
             layout: None,
-            module: &gpu.module("increasing_roots", shaders::INCREASING_ROOTS),
+            module: &gpu.shader_module("increasing_roots", shaders::INCREASING_ROOTS),
             entry_point: Some("main"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             cache: None,
         });
         let buffers = [&curves, &points, &found].map(wgpu::Buffer::as_entire_binding);
-        let group = gpu.group("increasing_roots", &pipeline.get_bind_group_layout(0), &buffers);
+        let group = gpu.bind_group("increasing_roots", &pipeline.get_bind_group_layout(0), &buffers);
         let solve = |times: u32| {
             let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
             for _ in 0..times {
@@ -61,7 +61,7 @@ pub fn increasing_roots(
         let start = Instant::now();
         solve(dispatches)?;
         let each = start.elapsed() / dispatches;
-        let found = readback::buffer::<[f32; 4]>(gpu, &found)?;
+        let found = readback::read_buffer::<[f32; 4]>(gpu, &found)?;
         Ok((found.into_iter().map(roots).collect(), each))
     })
 }

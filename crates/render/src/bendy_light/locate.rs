@@ -1,7 +1,7 @@
 //! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
 
 use glam::{DVec3, Vec3};
-use light::{EndMode, Location, Part, Tube, TubePoint};
+use light::{EndMode, LightPart, Tube, TubeLocation, TubePoint};
 use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
@@ -12,19 +12,23 @@ use crate::{Gpu, RenderError, ShadowFilter, readback, shaders};
 /// Threads of a workgroup, as in the shader.
 const WORKGROUP: usize = 64;
 /// Roots a dispatch has room for: 16 MiB of them, well within the limits that every device has.
-const ROOTS_A_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
+const ROOTS_PER_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 
 /// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
 ///
 /// Points are taken to tube space in f64 and rounded there: to that of the part of the light that they lie in, as a
-/// scene's are (see [`light::Part`]). Accuracy as of [`light::Tube`] with eps = 2^-24.
-pub fn locate(gpu: &Gpu, light: &Tube<f64>, points_in_world: &[DVec3]) -> Result<Vec<Location>, RenderError> {
+/// scene's are (see [`light::LightPart`]). Accuracy as of [`light::Tube`] with eps = 2^-24.
+pub fn locate(
+    gpu: &Gpu,
+    light: &Tube<f64>,
+    points_in_world: &[DVec3],
+) -> Result<Vec<TubeLocation>, RenderError> {
     let part = light.part_near_points(points_in_world);
     let tube = &part.tube;
-    gpu.checked(|| {
+    gpu.with_error_scopes(|| {
         let pipeline = pipeline(gpu, Baked::of(tube, false, ShadowFilter::default()));
         let mut locations = Vec::with_capacity(points_in_world.len());
-        for points in points_in_world.chunks(ROOTS_A_DISPATCH / roots_a_point(tube)) {
+        for points in points_in_world.chunks(ROOTS_PER_DISPATCH / roots_a_point(tube)) {
             locations.extend(dispatch(gpu, &pipeline, &part, points)?);
         }
         Ok(locations)
@@ -40,7 +44,7 @@ fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
     gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("locate"),
         layout: None,
-        module: &gpu.module("locate", &baked.into_wgsl(shaders::LOCATE)),
+        module: &gpu.shader_module("locate", &baked.into_wgsl(shaders::LOCATE)),
         entry_point: Some("locate"),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
@@ -50,9 +54,9 @@ fn pipeline(gpu: &Gpu, baked: Baked) -> wgpu::ComputePipeline {
 fn dispatch(
     gpu: &Gpu,
     pipeline: &wgpu::ComputePipeline,
-    part: &Part,
+    part: &LightPart,
     points_in_world: &[DVec3],
-) -> Result<Vec<Location>, RenderError> {
+) -> Result<Vec<TubeLocation>, RenderError> {
     let tube = &part.tube;
     let stride = roots_a_point(tube);
     let points: Vec<[f32; 4]> = points_in_world
@@ -73,7 +77,7 @@ fn dispatch(
 
     let group = |index, buffers: &[&wgpu::Buffer]| {
         let resources: Vec<_> = buffers.iter().map(|b| b.as_entire_binding()).collect();
-        gpu.group("locate", &pipeline.get_bind_group_layout(index), &resources)
+        gpu.bind_group("locate", &pipeline.get_bind_group_layout(index), &resources)
     };
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
@@ -84,13 +88,13 @@ fn dispatch(
         pass.dispatch_workgroups(points_in_world.len().div_ceil(WORKGROUP) as u32, 1, 1);
     }
     gpu.queue.submit([encoder.finish()]);
-    let counts = readback::buffer::<u32>(gpu, &counts)?;
-    let roots = readback::buffer::<LocatedRoot>(gpu, &roots)?;
+    let counts = readback::read_buffer::<u32>(gpu, &counts)?;
+    let roots = readback::read_buffer::<LocatedRoot>(gpu, &roots)?;
     let found = counts.iter().zip(roots.chunks(stride));
     found
         .map(|(&count, roots)| {
             let roots = roots.get(..count as usize).ok_or_else(unwritten)?;
-            Ok(part.in_whole(&location(tube, roots)))
+            Ok(part.to_whole_light(&location(tube, roots)))
         })
         .collect()
 }
@@ -101,7 +105,7 @@ fn unwritten() -> RenderError {
 
 /// The roots of one point, in the terms that people and files use; the one that counts has the smallest `|r|
 /// / R`.
-fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> Location {
+fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> TubeLocation {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;
     let best =
@@ -119,5 +123,5 @@ fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> Location {
             direction: tube.placement.rotation * Vec3::from(root.direction).as_dvec3(),
         }
     };
-    Location { point: best.map(describe), roots: roots.iter().map(t).collect() }
+    TubeLocation { point: best.map(describe), roots: roots.iter().map(t).collect() }
 }

@@ -3,22 +3,22 @@
 use glam::{DMat3, DVec3};
 use light::Tube;
 
-use super::faces::MOST_FACES;
-use super::fit::{Drawn, Fit};
+use super::faces::MAX_FACES;
+use super::fit::{BendyFit, DrawnFace};
 use super::gpu_structs::{BentShadow, Mat3};
 use crate::clusters::OpenSides;
 
 /// What a map shows of a light: its faces fitted to the scene, each of so many texels a side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapShape {
-    fit: Fit,
+    fit: BendyFit,
     side: u32,
     mesh_error: f64,
 }
 
 impl MapShape {
     /// A map of what strays from the surface by at most `mesh_error`, in world units.
-    pub(super) fn new(fit: Fit, side: u32, mesh_error: f64) -> Self {
+    pub(super) fn new(fit: BendyFit, side: u32, mesh_error: f64) -> Self {
         Self { fit, side, mesh_error }
     }
 
@@ -67,23 +67,23 @@ impl MapShape {
         self.t_last() - self.t_base()
     }
 
-    fn drawn(&self, face: usize) -> Drawn {
+    fn drawn(&self, face: usize) -> DrawnFace {
         self.fit.drawn(face, f64::from(self.side))
     }
 
     /// Middle and 1 / half size of each face, for `bent_lookup.wgsl`.
-    pub(super) fn fits(&self) -> [[f32; 4]; MOST_FACES] {
+    pub(super) fn fits(&self) -> [[f32; 4]; MAX_FACES] {
         std::array::from_fn(|face| {
             if face >= self.face_count() {
                 return [0.0; 4];
             }
-            let Drawn { center, half } = self.drawn(face);
+            let DrawnFace { center, half } = self.drawn(face);
             [center[0], center[1], half[0].recip(), half[1].recip()].map(|x| x as f32)
         })
     }
 
     fn clip_from_mapped(&self, face: usize) -> DMat3 {
-        let Drawn { center, half } = self.drawn(face);
+        let DrawnFace { center, half } = self.drawn(face);
         let clip_from_face = DMat3::from_cols(
             DVec3::X / half[0],
             DVec3::Y / half[1],
@@ -93,14 +93,14 @@ impl MapShape {
     }
 
     /// Of each face that there is, for `bent_map.wgsl`.
-    pub(super) fn clips_from_mapped(&self) -> [Mat3; MOST_FACES] {
+    pub(super) fn clips_from_mapped(&self) -> [Mat3; MAX_FACES] {
         std::array::from_fn(|face| {
             if face < self.face_count() { columns(&self.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
         })
     }
 
     /// Whether something may cast shadows on a face.
-    pub fn casts(&self, face: usize) -> bool {
+    pub fn has_casters(&self, face: usize) -> bool {
         self.fit.bounds[face].is_some()
     }
 
@@ -110,8 +110,8 @@ impl MapShape {
     }
 
     /// How a face is drawn.
-    pub(super) fn shadow(&self, face: usize) -> BentShadow {
-        let Drawn { center, half } = self.drawn(face);
+    pub(super) fn shadow_uniforms(&self, face: usize) -> BentShadow {
+        let DrawnFace { center, half } = self.drawn(face);
         let (row, most) = if face == 0 {
             ([1.0, 0.0], 1.0)
         } else {
@@ -126,7 +126,7 @@ impl MapShape {
     }
 
     /// How wide texels are in the world at the end of what casts shadows.
-    pub fn last_texel(&self, tube: &Tube<f64>) -> f64 {
+    pub fn last_texel_in_world(&self, tube: &Tube<f64>) -> f64 {
         let t = self.t_last().max(0.0);
         let segment = (t as usize).min(tube.segments.len() - 1);
         let radius = tube.segments[segment].curve.radius(t - segment as f64);

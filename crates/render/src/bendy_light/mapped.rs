@@ -6,10 +6,10 @@ use wgpu::BufferUsages;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 
 use super::gpu_structs::{BentMap, Slab};
-use super::shadow::bent_map;
-use super::slab::{SLABS_A_TURN, slabs};
+use super::shadow::bent_map_uniforms;
+use super::slab::{SLABS_PER_UNIFORM, slabs};
 use super::t_max;
-use crate::clusters::VERTICES_A_BLOCK;
+use crate::clusters::VERTICES_PER_BLOCK;
 use crate::{Gpu, RenderError, readback, shaders};
 
 /// The (V, W, R, t) that vertices of a scene are drawn by into a light's shadow map, lengths in tube space, found in
@@ -30,14 +30,14 @@ pub fn map_points(
         points_in_world.iter().map(|&p| (p - origin).as_vec3().to_array()).collect();
     let last = t_max(tube, origin, max / 2.0 - min / 2.0);
     let slabs = slabs(tube, (0.0, [0.0, last]), 1.0, 1.0);
-    gpu.checked(|| {
+    gpu.with_error_scopes(|| {
         let mut mapped = vec![None; positions.len()];
-        for turn in slabs.chunks(SLABS_A_TURN) {
+        for turn in slabs.chunks(SLABS_PER_UNIFORM) {
             let vertex_count = positions.len() as u32;
-            let block_count = vertex_count.div_ceil(VERTICES_A_BLOCK as u32);
-            let map = BentMap { vertex_count, block_count, ..bent_map(tube, origin, turn) };
+            let block_count = vertex_count.div_ceil(VERTICES_PER_BLOCK as u32);
+            let map = BentMap { vertex_count, block_count, ..bent_map_uniforms(tube, origin, turn) };
             let mut table: Vec<Slab> = turn.iter().map(|slab| (&slab.0).into()).collect();
-            table.resize(SLABS_A_TURN, Slab::default());
+            table.resize(SLABS_PER_UNIFORM, Slab::default());
             for (known, found) in mapped.iter_mut().zip(dispatch(gpu, &map, &table, &positions)?) {
                 *known = known.or(found);
             }
@@ -56,7 +56,7 @@ fn dispatch(
     let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("map_vertices"),
         layout: None,
-        module: &gpu.module("map_vertices", shaders::BENT_MAP_VERTICES),
+        module: &gpu.shader_module("map_vertices", shaders::BENT_MAP_VERTICES),
         entry_point: Some("map_vertices"),
         compilation_options: wgpu::PipelineCompilationOptions::default(),
         cache: None,
@@ -75,7 +75,7 @@ fn dispatch(
 
     let buffers = [&uniform, &slabs, &positions, &mapped, &vertex_slab, &blocks];
     let buffers = buffers.map(wgpu::Buffer::as_entire_binding);
-    let group = gpu.group("map_vertices", &pipeline.get_bind_group_layout(0), &buffers);
+    let group = gpu.bind_group("map_vertices", &pipeline.get_bind_group_layout(0), &buffers);
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     {
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -84,8 +84,8 @@ fn dispatch(
         pass.dispatch_workgroups(map.block_count, 1, 1);
     }
     gpu.queue.submit([encoder.finish()]);
-    let mapped = readback::buffer::<[f32; 4]>(gpu, &mapped)?;
-    let slab = readback::buffer::<u32>(gpu, &vertex_slab)?;
+    let mapped = readback::read_buffer::<[f32; 4]>(gpu, &mapped)?;
+    let slab = readback::read_buffer::<u32>(gpu, &vertex_slab)?;
     let one = |(mapped, slab): (&[f32; 4], &u32)| (*slab < map.slab_count).then(|| Vec4::from_array(*mapped));
     Ok(mapped.iter().zip(&slab).map(one).collect())
 }

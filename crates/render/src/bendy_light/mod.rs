@@ -1,5 +1,6 @@
 //! A BendyLight on the GPU: its tube as buffers, its bent shadow map, and points located in it.
 
+mod alpha_tested_draw;
 mod faces;
 mod fit;
 pub(crate) mod gpu_structs;
@@ -7,7 +8,6 @@ mod increasing_roots;
 mod locate;
 mod map_shape;
 mod mapped;
-mod masked;
 mod native;
 mod near_slabs;
 mod pass;
@@ -22,7 +22,7 @@ mod wireframe;
 
 use glam::{DMat3, DMat4, DVec3};
 use light::MAX_EXTENT;
-use light::{Curve, Direction, EndMode, Frame, Part, Segment, Tube};
+use light::{Curve, DirectionMode, EndMode, FrameMode, LightPart, Segment, Tube};
 
 use crate::baked_filter::BakedFilter;
 use crate::gpu_structs::Mat4;
@@ -36,12 +36,12 @@ pub(crate) use map_shape::MapShape;
 pub use mapped::map_points;
 pub(crate) use native::{draw_map, placed};
 pub(crate) use pass::{BendyPass, BendySlot, corners_in_world};
-pub(crate) use shadow_buffers::BentWork;
+pub(crate) use shadow_buffers::BentMapBuffers;
 
 /// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
-const SEGMENT_ROOM: usize = light::MAX_SEGMENTS + 1;
+const SEGMENT_CAPACITY: usize = light::MAX_SEGMENTS + 1;
 
-/// Largest colour and intensity: their product is still finite in f32; `filter.wgsl` then keeps it,
+/// Largest colour and intensity: their product is still finite in f32; `profile.wgsl` then keeps it,
 /// exposure, decay and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
 
@@ -87,7 +87,7 @@ fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec
 pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
     light::slabs(tube, t_max, 0.0)
         .iter()
-        .flat_map(|slab| slab.piece.bounds.corners())
+        .flat_map(|slab| slab.slab_curve.bounds.corners())
         .map(|corner| tube.placement.world_from_tube(corner))
         .collect()
 }
@@ -123,29 +123,29 @@ fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curv
 pub(crate) struct Baked {
     segments: usize,
     end_mode: EndMode,
-    frame: Frame,
-    direction: Direction,
+    frame: FrameMode,
+    direction: DirectionMode,
     /// Whether it matters how long light's way is.
     path_length: bool,
     /// Whether the shadow map has the faces of a cube.
     cube: bool,
-    light_filter: BakedFilter,
+    light_profile: BakedFilter,
     filter: ShadowFilter,
 }
 
 impl Baked {
     /// Most segments that are visited in straight code: `tube.wgsl` spells them out.
-    const MOST_SEGMENTS: usize = 6;
+    const MAX_UNROLLED_SEGMENTS: usize = 6;
 
     pub fn of(tube: &Tube<f64>, cube: bool, filter: ShadowFilter) -> Self {
         Self {
-            segments: if tube.n <= Self::MOST_SEGMENTS { tube.n } else { 0 },
+            segments: if tube.n <= Self::MAX_UNROLLED_SEGMENTS { tube.n } else { 0 },
             end_mode: tube.end_mode(),
             frame: tube.frame,
             direction: tube.direction,
-            path_length: tube.light_filter.needs_distance(),
+            path_length: tube.light_profile.needs_distance(),
             cube,
-            light_filter: BakedFilter::of(&tube.light_filter),
+            light_profile: BakedFilter::of(&tube.light_profile),
             filter,
         }
     }
@@ -153,44 +153,44 @@ impl Baked {
     /// Each value of each field at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
-        let [light_filter, unshadowed, section, cut] = BakedFilter::samples();
+        let [light_profile, unshadowed, section, cut] = BakedFilter::samples();
         let plain = Self {
             segments: 3,
             end_mode: EndMode::Cut,
-            frame: Frame::RotationMinimizing,
-            direction: Direction::Tube,
+            frame: FrameMode::RotationMinimizing,
+            direction: DirectionMode::Tube,
             path_length: false,
             cube: false,
-            light_filter,
+            light_profile,
             filter: ShadowFilter::Nearest,
         };
         let long = Self { end_mode: EndMode::Extend, path_length: true, cube: true, ..plain };
         [
             plain,
-            Self { light_filter: unshadowed, ..plain },
+            Self { light_profile: unshadowed, ..plain },
             Self {
                 segments: 6,
-                frame: Frame::Up,
-                direction: Direction::Path,
+                frame: FrameMode::Up,
+                direction: DirectionMode::Path,
                 filter: ShadowFilter::Bilinear,
-                light_filter: section,
+                light_profile: section,
                 ..long
             },
-            Self { segments: 0, filter: ShadowFilter::Pcf3x3, light_filter: cut, ..long },
+            Self { segments: 0, filter: ShadowFilter::Pcf3x3, light_profile: cut, ..long },
         ]
     }
 
     /// `wgsl` with the constants that `tube.wgsl` asks for.
     pub fn into_wgsl(self, wgsl: &str) -> String {
-        let Self { segments, end_mode, frame, direction, path_length, cube, light_filter, filter } = self;
+        let Self { segments, end_mode, frame, direction, path_length, cube, light_profile, filter } = self;
         let constants = format!(
             "const BAKED_SEGMENTS = {segments}u;\nconst EXTENDED = {};\nconst FRAME_UP = {};\nconst DIRECTION_PATH = {};\n\
              const PATH_LENGTH = {path_length};\nconst SHADOW_CUBE = {cube};\n",
             end_mode == EndMode::Extend,
-            frame == Frame::Up,
-            direction == Direction::Path,
+            frame == FrameMode::Up,
+            direction == DirectionMode::Path,
         );
-        constants + &light_filter.into_wgsl(&with_filter(filter, wgsl))
+        constants + &light_profile.into_wgsl(&with_filter(filter, wgsl))
     }
 }
 
@@ -214,12 +214,12 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
         }
     };
     let mut segments: Vec<_> = tube.segments.iter().enumerate().map(one).collect();
-    segments.resize(SEGMENT_ROOM, gpu_structs::Segment::default());
+    segments.resize(SEGMENT_CAPACITY, gpu_structs::Segment::default());
     segments
 }
 
 /// The light's uniform for `tube.wgsl`, but for what says of its shadow map.
-pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> gpu_structs::BendyLight {
+pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::BendyLight {
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
     gpu_structs::BendyLight {
@@ -231,7 +231,7 @@ pub(crate) fn uniform(part: &Part, scene_origin: DVec3) -> gpu_structs::BendyLig
         world_per_tube: tube.placement.world_per_tube as f32,
         t_start: part.t_start as f32,
         t_span: part.t_span as f32,
-        light_filter: (&tube.light_filter).into(),
+        light_profile: (&tube.light_profile).into(),
         ..gpu_structs::BendyLight::default()
     }
 }
@@ -244,7 +244,7 @@ fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
 
 /// The same with its shadow map.
 pub(crate) fn uniform_with_map(
-    part: &Part,
+    part: &LightPart,
     scene_origin: DVec3,
     map: &MapShape,
     shadows: &ShadowSettings,

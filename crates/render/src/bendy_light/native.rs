@@ -1,41 +1,41 @@
 //! A BendyLight that the processor draws: its numbers for `relight`, and its map.
 
 use glam::{DVec3, Mat3, Mat4, Vec3};
-use light::{CheckedLight, Part, Tube};
-use relight::{AlphaTests, Bent, BentFace, BentMap, BentMapPlace, DepthMap, TubeSpace};
+use light::{CheckedLight, LightPart, Tube};
+use relight::{AlphaTests, BentFace, BentMap, BentMapParams, DepthMap, RelitBent, TubeSpace};
 
 use super::map_shape::MapShape;
-use super::near_slabs::NearSlabs;
-use super::pass::fitted;
+use super::near_slabs::CastersNearSlabs;
+use super::pass::fit_bent_map;
 use super::slab;
 use super::{mesh_error_in_tube, tube_from_scene};
-use crate::coarse_casters::Coarse;
+use crate::coarse_casters::SimplifiedCasters;
 use crate::gpu_scene::GpuScene;
-use crate::host_scene::arrays;
-use crate::linked::Linked;
-use crate::stages::Stage;
+use crate::host_scene::caster_scene;
+use crate::linked::LinkedCasters;
+use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings};
 
 /// Draws the map of `light` into one of its size: of those casters that `linked` leaves, or of the `coarse` ones where those
 /// serve. Returns what it shows of the light.
 pub(crate) fn draw_map(
-    (gpu, work): (&Gpu, &mut relight::BentWork),
+    (gpu, work): (&Gpu, &mut relight::BentMapBuilder),
     (light, tube): (&CheckedLight, &Tube<f64>),
-    (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
-    coarse: Option<&Coarse>,
+    (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
+    coarse: Option<&SimplifiedCasters>,
     into: &mut DepthMap,
 ) -> Result<MapShape, RenderError> {
     let (origin, workers) = (scene.posed.origin_in_world, gpu.workers());
     let part = tube.part_near(origin, scene.posed.half_extent);
     let tube = &part.tube;
-    let (casting, map) = fitted(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
+    let (casting, map) = fit_bent_map(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
     let split_above_texels = shadows.split_above_texels();
     // The tube is 2 wide in v and w.
     let resolution = 2.0 * map.texels_per_vw();
     let slabs =
         |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, f64::from(split_above_texels));
     let slabs = map.t_range().map_or_else(Vec::new, slabs);
-    let near = NearSlabs::new(casting.casters, (tube, origin), (&map, &slabs), shadows.culling);
+    let near = CastersNearSlabs::new(casting.casters, (tube, origin), (&map, &slabs), shadows.culling);
     let corners = || slabs.iter().flat_map(|(_, corners)| *corners);
     let bounds = [
         corners().fold(DVec3::INFINITY, DVec3::min).as_vec3(),
@@ -57,7 +57,7 @@ pub(crate) fn draw_map(
         tolerance_texels: split_above_texels,
     };
     let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
-    let casters = relight::Casters {
+    let casters = relight::BentCasters {
         positions: &host.positions,
         indices: &host.indices,
         opaque_triangles: casting.casters.opaque_indices / 3,
@@ -65,17 +65,17 @@ pub(crate) fn draw_map(
         blocks: &near.blocks,
         alpha_tests: casting
             .alpha_tests
-            .map_or_else(AlphaTests::default, crate::alpha_test::AlphaTests::host),
-        scene: &arrays(scene, None),
+            .map_or_else(AlphaTests::default, crate::alpha_test::GpuAlphaTests::host),
+        scene: &caster_scene(scene, None),
     };
     work.map_vertices(workers, &drawn, &casters);
-    gpu.stages.ended(Stage::Vertices);
+    gpu.stages.record_stage(FrameStage::Vertices);
     work.map_triangles(workers, &drawn, &casters);
-    gpu.stages.ended(Stage::Triangles);
+    gpu.stages.record_stage(FrameStage::Triangles);
     let split = work.split(workers, &drawn, &casters)?;
-    gpu.stages.ended(Stage::Split);
+    gpu.stages.record_stage(FrameStage::Split);
     let triangles = work.draw(workers, &drawn, &casters, into)?;
-    gpu.stages.ended(Stage::Draw);
+    gpu.stages.record_stage(FrameStage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += u64::from(near.triangles);
         counters.triangles_split += split;
@@ -86,13 +86,13 @@ pub(crate) fn draw_map(
 }
 
 fn face_of(map: &MapShape, face: usize) -> BentFace {
-    let shadow = map.shadow(face);
+    let shadow = map.shadow_uniforms(face);
     let [x, y, z] = shadow.clip_from_mapped.map(|[x, y, z, _]| Vec3::new(x, y, z));
     BentFace {
         clip_from_mapped: Mat3::from_cols(x, y, z),
-        row: shadow.row,
+        row_divisor: shadow.row,
         depth_per_t: shadow.depth_per_t,
-        casts: map.casts(face),
+        has_casters: map.has_casters(face),
     }
 }
 
@@ -101,10 +101,10 @@ pub(crate) fn placed(
     tube: &Tube<f64>,
     scene: &GpuScene,
     (map, shadows): (Option<&MapShape>, &ShadowSettings),
-) -> Bent {
+) -> RelitBent {
     let origin = scene.posed.origin_in_world;
-    let Part { tube, .. } = &tube.part_near(origin, scene.posed.half_extent);
-    let place = map.map_or_else(BentMapPlace::default, |map| BentMapPlace {
+    let LightPart { tube, .. } = &tube.part_near(origin, scene.posed.half_extent);
+    let place = map.map_or_else(BentMapParams::default, |map| BentMapParams {
         t_base: map.t_base() as f32,
         t_span: map.t_span() as f32,
         t_last: map.t_last() as f32,
@@ -114,7 +114,7 @@ pub(crate) fn placed(
         fits: map.fits(),
         filter: shadows.filter,
     });
-    Bent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), place)
+    RelitBent::new(tube, Mat4::from_cols_array_2d(&tube_from_scene(tube, origin)), place)
 }
 
 #[cfg(test)]

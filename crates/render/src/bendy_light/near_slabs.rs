@@ -2,21 +2,21 @@
 
 use glam::DVec3;
 use light::Tube;
-use relight::Slab;
+use relight::MapSlab;
 
 use super::map_shape::MapShape;
 use crate::casters::Casters;
-use crate::clusters::{Cluster, Leaf, VERTICES_A_BLOCK, Within};
+use crate::closed_components::TriangleComponent;
+use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf, VERTICES_PER_BLOCK};
 use crate::shadow_settings::Culling;
-use crate::shells::Shell;
 
 /// A source is larger by this share of the light's size: rounding.
 const ROUNDING: f64 = 1e-6;
 
 /// Lists for `map_vertices` and `map_triangles`: an entry for each of their workgroups.
 #[derive(Debug, Default)]
-pub(super) struct NearSlabs {
-    /// First triangle of a leaf, and how many it has with its [`Shell`] above 16 bits.
+pub(super) struct CastersNearSlabs {
+    /// First triangle of a leaf, and how many it has with its [`TriangleComponent`] above 16 bits.
     pub leaves: Vec<[u32; 2]>,
     /// Blocks of vertices.
     pub blocks: Vec<u32>,
@@ -26,28 +26,36 @@ pub(super) struct NearSlabs {
 /// A slab: `normal . p + offset` of its planes is the distance inside, in the light's size, of a position in scene space.
 struct Planes([(DVec3, f64); 6]);
 
-impl NearSlabs {
+impl CastersNearSlabs {
     /// What of `casters` has a box that touches one of `slabs`. Leaves that lie on closed surfaces which the light does not
     /// begin in are listed as such.
     pub fn new(
         casters: &Casters,
         (tube, scene_origin): (&Tube<f64>, DVec3),
-        (map, slabs): (&MapShape, &[(Slab, [DVec3; 8])]),
+        (map, slabs): (&MapShape, &[(MapSlab, [DVec3; 8])]),
         culling: Culling,
     ) -> Self {
         let slabs: Vec<Planes> =
             slabs.iter().map(|(slab, _)| Planes::new(slab, tube, scene_origin)).collect();
         let source = source(tube, scene_origin);
-        let shell_of = |leaf: &Leaf| if culling.backs { leaf.shell_from(Some(&source)) } else { Shell::Open };
+        let shell_of = |leaf: &ClusterLeaf| {
+            if culling.backs { leaf.component_from(Some(&source)) } else { TriangleComponent::Open }
+        };
         // In the light's size, by which its positions are rounded.
-        let within = |cluster: &Cluster| slabs.iter().map(|Planes(planes)| cluster.within(planes, 1.0)).max();
+        let within = |cluster: &ClusterBounds| {
+            slabs.iter().map(|Planes(planes)| cluster.select_by_planes(planes, 1.0)).max()
+        };
         let clusters = &casters.clusters;
-        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_A_BLOCK)];
+        let mut is_near = vec![false; (casters.vertex_count as usize).div_ceil(VERTICES_PER_BLOCK)];
         let mut near = Self::default();
-        for tree in clusters.casting(map.open_sides()) {
+        for tree in clusters.casting_trees(map.open_sides()) {
             tree.select(
                 |cluster| {
-                    if culling.clusters { within(cluster).unwrap_or(Within::Leave) } else { Within::Take }
+                    if culling.clusters {
+                        within(cluster).unwrap_or(BoxSelection::Skip)
+                    } else {
+                        BoxSelection::TakeAll
+                    }
                 },
                 |leaf| {
                     let leaf = &clusters.leaves[leaf as usize];
@@ -67,16 +75,16 @@ impl NearSlabs {
 }
 
 /// Around all places where paths begin.
-fn source(tube: &Tube<f64>, scene_origin: DVec3) -> Cluster {
+fn source(tube: &Tube<f64>, scene_origin: DVec3) -> ClusterBounds {
     let curve = &tube.segments[0].curve;
     let center = tube.placement.world_from_tube(curve.b0) - scene_origin;
     let radius = curve.r0.abs() * tube.placement.world_per_tube;
     let slack = ROUNDING * (tube.placement.world_per_tube + center.abs().max_element());
-    Cluster { center, half: DVec3::splat(radius + slack) }
+    ClusterBounds { center, half: DVec3::splat(radius + slack) }
 }
 
 impl Planes {
-    fn new(slab: &Slab, tube: &Tube<f64>, scene_origin: DVec3) -> Self {
+    fn new(slab: &MapSlab, tube: &Tube<f64>, scene_origin: DVec3) -> Self {
         let placement = &tube.placement;
         let origin = placement.tube_from_world(scene_origin);
         Self(slab.planes.map(|plane| {

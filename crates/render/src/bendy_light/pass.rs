@@ -3,23 +3,23 @@
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
-use light::{CheckedLight, Digest, Light, Tube};
+use light::{CheckedLight, Light, LightDigest, Tube};
 use scene::PosedScene;
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{BindGroup, BindGroupLayout, BindingResource, BindingType, BufferUsages, Sampler, TextureView};
 
 use super::faces::Faces;
-use super::fit::Fit;
+use super::fit::BendyFit;
 use super::map_shape::MapShape;
-use super::shadow::{BentShadowPass, MapRequest, Onto};
-use super::shadow_buffers::BentWork;
-use super::wireframe::{Drawing, WireframePass};
+use super::shadow::{BentShadowPass, DrawTarget, MapRequest};
+use super::shadow_buffers::BentMapBuffers;
+use super::wireframe::{WireframePass, WireframeTarget};
 use super::{Baked, hull_in_world, segments, t_max, uniform, uniform_with_map};
-use crate::casters::Casting;
-use crate::coarse_casters::Coarse;
+use crate::casters::CasterSet;
+use crate::coarse_casters::SimplifiedCasters;
 use crate::gpu_scene::GpuScene;
-use crate::lighting::{LightingPass, Variants};
-use crate::linked::{Linked, casting};
+use crate::lighting::{LightingPass, PassVariants};
+use crate::linked::{LinkedCasters, caster_set};
 use crate::map_key::MapKey;
 use crate::pipeline::{DEPTH_FORMAT, MapTarget, NON_FILTERING, RAW_TEXTURE_LAYERS, UNIFORM};
 use crate::shadow_settings::MapSize;
@@ -34,7 +34,7 @@ pub(crate) struct BendyPass {
     shadow: BentShadowPass,
     /// Compiled when first wanted.
     wireframe: OnceLock<WireframePass>,
-    lighting: Variants<Baked>,
+    lighting: PassVariants<Baked>,
     /// Of the view and the surface, the light's own, and that of links.
     group_layouts: [BindGroupLayout; 4],
     sampler: Sampler,
@@ -47,7 +47,7 @@ pub(crate) struct BendySlot {
     /// What the map shows, and how it is fitted to that scene, unless nothing shadows the light.
     map: Option<(MapKey, Option<MapShape>)>,
     /// The light in place, and of which scene's revision and which revision of the light.
-    placed: Option<(u64, Digest, GpuBendy)>,
+    placed: Option<(u64, LightDigest, GpuBendy)>,
 }
 
 /// A BendyLight in place.
@@ -72,7 +72,7 @@ impl BendySlot {
     }
 
     /// What its map shows.
-    pub fn shows(&self) -> Option<MapKey> {
+    pub fn map_key(&self) -> Option<MapKey> {
         self.map.map(|(key, _)| key)
     }
 
@@ -83,18 +83,18 @@ impl BendySlot {
 }
 
 /// What casts shadows in a light, and the map fitted to that: what `linked` leaves, or the `coarse` casters where those serve.
-pub(super) fn fitted<'a>(
+pub(super) fn fit_bent_map<'a>(
     gpu: &Gpu,
     (tube, light): (&Tube<f64>, &Light),
-    (scene, linked, shadows): (&'a GpuScene, Option<&'a Linked>, &ShadowSettings),
-    coarse: Option<&'a Coarse>,
-) -> Result<(Casting<'a>, MapShape), RenderError> {
+    (scene, linked, shadows): (&'a GpuScene, Option<&'a LinkedCasters>, &ShadowSettings),
+    coarse: Option<&'a SimplifiedCasters>,
+) -> Result<(CasterSet<'a>, MapShape), RenderError> {
     let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
     let of = (tube, Faces::of(light), t_max);
-    let mut casting = casting(gpu, scene, linked, shadows.mesh_error)?;
+    let mut casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
     let mut map = map_shape(of, (scene, &casting), shadows);
-    if let Some(Coarse { casters, mesh_error, .. }) =
-        coarse.filter(|coarse| coarse.serve(map.last_texel(tube)))
+    if let Some(SimplifiedCasters { casters, mesh_error, .. }) =
+        coarse.filter(|coarse| coarse.is_accurate_for(map.last_texel_in_world(tube)))
     {
         casting.casters = casters;
         let shadows = ShadowSettings { mesh_error: *mesh_error, ..*shadows };
@@ -106,21 +106,21 @@ pub(super) fn fitted<'a>(
 /// A map of a light over `scene` for what casts shadows there; where the light is extended, up to `t_max`.
 fn map_shape(
     light: (&Tube<f64>, Faces, f64),
-    (scene, casting): (&GpuScene, &Casting),
+    (scene, casting): (&GpuScene, &CasterSet),
     shadows: &ShadowSettings,
 ) -> MapShape {
-    let fit = Fit::new(light, scene.posed.origin_in_world, &casting.casters.clusters, shadows.culling);
+    let fit = BendyFit::new(light, scene.posed.origin_in_world, &casting.casters.clusters, shadows.culling);
     MapShape::new(fit, shadows.map_size(light.1.count()).side, shadows.mesh_error)
 }
 
 impl BendyPass {
     /// `camera_groups` are those of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], links: &BindGroupLayout) -> Self {
-        let ([view, surface], own) = (camera_groups, gpu.layout("bendy", &BINDINGS));
+        let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("bendy", &BINDINGS));
         Self {
             shadow: BentShadowPass::new(gpu),
             wireframe: OnceLock::new(),
-            lighting: Variants::new(),
+            lighting: PassVariants::new(),
             group_layouts: [view.clone(), surface.clone(), own, links.clone()],
             sampler: gpu.device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some("bent shadow"),
@@ -146,11 +146,11 @@ impl BendyPass {
     pub fn prepare(
         &self,
         gpu: &Gpu,
-        work: &mut BentWork,
+        work: &mut BentMapBuffers,
         slot: &mut BendySlot,
         (key, light, tube): (MapKey, &CheckedLight, &Tube<f64>),
-        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
-        coarse: Option<&Coarse>,
+        (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
+        coarse: Option<&SimplifiedCasters>,
     ) -> Result<(GpuBendy, bool), RenderError> {
         let revision_of_picture = light.revisions().picture;
         if let Some((revision, same, placed)) = &slot.placed
@@ -162,10 +162,10 @@ impl BendyPass {
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
-        let stale = kept.is_none() && tube.light_filter.shadow_enable;
+        let stale = kept.is_none() && tube.light_profile.shadow_enable;
         let map = if stale {
-            let (casting, map) = fitted(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
-            let onto = Onto::Map(&slot.target);
+            let (casting, map) = fit_bent_map(gpu, (tube, light.light()), (scene, linked, shadows), coarse)?;
+            let onto = DrawTarget::Map(&slot.target);
             self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map: &map, onto, shadows })?;
             Some(map)
         } else {
@@ -188,7 +188,7 @@ impl BendyPass {
             BindingResource::TextureView(&slot.target.all),
             BindingResource::Sampler(&self.sampler),
         ];
-        let group = gpu.group("bendy", &self.group_layouts[2], &resources);
+        let group = gpu.bind_group("bendy", &self.group_layouts[2], &resources);
         let is_cube = map.as_ref().is_some_and(MapShape::is_cube);
         let placed = GpuBendy { baked: Baked::of(tube, is_cube, shadows.filter), group };
         slot.placed = Some((scene.revision, revision_of_picture, placed.clone()));
@@ -199,9 +199,9 @@ impl BendyPass {
     pub fn draw_wireframe(
         &self,
         gpu: &Gpu,
-        work: &mut BentWork,
+        work: &mut BentMapBuffers,
         (light, tube): (&Light, &Tube<f64>),
-        (scene, linked, shadows): (&GpuScene, Option<&Linked>, &ShadowSettings),
+        (scene, linked, shadows): (&GpuScene, Option<&LinkedCasters>, &ShadowSettings),
         (color, size): (&TextureView, [u32; 2]),
     ) -> Result<(), RenderError> {
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
@@ -209,14 +209,14 @@ impl BendyPass {
         let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
         // All that the light meets, what need not be in its map too.
         let faces = Faces::of(light);
-        let casting = casting(gpu, scene, linked, shadows.mesh_error)?;
-        let fit = Fit::whole(faces, &casting.casters.clusters, t_max);
+        let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
+        let fit = BendyFit::whole(faces, &casting.casters.clusters, t_max);
         let map = &MapShape::new(fit, shadows.map_size(faces.count()).side, shadows.mesh_error);
         let depth = gpu.target("wireframe", size[0], size[1], DEPTH_FORMAT);
         let depth = &depth.create_view(&wgpu::TextureViewDescriptor::default());
         let pass = self.wireframe.get_or_init(|| WireframePass::new(gpu));
         let t_of_light = [part.t_start, part.t_span];
-        let onto = Onto::Wireframe(Drawing { pass, color, depth, size, t_of_light });
+        let onto = DrawTarget::Wireframe(WireframeTarget { pass, color, depth, size, t_of_light });
         self.shadow.render(gpu, work, &MapRequest { scene, casting, tube, map, onto, shadows })
     }
 }

@@ -9,24 +9,24 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
-use light::{Frame, Tube};
-use relight::Slab;
+use light::{FrameMode, Tube};
+use relight::MapSlab;
 use wgpu::{BindGroup, BindingResource, Buffer, CommandEncoder, ComputePipeline, RenderPipeline};
 
+use super::alpha_tested_draw::AlphaTestedDraw;
 use super::gpu_structs::{BentCounts, BentMap, LEVELS};
 use super::map_shape::MapShape;
-use super::masked::MaskedDraw;
-use super::near_slabs::NearSlabs;
-use super::shadow_buffers::{BentWork, Buffers, LEAVES_A_WINDOW, Made, Room, VERTEX_BYTES};
-use super::slab::{self, SLABS_A_TURN};
-use super::wireframe::Drawing;
+use super::near_slabs::CastersNearSlabs;
+use super::shadow_buffers::{BentMapBuffers, Buffers, Capacity, LEAVES_PER_WINDOW, MapCounts, VERTEX_BYTES};
+use super::slab::{self, SLABS_PER_UNIFORM};
+use super::wireframe::WireframeTarget;
 use super::{gpu_structs, tube_from_scene};
-use crate::casters::{Casters, Casting};
+use crate::casters::{CasterSet, Casters};
 use crate::gpu_scene::GpuScene;
 use crate::memory::{Evictable, MemoryKind};
-use crate::pipeline::{MapTarget, least_depth_wins};
+use crate::pipeline::{MapTarget, least_depth_test};
 use crate::shadow_settings::Culling;
-use crate::stages::Stage;
+use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
 /// Most workgroups in one dimension that every device can run.
@@ -42,26 +42,26 @@ pub(crate) struct BentShadowPass {
     next: ComputePipeline,
     draw: RenderPipeline,
     /// Compiled when first wanted: by a scene with an alpha test.
-    masked: OnceLock<MaskedDraw>,
+    alpha_tested: OnceLock<AlphaTestedDraw>,
 }
 
 /// A map to be drawn: of what, and where.
 pub(crate) struct MapRequest<'a> {
     pub scene: &'a GpuScene,
     /// What of it throws shadows.
-    pub casting: Casting<'a>,
+    pub casting: CasterSet<'a>,
     pub tube: &'a Tube<f64>,
     pub map: &'a MapShape,
-    pub onto: Onto<'a>,
+    pub onto: DrawTarget<'a>,
     pub shadows: &'a ShadowSettings,
 }
 
 /// What it is drawn onto.
-pub(crate) enum Onto<'a> {
+pub(crate) enum DrawTarget<'a> {
     /// The map itself.
     Map(&'a MapTarget),
     /// A picture of its triangles.
-    Wireframe(Drawing<'a>),
+    Wireframe(WireframeTarget<'a>),
 }
 
 impl BentShadowPass {
@@ -70,7 +70,7 @@ impl BentShadowPass {
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry_point),
                 layout: None,
-                module: &gpu.module(entry_point, wgsl),
+                module: &gpu.shader_module(entry_point, wgsl),
                 entry_point: Some(entry_point),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 cache: None,
@@ -83,12 +83,17 @@ impl BentShadowPass {
             split: compute(shaders::BENT_MAP_SPLIT, "split_patches"),
             next: compute(shaders::BENT_MAP_NEXT, "next_level"),
             draw: draw_pipeline(gpu),
-            masked: OnceLock::new(),
+            alpha_tested: OnceLock::new(),
         }
     }
 
     /// Draws a map, in turns of as many slabs as a uniform holds.
-    pub fn render(&self, gpu: &Gpu, work: &mut BentWork, request: &MapRequest) -> Result<(), RenderError> {
+    pub fn render(
+        &self,
+        gpu: &Gpu,
+        work: &mut BentMapBuffers,
+        request: &MapRequest,
+    ) -> Result<(), RenderError> {
         let &MapRequest { tube, map, shadows, .. } = request;
         let split_above_texels = f64::from(shadows.split_above_texels());
         // The tube is 2 wide in v and w.
@@ -96,11 +101,11 @@ impl BentShadowPass {
         let slabs = |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, split_above_texels);
         let slabs = map.t_range().map_or_else(Vec::new, slabs);
         // Where nothing casts shadows, one turn of no slabs empties the map.
-        let turns = || slabs.chunks(SLABS_A_TURN).chain(slabs.is_empty().then_some(&slabs[..]));
+        let turns = || slabs.chunks(SLABS_PER_UNIFORM).chain(slabs.is_empty().then_some(&slabs[..]));
         // What a turn without room has drawn is not to be kept, so all turns start again.
         'all: loop {
             for (index, turn) in turns().enumerate() {
-                if !self.render_turn(gpu, work, request, turn, index == 0)? {
+                if !self.render_slabs(gpu, work, request, turn, index == 0)? {
                     continue 'all;
                 }
             }
@@ -110,57 +115,57 @@ impl BentShadowPass {
 
     /// Maps and draws what lies in some of the slabs, into an emptied map if it is the first. False where it is known that
     /// it did not fit; there is more room then.
-    fn render_turn(
+    fn render_slabs(
         &self,
         gpu: &Gpu,
-        work: &mut BentWork,
+        work: &mut BentMapBuffers,
         request: &MapRequest,
-        slabs: &[(Slab, [DVec3; 8])],
+        slabs: &[(MapSlab, [DVec3; 8])],
         first: bool,
     ) -> Result<bool, RenderError> {
         let casters = request.casting.casters;
         let light = (request.tube, request.scene.posed.origin_in_world);
         // A drawing of a map's triangles shows those that others hide, too.
         let culling = match request.onto {
-            Onto::Map(_) => request.shadows.culling,
-            Onto::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
+            DrawTarget::Map(_) => request.shadows.culling,
+            DrawTarget::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
         };
-        let near = NearSlabs::new(casters, light, (request.map, slabs), culling);
-        let map = turn(work.room, request, (slabs, &near));
+        let near = CastersNearSlabs::new(casters, light, (request.map, slabs), culling);
+        let map = turn_uniforms(work.capacity, request, (slabs, &near));
         let kept = work.buffers.take();
         let fitting =
-            kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.room));
+            kept.as_ref().and_then(Evictable::take).filter(|buffers| buffers.fit(casters, work.capacity));
         let (kept, buffers) = match (kept, fitting) {
             (Some(kept), Some(buffers)) => (Some(kept), buffers),
-            _ => (None, Buffers::new(gpu, casters, work.room)),
+            _ => (None, Buffers::new(gpu, casters, work.capacity)),
         };
         let mut table: Vec<gpu_structs::Slab> = slabs.iter().map(|slab| (&slab.0).into()).collect();
-        table.resize(SLABS_A_TURN, gpu_structs::Slab::default());
+        table.resize(SLABS_PER_UNIFORM, gpu_structs::Slab::default());
         buffers.write(gpu, &table, (&map, &near), request.map);
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         if !slabs.is_empty() {
             self.map(gpu, &mut encoder, (casters, &near), &buffers)?;
-            work.give_way(gpu, &mut encoder)?;
+            work.yield_point(gpu, &mut encoder)?;
         }
         match &request.onto {
-            Onto::Map(target) => {
+            DrawTarget::Map(target) => {
                 let what = (request.scene, &request.casting);
                 self.draw(gpu, &mut encoder, what, &buffers, (target, request.map), first);
             }
-            Onto::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
+            DrawTarget::Wireframe(drawing) => drawing.draw(gpu, &mut encoder, &buffers, request.map, first),
         }
-        gpu.end_stage(&mut encoder, Stage::Draw)?;
-        let counts = readback::copied(gpu, &mut encoder, &buffers.counts);
+        gpu.end_stage(&mut encoder, FrameStage::Draw)?;
+        let counts = readback::copy_for_readback(gpu, &mut encoder, &buffers.counts);
         gpu.queue.submit([encoder.finish()]);
         let texels = request.map.face_count() as u64 * u64::from(request.map.side()).pow(2);
-        let made = Made { counts, triangles: near.triangles, texels: if first { texels } else { 0 } };
+        let made = MapCounts { counts, triangles: near.triangles, texels: if first { texels } else { 0 } };
         work.buffers = Some(if let Some(kept) = kept {
             kept.put(buffers);
             kept
         } else {
             gpu.memory.keep(MemoryKind::ShadowWork, buffers.bytes(), buffers)
         });
-        work.made(gpu, made)
+        work.check_fit(gpu, made)
     }
 
     /// The compute passes: vertices, triangles, clipping, and splitting level by level.
@@ -168,7 +173,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (casters, near): (&Casters, &NearSlabs),
+        (casters, near): (&Casters, &CastersNearSlabs),
         buffers: &Buffers,
     ) -> Result<(), RenderError> {
         let b = buffers;
@@ -184,7 +189,7 @@ impl BentShadowPass {
             (bind(gpu, &self.triangles, &common, &rest), window.len())
         };
         let windows =
-            near.leaves.chunks(LEAVES_A_WINDOW).zip(0..).map(|(window, number)| triangles(window, number));
+            near.leaves.chunks(LEAVES_PER_WINDOW).zip(0..).map(|(window, number)| triangles(window, number));
         let triangles: Vec<_> = windows.collect();
         let next = bind(gpu, &self.next, &common[..1], &entire(&[&b.counts, &b.workgroups]));
         let clip = [&casters.positions, &casters.indices, &b.work, &b.counts, &b.patches[1]];
@@ -193,21 +198,21 @@ impl BentShadowPass {
             let lists = [&b.split_vertices, &b.masked_vertices, &b.masked_places];
             group(&self.split, &[&[&b.patches[from], &b.patches[to], &b.counts], &lists[..]].concat())
         });
-        let step = |stage, pipeline, group, workgroups| Step { stage, pipeline, group, workgroups };
+        let step = |stage, pipeline, group, workgroups| ComputeStep { stage, pipeline, group, workgroups };
         let next = |stage| step(stage, &self.next, &next, Some(1));
-        let mut steps = vec![step(Stage::Vertices, &self.vertices, &vertices, Some(near.blocks.len()))];
+        let mut steps = vec![step(FrameStage::Vertices, &self.vertices, &vertices, Some(near.blocks.len()))];
         steps.extend(
             triangles
                 .iter()
-                .map(|(group, count)| step(Stage::Triangles, &self.triangles, group, Some(*count))),
+                .map(|(group, count)| step(FrameStage::Triangles, &self.triangles, group, Some(*count))),
         );
-        steps.extend([next(Stage::Clip), step(Stage::Clip, &self.clip, &clip, None)]);
+        steps.extend([next(FrameStage::Clip), step(FrameStage::Clip, &self.clip, &clip, None)]);
         for level in 1..LEVELS {
             let group = if level % 2 == 0 { &even } else { &odd };
-            steps.extend([next(Stage::Split), step(Stage::Split, &self.split, group, None)]);
+            steps.extend([next(FrameStage::Split), step(FrameStage::Split, &self.split, group, None)]);
         }
         // One pass for all, but where stages are taken down.
-        let apart = gpu.stages.is_on();
+        let apart = gpu.stages.is_recording();
         for steps in steps.chunk_by(|one, other| !apart || one.stage == other.stage) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
             for step in steps {
@@ -224,7 +229,7 @@ impl BentShadowPass {
         &self,
         gpu: &Gpu,
         encoder: &mut CommandEncoder,
-        (scene, casting): (&GpuScene, &Casting),
+        (scene, casting): (&GpuScene, &CasterSet),
         buffers: &Buffers,
         (target, map): (&MapTarget, &MapShape),
         clear: bool,
@@ -240,15 +245,18 @@ impl BentShadowPass {
                 }),
                 ..Default::default()
             });
-            if !map.casts(index) {
+            if !map.has_casters(index) {
                 continue;
             }
-            let group =
-                gpu.group("bent shadow", &self.draw.get_bind_group_layout(0), &[face.as_entire_binding()]);
+            let group = gpu.bind_group(
+                "bent shadow",
+                &self.draw.get_bind_group_layout(0),
+                &[face.as_entire_binding()],
+            );
             pass.set_bind_group(0, &group, &[]);
             self.draw_casters(&mut pass, buffers);
             if let Some(tests) = casting.alpha_tests {
-                let masked = self.masked.get_or_init(|| MaskedDraw::new(gpu));
+                let masked = self.alpha_tested.get_or_init(|| AlphaTestedDraw::new(gpu));
                 masked.draw(gpu, &mut pass, (&scene.geometry, tests), (buffers, face));
             }
         }
@@ -265,15 +273,15 @@ impl BentShadowPass {
 }
 
 /// A dispatch of the compute passes.
-struct Step<'a> {
-    stage: Stage,
+struct ComputeStep<'a> {
+    stage: FrameStage,
     pipeline: &'a ComputePipeline,
     group: &'a BindGroup,
     /// How many; `None` where the passes before have counted them.
     workgroups: Option<usize>,
 }
 
-impl Step<'_> {
+impl ComputeStep<'_> {
     fn run(&self, pass: &mut wgpu::ComputePass, counted_workgroups: &Buffer) {
         pass.set_pipeline(self.pipeline);
         pass.set_bind_group(0, self.group, &[]);
@@ -289,8 +297,12 @@ impl Step<'_> {
 }
 
 /// The uniform of a turn.
-fn turn(room: Room, request: &MapRequest, (slabs, near): (&[(Slab, [DVec3; 8])], &NearSlabs)) -> BentMap {
-    let &MapRequest { scene, casting: Casting { casters, .. }, tube, map, shadows, .. } = request;
+fn turn_uniforms(
+    room: Capacity,
+    request: &MapRequest,
+    (slabs, near): (&[(MapSlab, [DVec3; 8])], &CastersNearSlabs),
+) -> BentMap {
+    let &MapRequest { scene, casting: CasterSet { casters, .. }, tube, map, shadows, .. } = request;
     BentMap {
         face_count: map.face_count() as u32,
         texels_per_vw: map.texels_per_vw() as f32,
@@ -304,17 +316,21 @@ fn turn(room: Room, request: &MapRequest, (slabs, near): (&[(Slab, [DVec3; 8])],
         opaque_triangles: casters.opaque_indices / 3,
         masked_capacity: room.masked_vertices,
         tolerance_texels: shadows.split_above_texels(),
-        ..bent_map(tube, scene.posed.origin_in_world, slabs)
+        ..bent_map_uniforms(tube, scene.posed.origin_in_world, slabs)
     }
 }
 
 /// What a turn's uniform says of the light.
-pub(super) fn bent_map(tube: &Tube<f64>, scene_origin: DVec3, slabs: &[(Slab, [DVec3; 8])]) -> BentMap {
+pub(super) fn bent_map_uniforms(
+    tube: &Tube<f64>,
+    scene_origin: DVec3,
+    slabs: &[(MapSlab, [DVec3; 8])],
+) -> BentMap {
     let corners = || slabs.iter().flat_map(|slab| slab.1);
     BentMap {
         tube_from_scene: tube_from_scene(tube, scene_origin),
         up: tube.up.as_vec3().to_array(),
-        frame_up: u32::from(tube.frame == Frame::Up),
+        frame_up: u32::from(tube.frame == FrameMode::Up),
         box_min: corners().fold(DVec3::INFINITY, DVec3::min).as_vec3().to_array(),
         slab_count: slabs.len() as u32,
         box_max: corners().fold(DVec3::NEG_INFINITY, DVec3::max).as_vec3().to_array(),
@@ -346,7 +362,7 @@ fn bind(
 }
 
 fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
-    let module = gpu.module("bent shadow", shaders::BENT_SHADOW);
+    let module = gpu.shader_module("bent shadow", shaders::BENT_SHADOW);
     let mapped = wgpu::VertexBufferLayout {
         array_stride: VERTEX_BYTES,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -363,7 +379,7 @@ fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
         },
         // Both sides cast: what light meets does not depend on which side was modelled.
         primitive: wgpu::PrimitiveState::default(),
-        depth_stencil: Some(least_depth_wins()),
+        depth_stencil: Some(least_depth_test()),
         multisample: wgpu::MultisampleState::default(),
         fragment: Some(wgpu::FragmentState {
             module: &module,

@@ -2,29 +2,29 @@
 
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder};
 
-use super::faces::MOST_FACES;
+use super::faces::MAX_FACES;
 use super::gpu_structs::{BentCounts, BentMap, BentShadow, Patch, Slab};
 use super::map_shape::MapShape;
-use super::near_slabs::NearSlabs;
-use super::slab::SLABS_A_TURN;
+use super::near_slabs::CastersNearSlabs;
+use super::slab::SLABS_PER_UNIFORM;
 use crate::casters::Casters;
-use crate::clusters::VERTICES_A_BLOCK;
+use crate::clusters::VERTICES_PER_BLOCK;
 use crate::memory::Evictable;
-use crate::stages::{Counters, Stage};
+use crate::stages::{FrameStage, WorkCounters};
 use crate::{Gpu, RenderError, readback};
 
 /// What the maps of one scene are made in, one after another.
 #[derive(Debug)]
-pub(crate) struct BentWork {
-    pub room: Room,
+pub(crate) struct BentMapBuffers {
+    pub capacity: Capacity,
     pub(super) buffers: Option<Evictable<Buffers>>,
     /// What nobody has looked at yet whether it fitted, where that is put off.
-    put_off: Option<Vec<Made>>,
+    deferred: Option<Vec<MapCounts>>,
 }
 
 /// What a turn has made of a map.
 #[derive(Debug)]
-pub(super) struct Made {
+pub(super) struct MapCounts {
     /// A copy of its [`BentCounts`].
     pub counts: Buffer,
     /// How many it looked at.
@@ -35,7 +35,7 @@ pub(super) struct Made {
 
 /// How many items fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Room {
+pub(crate) struct Capacity {
     /// (triangle, slab) pairs.
     pub work: u32,
     /// Patches of one level.
@@ -52,7 +52,7 @@ struct Size {
     vertices: u32,
     triangles: u32,
     leaves: u32,
-    room: Room,
+    capacity: Capacity,
 }
 
 /// The buffers of one map, kept for the next.
@@ -62,10 +62,10 @@ pub(super) struct Buffers {
     pub slabs: Buffer,
     pub uniform: Buffer,
     /// One a face of any map.
-    pub faces: [Buffer; MOST_FACES],
+    pub faces: [Buffer; MAX_FACES],
     pub mapped: Buffer,
     pub vertex_slab: Buffer,
-    /// What is near the slabs: see [`NearSlabs`].
+    /// What is near the slabs: see [`CastersNearSlabs`].
     pub blocks: Buffer,
     pub leaves: Buffer,
     pub whole_indices: Buffer,
@@ -79,61 +79,62 @@ pub(super) struct Buffers {
     pub workgroups: Buffer,
 }
 
-impl BentWork {
+impl BentMapBuffers {
     pub fn new() -> Self {
-        let room = Room { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
-        Self { room, buffers: None, put_off: None }
+        let capacity =
+            Capacity { work: 1 << 16, patches: 1 << 16, split_vertices: 3 << 16, masked_vertices: 0 };
+        Self { capacity, buffers: None, deferred: None }
     }
 
     /// Whether maps fit is not asked from now on until [`Self::fitted`] is: so nothing waits for the device before the
     /// picture is submitted.
-    pub fn put_off(&mut self) {
-        self.put_off = Some(Vec::new());
+    pub fn defer_fit_checks(&mut self) {
+        self.deferred = Some(Vec::new());
     }
 
     /// Whether all maps since [`Self::put_off`] have fitted; where one has not there is more room now. Waits for them.
-    pub fn fitted(&mut self, gpu: &Gpu) -> Result<bool, RenderError> {
+    pub fn check_deferred_fits(&mut self, gpu: &Gpu) -> Result<bool, RenderError> {
         let mut fitted = true;
-        for made in self.put_off.take().into_iter().flatten() {
-            fitted &= self.made(gpu, made)?;
+        for made in self.deferred.take().into_iter().flatten() {
+            fitted &= self.check_fit(gpu, made)?;
         }
         Ok(fitted)
     }
 
     /// Asks again whether maps fit, of those to come.
-    pub fn forget(&mut self) {
-        self.put_off = None;
+    pub fn clear_deferred(&mut self) {
+        self.deferred = None;
     }
 
     /// Lets others have their turn in the middle of a map. Not where it is put off to ask whether maps fit: nothing is to wait for
     /// the device then.
-    pub(super) fn give_way(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
-        if self.put_off.is_none() {
-            gpu.finish(encoder)?;
+    pub(super) fn yield_point(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
+        if self.deferred.is_none() {
+            gpu.submit_and_wait(encoder)?;
             gpu.yield_point()?;
         }
         Ok(())
     }
 
     /// Notes what has been made. False where it is known that it did not fit; there is more room then.
-    pub(super) fn made(&mut self, gpu: &Gpu, made: Made) -> Result<bool, RenderError> {
-        if let Some(put_off) = &mut self.put_off {
+    pub(super) fn check_fit(&mut self, gpu: &Gpu, made: MapCounts) -> Result<bool, RenderError> {
+        if let Some(put_off) = &mut self.deferred {
             put_off.push(made);
             return Ok(true);
         }
-        let counts = readback::of_copy::<BentCounts>(gpu, &made.counts)?[0];
-        gpu.stages.ended(Stage::Counts);
+        let counts = readback::read_copy::<BentCounts>(gpu, &made.counts)?[0];
+        gpu.stages.record_stage(FrameStage::Counts);
         gpu.stages.count(|counters| made.count(counters, &counts));
-        let needed = self.room.grown_for(&counts);
+        let needed = self.capacity.grown_for(&counts);
         needed.check(gpu)?;
-        let fitted = needed == self.room;
-        self.room = needed;
+        let fitted = needed == self.capacity;
+        self.capacity = needed;
         Ok(fitted)
     }
 }
 
-impl Made {
-    fn count(&self, counters: &mut Counters, counts: &BentCounts) {
+impl MapCounts {
+    fn count(&self, counters: &mut WorkCounters, counts: &BentCounts) {
         let corners = [counts.whole_index_count, counts.split_vertex_count, counts.masked_vertex_count];
         counters.triangles_seen += u64::from(self.triangles);
         counters.triangles_split += u64::from(counts.items[0]);
@@ -142,7 +143,7 @@ impl Made {
     }
 }
 
-impl Room {
+impl Capacity {
     /// Enough for what was counted, in powers of two; the same room where that fitted.
     pub(super) fn grown_for(self, counts: &BentCounts) -> Self {
         let grow = |room: u32, count: u32| if count > room { count.next_power_of_two() } else { room };
@@ -174,8 +175,8 @@ impl Room {
 }
 
 /// Leaves that a uniform holds: `map_triangles` runs once for each so many.
-pub(super) const LEAVES_A_WINDOW: usize = 8192;
-const WINDOW_BYTES: u64 = 8 * LEAVES_A_WINDOW as u64;
+pub(super) const LEAVES_PER_WINDOW: usize = 8192;
+const WINDOW_BYTES: u64 = 8 * LEAVES_PER_WINDOW as u64;
 /// Bytes of a triangle in a slab: `ToClip` of `bent_map.wgsl`.
 const WORK_BYTES: u64 = 12;
 /// Bytes of a patch.
@@ -184,7 +185,7 @@ const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
 pub(super) const VERTEX_BYTES: u64 = 16;
 
 impl Buffers {
-    pub fn new(gpu: &Gpu, casters: &Casters, room: Room) -> Self {
+    pub fn new(gpu: &Gpu, casters: &Casters, room: Capacity) -> Self {
         let buffer = |label, size: u64, usage| {
             let size = size.max(16);
             gpu.device.create_buffer(&wgpu::BufferDescriptor {
@@ -205,19 +206,19 @@ impl Buffers {
         let split_bytes = u64::from(room.split_vertices) * VERTEX_BYTES;
         Self {
             size,
-            slabs: buffer("slabs", (size_of::<Slab>() * SLABS_A_TURN) as u64, uniform),
+            slabs: buffer("slabs", (size_of::<Slab>() * SLABS_PER_UNIFORM) as u64, uniform),
             uniform: buffer("bent map", size_of::<BentMap>() as u64, uniform),
             faces: std::array::from_fn(|_| buffer("bent shadow", size_of::<BentShadow>() as u64, uniform)),
             mapped: storage("mapped vertices", vertices * VERTEX_BYTES, BufferUsages::VERTEX),
             vertex_slab: storage("slab of each vertex", vertices * 4, none),
             blocks: storage(
                 "blocks of vertices",
-                vertices.div_ceil(VERTICES_A_BLOCK as u64) * 4,
+                vertices.div_ceil(VERTICES_PER_BLOCK as u64) * 4,
                 BufferUsages::COPY_DST,
             ),
             leaves: buffer(
                 "leaves of triangles",
-                leaves.div_ceil(LEAVES_A_WINDOW as u64).max(1) * WINDOW_BYTES,
+                leaves.div_ceil(LEAVES_PER_WINDOW as u64).max(1) * WINDOW_BYTES,
                 uniform,
             ),
             whole_indices: storage("whole triangles", triangles * 12, BufferUsages::INDEX),
@@ -231,9 +232,9 @@ impl Buffers {
         }
     }
 
-    fn size_for(casters: &Casters, room: Room) -> Size {
+    fn size_for(casters: &Casters, room: Capacity) -> Size {
         let (vertices, triangles) = (casters.vertex_count, casters.triangle_count);
-        Size { vertices, triangles, leaves: casters.clusters.leaves.len() as u32, room }
+        Size { vertices, triangles, leaves: casters.clusters.leaves.len() as u32, capacity: room }
     }
 
     /// The leaves of a window, as a uniform.
@@ -262,14 +263,20 @@ impl Buffers {
     }
 
     /// Whether a map of those casters can be made in these.
-    pub fn fit(&self, casters: &Casters, room: Room) -> bool {
+    pub fn fit(&self, casters: &Casters, room: Capacity) -> bool {
         let (has, needs) = (self.size, Self::size_for(casters, room));
         let enough =
             has.vertices >= needs.vertices && has.triangles >= needs.triangles && has.leaves >= needs.leaves;
-        enough && has.room == room
+        enough && has.capacity == room
     }
 
-    pub fn write(&self, gpu: &Gpu, slabs: &[Slab], (map, near): (&BentMap, &NearSlabs), shape: &MapShape) {
+    pub fn write(
+        &self,
+        gpu: &Gpu,
+        slabs: &[Slab],
+        (map, near): (&BentMap, &CastersNearSlabs),
+        shape: &MapShape,
+    ) {
         // Level -1: the first `next_level` makes it 0.
         let counts = BentCounts {
             whole_instance_count: 1,
@@ -283,7 +290,7 @@ impl Buffers {
         gpu.queue.write_buffer(&self.blocks, 0, bytemuck::cast_slice(&near.blocks));
         gpu.queue.write_buffer(&self.leaves, 0, bytemuck::cast_slice(&near.leaves));
         for (face, buffer) in self.faces.iter().enumerate().take(shape.face_count()) {
-            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow(face)));
+            gpu.queue.write_buffer(buffer, 0, bytemuck::bytes_of(&shape.shadow_uniforms(face)));
         }
         gpu.queue.write_buffer(&self.counts, 0, bytemuck::bytes_of(&counts));
     }

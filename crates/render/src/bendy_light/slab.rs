@@ -3,12 +3,12 @@
 use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube};
 
-use relight::Slab;
+use relight::MapSlab;
 
 use super::{gpu_curve, gpu_structs};
 
 /// How many fit into one uniform; `bent_map.wgsl` has the same number. A light with more is mapped in turns.
-pub(crate) const SLABS_A_TURN: usize = 240;
+pub(crate) const SLABS_PER_UNIFORM: usize = 240;
 /// Share of a slab by which it overlaps its neighbours. More than rounding, 1e-6; and little, because past a
 /// joint the curve is not this segment's: there t is off by up to the square of it.
 const OVERLAP: f64 = 5e-4;
@@ -17,7 +17,7 @@ const SAMPLING_MARGIN: f64 = 2.0;
 /// Largest slope of the logarithm of u's change along an edge that may be called straight. The edge's middle then strays by at
 /// most 1.09 times what it would were u even: with `exp(-EVEN |s - 1/2|)`, the worst, the mean of its square, weighed as
 /// deviations of the middle are, by a tent, over the square of its mean.
-const EVEN: f64 = 0.5;
+const MAX_LOG_SLOPE: f64 = 0.5;
 /// Larger than any radius and 1, and no infinity, which WGSL does not have.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
@@ -28,7 +28,7 @@ pub(crate) fn slabs(
     (t_base, [first, last]): (f64, [f64; 2]),
     resolution: f64,
     tolerance_texels: f64,
-) -> Vec<(Slab, [DVec3; 8])> {
+) -> Vec<(MapSlab, [DVec3; 8])> {
     light::slabs(tube, last, OVERLAP)
         .iter()
         .filter_map(|slab| {
@@ -37,9 +37,9 @@ pub(crate) fn slabs(
             if start >= end {
                 return None;
             }
-            let piece = slab.piece.piece(start, end);
+            let piece = slab.slab_curve.subcurve(start, end);
             let (t_start, t_span) = (slab.t_start + slab.t_span * start, slab.t_span * (end - start));
-            let slab = Slab {
+            let slab = MapSlab {
                 curve: piece.to_f32(),
                 t_start: (t_start - t_base) as f32,
                 t_span: t_span as f32,
@@ -51,9 +51,9 @@ pub(crate) fn slabs(
         .collect()
 }
 
-impl From<&Slab> for gpu_structs::Slab {
-    fn from(slab: &Slab) -> Self {
-        let Slab { curve, t_start, t_span, planes, edge_bounds } = slab;
+impl From<&MapSlab> for gpu_structs::Slab {
+    fn from(slab: &MapSlab) -> Self {
+        let MapSlab { curve, t_start, t_span, planes, edge_bounds } = slab;
         let curve = gpu_curve(curve, *t_start, *t_span);
         Self { curve, planes: *planes, edge_bounds: *edge_bounds }
     }
@@ -82,12 +82,12 @@ fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
 /// `tolerance` times the map's resolution in texels.
 ///
 /// Light model, section 4, with `e_u = sigma u'`, where `u'` is the change of u along the edge. Its mean the ends tell, because u
-/// never turns back along a straight edge; and it is nearly even, for the second pair bounds `|u''/u'|` by [`EVEN`]. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
+/// never turns back along a straight edge; and it is nearly even, for the second pair bounds `|u''/u'|` by [`MAX_LOG_SLOPE`]. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
 /// with each second derivative at its largest over the slab and over the edge's directions. What lies square to
 /// the light is straight however long it is. Nothing is safe where the map is close to folding, and in the "up" frame,
 /// whose twist the formulas leave out.
 fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64) -> [f32; 4] {
-    if tube.frame == light::Frame::Up {
+    if tube.frame == light::FrameMode::Up {
         return NEVER_SAFE;
     }
     // The corner of the slab's box lies at v = w = 1.
@@ -111,7 +111,7 @@ fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64
             let h_r = DVec2::new((2.0 * piece.ar).abs(), 0.0) + piece.radius_derivative(u).abs() * h_t;
             let across = DVec2::new(turn * sigma, 0.0) + rim * h_r;
             let strays = across.max(h_t * sigma) / (16.0 * tolerance);
-            let uneven = h_t / EVEN;
+            let uneven = h_t / MAX_LOG_SLOPE;
             worst = worst.max(DVec4::new(strays.x, strays.y, uneven.x, uneven.y));
         }
     }

@@ -8,12 +8,13 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, DECAY, DIRECTION, RANGE, ROTATION, TRANSLATION};
-use light::{Decay, Direction, Light, LightInstance, Tube};
+use light::{Decay, DirectionMode, Light, LightInstance, Tube};
 use scene::{Camera, Material, Mesh, Node, PosedPrimitive, Primitive, Projection, Scene, pose};
 
 use super::walk;
 use crate::{
-    Aov, Backend, Culling, Gpu, MemoryBudget, Picture, Renderer, ShadowFilter, ShadowSettings, Stage, View,
+    Aov, Backend, Culling, FrameStage, Gpu, MemoryBudget, Picture, Renderer, ShadowFilter, ShadowSettings,
+    View,
 };
 
 /// Edges are never split.
@@ -158,7 +159,7 @@ impl Setup {
 
     /// What is seen in the light, and its path: pixel, and t, v and w, w times `w_sign`, with all triangles but those in
     /// whose plane it lies, for the receiver's own plane does not shade it.
-    pub fn seen(&mut self, w_sign: f64) -> Vec<Seen> {
+    pub fn pixels_in_light(&mut self, w_sign: f64) -> Vec<PixelInLight> {
         let depth = self.picture(Aov::Depth);
         let see = |pixel: usize| {
             let q = self.tube.placement.tube_from_world(position(&view(Aov::Depth), &depth, pixel));
@@ -166,17 +167,17 @@ impl Setup {
             let plane_distance = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).normalize().dot(q - a).abs();
             let others = self.triangles.iter().copied().filter(|&t| plane_distance(t) > 1e-5).collect();
             let (v, w) = (root.v_len / root.radius, w_sign * root.w_len / root.radius);
-            Some(Seen { pixel, path: [root.segment as f64 + root.u, v, w], others })
+            Some(PixelInLight { pixel, path: [root.segment as f64 + root.u, v, w], others })
         };
         (0..depth.pixels.len()).filter_map(see).collect()
     }
 
     /// What the walk says of pixels that lie two texels and more from any edge of the shadow, on a map of `resolution`:
     /// pixel and whether it is lit. `w_sign` is 1, or -1 for a planted fault.
-    pub fn walked(&mut self, w_sign: f64, resolution: u32) -> Vec<(usize, bool)> {
+    pub fn traced_pixels(&mut self, w_sign: f64, resolution: u32) -> Vec<(usize, bool)> {
         let texels = 2.0 * 2.0 / f64::from(resolution);
-        let seen = self.seen(w_sign);
-        let judged = |seen: &Seen| {
+        let seen = self.pixels_in_light(w_sign);
+        let judged = |seen: &PixelInLight| {
             let at = |v: f64, w: f64| seen.is_lit(&self.tube, [v * texels, w * texels]);
             let lit = at(0.0, 0.0);
             let around = [
@@ -196,14 +197,14 @@ impl Setup {
 }
 
 /// What a pixel sees in the light.
-pub(super) struct Seen {
+pub(super) struct PixelInLight {
     pub pixel: usize,
     path: [f64; 3],
     /// What may shade it.
     others: Vec<[DVec3; 3]>,
 }
 
-impl Seen {
+impl PixelInLight {
     /// Whether the walk reaches it along the path that lies `[dv, dw]` beside its own.
     pub fn is_lit(&self, tube: &Tube<f64>, [dv, dw]: [f64; 2]) -> bool {
         let [t, v, w] = self.path;
@@ -221,7 +222,7 @@ pub(super) fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize
 fn bent_shadows_are_where_the_paths_say() {
     // The device draws depths whoever draws shadows.
     let [walked, mirrored] = [1.0, -1.0]
-        .map(|w_sign| Setup::new(Backend::Wgpu).walked(w_sign, ShadowSettings::default().resolution));
+        .map(|w_sign| Setup::new(Backend::Wgpu).traced_pixels(w_sign, ShadowSettings::default().resolution));
     let lit = walked.iter().filter(|(_, lit)| *lit).count();
     assert!(walked.len() >= 500 && lit > 100 && walked.len() - lit > 100, "{lit} of {} lit", walked.len());
     for backend in BACKENDS {
@@ -260,9 +261,8 @@ fn bent_spots() -> Vec<Light> {
             .with(TRANSLATION, DVec3::new(-3.0, 7.0, 2.0))
             .with(ROTATION, rotation);
         let last = (light.points().len() - 1) as f64;
-        let light = light.with_points(|i, point| point.position.x += amount * (i as f64 / last).powi(2));
-        let uneven =
-            light.clone().with_points(|_, point| point.radius = 1.5 + (2.0 * point.position.z).sin());
+        let light = light.map_points(|i, point| point.position.x += amount * (i as f64 / last).powi(2));
+        let uneven = light.clone().map_points(|_, point| point.radius = 1.5 + (2.0 * point.position.z).sin());
         lights.extend([uneven, light]);
     }
     lights.retain(|light| Tube::new(light).is_ok());
@@ -297,7 +297,8 @@ fn a_lone_plane_never_shadows_itself() {
     let lights: Vec<_> = bent_spots()
         .into_iter()
         .flat_map(|light| {
-            [Direction::Tube, Direction::Path].map(|direction| light.clone().with(DIRECTION, direction))
+            [DirectionMode::Tube, DirectionMode::Path]
+                .map(|direction| light.clone().with(DIRECTION, direction))
         })
         .collect();
     assert!(lights.len() >= 30, "{}", lights.len());
@@ -367,9 +368,11 @@ fn settings_draw_anew() {
 fn a_frame_by_stages_is_the_frame() {
     // Few lights need no sums of their own. The device lights what it has drawn; the processor draws what it clips at
     // once, adds the fill where it shows the picture, and has that in memory.
-    let by_device = (vec![Stage::Sum, Stage::Surfaces], vec![Stage::Display, Stage::Readback]);
-    let not_by_processor = [Stage::Sum, Stage::Clip, Stage::Counts, Stage::Fill, Stage::Readback];
-    let by_processor = (not_by_processor.to_vec(), vec![Stage::Display]);
+    let by_device =
+        (vec![FrameStage::Sum, FrameStage::Surfaces], vec![FrameStage::Display, FrameStage::Readback]);
+    let not_by_processor =
+        [FrameStage::Sum, FrameStage::Clip, FrameStage::Counts, FrameStage::Fill, FrameStage::Readback];
+    let by_processor = (not_by_processor.to_vec(), vec![FrameStage::Display]);
     for (backend, (not_run, ever_again)) in BACKENDS.into_iter().zip([by_device, by_processor]) {
         let mut setup = Setup::new(backend);
         let view = view(Aov::Beauty);
@@ -377,12 +380,12 @@ fn a_frame_by_stages_is_the_frame() {
         setup.renderer.invalidate();
         let (by_stages, recording) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
         assert!(by_stages == whole, "{backend:?}");
-        let expected = Stage::ALL.map(|stage| u64::from(!not_run.contains(&stage)));
-        assert_eq!(Stage::ALL.map(|stage| recording.runs(stage)), expected, "{backend:?}");
-        let is_timed = |stage: &Stage| (recording.cost(*stage).wall_ms > 0.0) != not_run.contains(stage);
-        assert!(Stage::ALL.iter().all(is_timed), "{backend:?}: {recording:?}");
+        let expected = FrameStage::ALL.map(|stage| u64::from(!not_run.contains(&stage)));
+        assert_eq!(FrameStage::ALL.map(|stage| recording.runs(stage)), expected, "{backend:?}");
+        let is_timed = |stage: &FrameStage| (recording.cost(*stage).wall_ms > 0.0) != not_run.contains(stage);
+        assert!(FrameStage::ALL.iter().all(is_timed), "{backend:?}: {recording:?}");
         let (_, kept) = setup.renderer.record_display(&view, &setup.lights).expect("drawn");
-        let ran: Vec<_> = Stage::ALL.into_iter().filter(|stage| kept.runs(*stage) > 0).collect();
+        let ran: Vec<_> = FrameStage::ALL.into_iter().filter(|stage| kept.runs(*stage) > 0).collect();
         assert_eq!(ran, ever_again, "{backend:?}");
     }
 }
@@ -399,11 +402,11 @@ fn what_no_texel_shows_is_not_split() {
     );
     scene.nodes.truncate(1);
     scene.nodes[0].parent_from_local = across;
-    let thin = light().with_points(|i, point| point.radius = [0.0, 0.0, 0.1, 0.2, 0.3][i]);
+    let thin = light().map_points(|i, point| point.radius = [0.0, 0.0, 0.1, 0.2, 0.3][i]);
     let mut device = renderer(&scene);
-    let before = device.bent_work().room;
+    let before = device.bent_buffers().capacity;
     device.render(&view(Aov::Visibility), &alone(&thin)).expect("drawn");
-    assert_eq!(device.bent_work().room, before);
+    assert_eq!(device.bent_buffers().capacity, before);
     // The processor knows no room: no more than that has.
     let mut processor = renderer_of(Backend::Native, &scene);
     let (_, recording) = processor.record_display(&view(Aov::Beauty), &alone(&thin)).expect("drawn");

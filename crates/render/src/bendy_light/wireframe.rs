@@ -19,7 +19,7 @@ pub(crate) struct WireframePass {
 }
 
 /// What it is drawn into: a picture of any shape.
-pub(crate) struct Drawing<'a> {
+pub(crate) struct WireframeTarget<'a> {
     pub pass: &'a WireframePass,
     pub color: &'a TextureView,
     pub depth: &'a TextureView,
@@ -31,7 +31,7 @@ pub(crate) struct Drawing<'a> {
 
 impl WireframePass {
     pub fn new(gpu: &Gpu) -> Self {
-        let module = gpu.module("wireframe", shaders::WIREFRAME);
+        let module = gpu.shader_module("wireframe", shaders::WIREFRAME);
         let pipeline = |vertex| {
             gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
                 label: Some(vertex),
@@ -66,7 +66,7 @@ impl WireframePass {
     }
 }
 
-impl Drawing<'_> {
+impl WireframeTarget<'_> {
     /// Draws what was mapped, over nothing or over what other slabs have drawn.
     pub(super) fn draw(
         &self,
@@ -91,7 +91,7 @@ impl Drawing<'_> {
         });
         let group = |pipeline: &RenderPipeline, buffers: &[&Buffer]| {
             let buffers: Vec<_> = buffers.iter().map(|buffer| buffer.as_entire_binding()).collect();
-            gpu.group("wireframe", &pipeline.get_bind_group_layout(0), &buffers)
+            gpu.bind_group("wireframe", &pipeline.get_bind_group_layout(0), &buffers)
         };
         let whole = group(&self.pass.whole, &[&uniform, &mapped.mapped, &mapped.whole_indices]);
         let [split, masked] = [&mapped.split_vertices, &mapped.masked_vertices]

@@ -7,7 +7,7 @@ use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, END_MODE, RANGE, ROTAT
 use light::{Decay, EndMode, Light, LightInstance, Tube};
 use scene::{MapScale, Material, Mesh, Node, Primitive, Scene};
 
-use super::{LARGEST_OVER_MEAN, simplify};
+use super::{MAX_TO_RMS_ERROR, simplify};
 use crate::bendy_light::tests::{alone, position, renderer, view};
 use crate::bendy_light::walk;
 use crate::{Aov, Renderer, ShadowSettings, View};
@@ -94,7 +94,7 @@ pub(crate) fn lights() -> [(Light, Light); 3] {
     let points = [(0., 0., 0.), (0., 0., -1.5), (0., 0., -3.2), (0.9, 0., -4.9), (1.9, 0., -6.5)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
     let bent = Light::bendy(points, vec![0.2, 0.8, 1.2, 1.5, 1.8])
-        .placed(spot.transform())
+        .with_transform(spot.transform())
         .with(END_MODE, EndMode::Cut);
     [(spot, straight.clone()), (straight.clone(), straight), (bent.clone(), bent)]
 }
@@ -299,7 +299,7 @@ fn what_is_left_strays_no_farther_than_it_may() {
             assert!(mesh.indices.len() * 4 < primitive.indices.len(), "{error}: {}", mesh.indices.len());
             assert!(farthest(&mesh) < error, "{error}: {}", farthest(&mesh));
             assert!(
-                farthest(&left(LARGEST_OVER_MEAN * error)) > error,
+                farthest(&left(MAX_TO_RMS_ERROR * error)) > error,
                 "{error}: the planted fault went unseen"
             );
         }

@@ -89,7 +89,7 @@ fn narrow_lights_have_exact_casters() {
     let (wide, _) = &lights()[2];
     drag_until_made(&mut renderer, wide);
     plant(&mut renderer);
-    let narrow = wide.clone().with_points(|_, point| point.radius *= 0.2);
+    let narrow = wide.clone().map_points(|_, point| point.radius *= 0.2);
     let mut other = fresh();
     let exact = draw(&mut other, &half(Aov::Visibility), &narrow);
     assert_eq!(draw(&mut renderer, &half(Aov::Visibility), &narrow), exact);

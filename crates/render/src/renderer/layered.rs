@@ -7,12 +7,12 @@ use glam::DVec2;
 use light::LightInstance;
 use scene::MapScale;
 
-use super::{Drawing, Renderer, read_shown};
-use crate::layers::{self, Work};
+use super::{CheckedPicture, Renderer, read_display_texture};
+use crate::layers::{self, LayerWork};
 use crate::native_layers::NativeLayers;
 use crate::pass_runs::{Cause, Pass};
-use crate::pause::{Pause, Piece};
-use crate::stages::Stage;
+use crate::pause::{DrawnPiece, Pause};
+use crate::stages::FrameStage;
 use crate::targets::Targets;
 use crate::tile::Tile;
 use crate::wgpu_layers::WgpuLayers;
@@ -24,8 +24,8 @@ impl Renderer {
     pub fn keeps_layers(&self, view: &View, light_count: usize) -> bool {
         let (budget, size) = (self.gpu.memory.budget(), [view.width, view.height]);
         let fit = match self.gpu.backend() {
-            Backend::Wgpu => layers::fit::<WgpuLayers>(budget, size, light_count),
-            Backend::Native => layers::fit::<NativeLayers>(budget, size, light_count),
+            Backend::Wgpu => layers::do_layers_fit::<WgpuLayers>(budget, size, light_count),
+            Backend::Native => layers::do_layers_fit::<NativeLayers>(budget, size, light_count),
         };
         view.samples <= 1 && fit
     }
@@ -44,7 +44,7 @@ impl Renderer {
     /// Works on [`Self::render_display`] for about `aim`, or a little longer: until a piece of work is done, which may be the
     /// G-buffer, a shadow map, or a light over the whole picture. Pending where something is left: asked again for the same
     /// it goes on, and draws again only what was evicted meanwhile.
-    pub fn display_some(
+    pub fn advance_display(
         &mut self,
         view: &View,
         lights: &[LightInstance],
@@ -67,8 +67,8 @@ impl Renderer {
             });
             return whole.map(Poll::Ready);
         }
-        let drawing = Drawing::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
-        self.attempt(view.slot, |renderer, gpu| {
+        let drawing = CheckedPicture::new(&View { aov: Aov::Beauty, ..view.clone() }, lights)?;
+        self.run_or_discard(view.slot, |renderer, gpu| {
             gpu.memory.begin_picture();
             let mut targets = renderer.viewers.take(gpu, &renderer.passes, &drawing.view)?;
             let bytes = match gpu.backend() {
@@ -76,14 +76,14 @@ impl Renderer {
                 Backend::Wgpu => loop {
                     // A picture in turns waits for each piece, and so can ask at once whether a map fits.
                     if pause.is_none() {
-                        renderer.shadow_maps.bent_work.put_off();
+                        renderer.shadow_maps.bent_buffers.defer_fit_checks();
                     }
                     if renderer.draw_layered(gpu, &mut targets, &drawing, pause)?.is_pending() {
                         break Poll::Pending;
                     }
-                    let bytes = read_shown(gpu, targets.lit(gpu, &renderer.passes), targets.size)?;
+                    let bytes = read_display_texture(gpu, targets.lit(gpu, &renderer.passes), targets.size)?;
                     // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
-                    if renderer.shadow_maps.bent_work.fitted(gpu)? {
+                    if renderer.shadow_maps.bent_buffers.check_deferred_fits(gpu)? {
                         break Poll::Ready(bytes);
                     }
                     renderer.shadow_maps.invalidate();
@@ -103,13 +103,13 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        drawing: &Drawing,
+        drawing: &CheckedPicture,
         pause: Option<Pause>,
     ) -> Result<Poll<()>, RenderError> {
-        let Drawing { view, raster, .. } = drawing;
-        let lights = &self.as_drawn(view.aov, &drawing.lights);
+        let CheckedPicture { view, raster, .. } = drawing;
+        let lights = &self.straightened_lights(view.aov, &drawing.lights);
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
-        let Self { passes, scene, shadow_maps, ran, view_uniform, .. } = self;
+        let Self { passes, scene, shadow_maps, pass_runs: ran, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         shadow_maps.begin(view.slot, lights, scene.revision);
         // What comes from no light knows no shadow map.
@@ -124,27 +124,27 @@ impl Renderer {
             if let Some(cause) = drawn {
                 ran.note(Pass::Gbuffer, None, cause);
             }
-            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
             let onto = (view.aov, tile);
             targets.draw_lighting(gpu, &mut encoder, (passes, scene), onto, (true, true), &[])?;
             ran.note(Pass::Lighting, None, drawn.unwrap_or(Cause::NotKept));
             targets.samples_drawn = 1;
             if let Some(pause) = pause {
-                gpu.finish(&mut encoder)?;
-                if pause(Piece::Pixels) {
+                gpu.submit_and_wait(&mut encoder)?;
+                if pause(DrawnPiece::Pixels) {
                     return Ok(Poll::Pending);
                 }
             }
         }
         let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran, pause };
+        let mut work = LayerWork { gpu, scene, raster, size, shadow_map, shadow_maps, pass_runs: ran, pause };
         let Poll::Ready(terms) = targets.draw_layers(&mut encoder, passes, &mut work, lights)? else {
             return Ok(Poll::Pending);
         };
         targets.draw_display(gpu, &mut encoder, passes, (terms.as_ref(), view.exposure));
-        gpu.end_stage(&mut encoder, Stage::Display)?;
+        gpu.end_stage(&mut encoder, FrameStage::Display)?;
         gpu.queue.submit([encoder.finish()]);
-        self.ran.note(Pass::Display, None, Cause::NotKept);
+        self.pass_runs.note(Pass::Display, None, Cause::NotKept);
         Ok(Poll::Ready(()))
     }
 }

@@ -5,13 +5,13 @@ use std::task::Poll;
 use glam::DVec2;
 use light::LightInstance;
 
-use super::{Drawing, Renderer};
+use super::{CheckedPicture, Renderer};
 use crate::camera::sample_offset;
-use crate::layers::Work;
+use crate::layers::LayerWork;
 use crate::native_map::NativeMaps;
 use crate::pass_runs::{Cause, Pass};
-use crate::pause::{Pause, Piece};
-use crate::stages::Stage;
+use crate::pause::{DrawnPiece, Pause};
+use crate::stages::FrameStage;
 use crate::targets::Targets;
 use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
@@ -19,16 +19,16 @@ use crate::{Aov, Gpu, RenderError, display, gpu_structs};
 impl Renderer {
     /// Has what the pixels of `tile` see at the sample with that offset and weight in memory. Returns the camera's rays; pending
     /// where the picture pauses once the device has drawn what they see.
-    fn see(
+    fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        (drawing, tile): (&Drawing, Tile),
+        (drawing, tile): (&CheckedPicture, Tile),
         (offset, weight): (DVec2, f32),
         pause: Option<Pause>,
     ) -> Result<Poll<gpu_structs::View>, RenderError> {
-        let Drawing { view, raster, .. } = drawing;
-        let Self { passes, scene, ran, view_uniform, .. } = self;
+        let CheckedPicture { view, raster, .. } = drawing;
+        let Self { passes, scene, pass_runs: ran, view_uniform, .. } = self;
         let origin = scene.posed.origin_in_world;
         let uniform = raster.uniform(offset, weight, view.fill, origin, [tile.x, tile.y])?;
         gpu.queue.write_buffer(view_uniform, 0, bytemuck::bytes_of(&uniform));
@@ -36,16 +36,16 @@ impl Renderer {
         let onto = (raster, tile);
         if let Some(cause) = targets.draw_gbuffer(gpu, &mut encoder, (passes, scene), onto, offset)? {
             ran.note(Pass::Gbuffer, None, cause);
-            gpu.end_stage(&mut encoder, Stage::Gbuffer)?;
+            gpu.end_stage(&mut encoder, FrameStage::Gbuffer)?;
             gpu.queue.submit([encoder.finish()]);
             if let Some(pause) = pause {
                 gpu.wait()?;
-                if pause(Piece::Pixels) {
+                if pause(DrawnPiece::Pixels) {
                     return Ok(Poll::Pending);
                 }
             }
         }
-        targets.see(gpu, scene, (&uniform, [tile.width, tile.height]))?;
+        targets.prepare_surfaces(gpu, scene, (&uniform, [tile.width, tile.height]))?;
         Ok(Poll::Ready(uniform))
     }
 
@@ -54,25 +54,25 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        drawing: &Drawing,
+        drawing: &CheckedPicture,
         pause: Option<Pause>,
     ) -> Result<Poll<Vec<u8>>, RenderError> {
-        let Drawing { view, raster, .. } = drawing;
-        let lights = self.as_drawn(view.aov, &drawing.lights);
+        let CheckedPicture { view, raster, .. } = drawing;
+        let lights = self.straightened_lights(view.aov, &drawing.lights);
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
-        let sees = targets.native.sees();
-        let seen = self.see(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0), pause)?;
+        let sees = targets.native.has_surfaces();
+        let seen = self.prepare_surfaces(gpu, targets, (drawing, tile), (DVec2::ZERO, 1.0), pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(Poll::Pending) };
         if let Some(pause) = pause
             && !sees
-            && pause(Piece::Pixels)
+            && pause(DrawnPiece::Pixels)
         {
             return Ok(Poll::Pending);
         }
-        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let (shadow_map, size) = (view.shadow_map, targets.size);
-        let mut work = Work { gpu, scene, raster, size, shadow_map, shadow_maps, ran, pause };
+        let mut work = LayerWork { gpu, scene, raster, size, shadow_map, shadow_maps, pass_runs: ran, pause };
         let shown = (uniform.fill_factor, display::exposure_of(view.exposure));
         let bytes = targets.native.draw_layers(passes, &mut work, &lights, shown)?;
         if bytes.is_ready() {
@@ -91,12 +91,12 @@ impl Renderer {
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        drawing: &Drawing,
+        drawing: &CheckedPicture,
         tile: Tile,
         pause: Option<Pause>,
     ) -> Result<bool, RenderError> {
-        let Drawing { view, raster, samples, .. } = drawing;
-        let lights = self.as_drawn(view.aov, &drawing.lights);
+        let CheckedPicture { view, raster, samples, .. } = drawing;
+        let lights = self.straightened_lights(view.aov, &drawing.lights);
         self.shadow_maps.begin(view.slot, &lights, self.scene.revision);
         targets.begin(self.scene.revision, view, tile, &lights);
         let sample = targets.samples_drawn;
@@ -105,35 +105,35 @@ impl Renderer {
         }
         let weight = 1.0 / *samples as f32;
         let at = (sample_offset(sample, *samples), weight);
-        let seen = self.see(gpu, targets, (drawing, tile), at, pause)?;
+        let seen = self.prepare_surfaces(gpu, targets, (drawing, tile), at, pause)?;
         let Poll::Ready(uniform) = seen else { return Ok(false) };
         if view.aov == Aov::Visibility {
-            self.show_visibility(gpu, targets, (drawing, tile), &lights[view.light])?;
+            self.draw_visibility(gpu, targets, (drawing, tile), &lights[view.light])?;
             targets.samples_drawn = *samples;
             return Ok(true);
         }
-        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         if targets.lights_drawn.is_none() {
             targets.native.begin_sample(gpu);
         }
         let paused = |piece| pause.is_some_and(|pause| pause(piece));
         for (index, light) in lights.iter().enumerate().skip(targets.lights_drawn.unwrap_or(0)) {
-            if light.light.light_filter().is_dark() {
+            if light.light.light_profile().is_dark() {
                 continue;
             }
             let (mut maps, wanted) = (NativeMaps { gpu, scene }, (light, view.shadow_map));
-            let ready = match shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), wanted) {
-                // Others shine all the same; `light::Reach` tells who asks.
+            let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted) {
+                // Others shine all the same; `light::SceneBounds` tells who asks.
                 Err(RenderError::OutOfReach(_)) => continue,
                 ready => ready?,
             };
             // It reaches nothing that is seen.
             let Some(ready) = ready else { continue };
-            if let Some(cause) = ready.shadow_drawn {
+            if let Some(cause) = ready.shadow_map_cause {
                 ran.note(Pass::ShadowMap, Some(light.id), cause);
                 // A map that is kept can wait, and with it the light.
-                if ready.passing.is_none() && paused(Piece::ShadowMap) {
+                if ready.transient_map.is_none() && paused(DrawnPiece::ShadowMap) {
                     return Ok(false);
                 }
             }
@@ -141,7 +141,7 @@ impl Renderer {
             // A map that passes is to be gone before the next one comes.
             drop(ready);
             targets.lights_drawn = Some(index + 1);
-            if index + 1 < lights.len() && paused(Piece::Pixels) {
+            if index + 1 < lights.len() && paused(DrawnPiece::Pixels) {
                 return Ok(false);
             }
         }
@@ -152,31 +152,32 @@ impl Renderer {
     }
 
     /// How much of a light nothing is in the way of.
-    fn show_visibility(
+    fn draw_visibility(
         &mut self,
         gpu: &Gpu,
         targets: &mut Targets,
-        (drawing, tile): (&Drawing, Tile),
+        (drawing, tile): (&CheckedPicture, Tile),
         light: &LightInstance,
     ) -> Result<(), RenderError> {
-        let Drawing { view, raster, .. } = drawing;
-        let Self { passes, scene, shadow_maps, ran, .. } = self;
+        let CheckedPicture { view, raster, .. } = drawing;
+        let Self { passes, scene, shadow_maps, pass_runs: ran, .. } = self;
         let mut maps = NativeMaps { gpu, scene };
-        let ready = shadow_maps.ready((gpu, &mut maps), (passes, scene, raster), (light, view.shadow_map))?;
-        if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_drawn) {
+        let ready =
+            shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), (light, view.shadow_map))?;
+        if let Some(cause) = ready.as_ref().and_then(|ready| ready.shadow_map_cause) {
             ran.note(Pass::ShadowMap, Some(light.id), cause);
         }
-        targets.native.show_visibility((gpu, scene), (ready.as_ref(), tile))?;
+        targets.native.draw_visibility((gpu, scene), (ready.as_ref(), tile))?;
         ran.note(Pass::Lighting, None, Cause::NotKept);
         Ok(())
     }
 
     /// What a screen shows of the beauty in `targets`, brightened by so many stops.
-    pub(super) fn show_natively(&mut self, gpu: &Gpu, targets: &Targets, exposure: f64) -> Vec<u8> {
+    pub(super) fn display_natively(&mut self, gpu: &Gpu, targets: &Targets, exposure: f64) -> Vec<u8> {
         let exposure = display::exposure_of(exposure);
         let bytes = relight::display_radiance(gpu.workers(), targets.native.radiance(), exposure);
-        gpu.stages.ended(Stage::Display);
-        self.ran.note(Pass::Display, None, Cause::NotKept);
+        gpu.stages.record_stage(FrameStage::Display);
+        self.pass_runs.note(Pass::Display, None, Cause::NotKept);
         bytes
     }
 }

@@ -3,7 +3,7 @@
 use scene::View;
 
 use super::Renderer;
-use crate::bendy_light::{BentWork, MapShape};
+use crate::bendy_light::{BentMapBuffers, MapShape};
 use crate::coarse_casters::CoarseCasters;
 use crate::gpu_scene::GpuScene;
 use crate::targets::Targets;
@@ -11,8 +11,8 @@ use crate::{Gpu, ViewSlot};
 
 impl Renderer {
     /// What bent shadow maps are made in, for tests to plant faults in.
-    pub(crate) fn bent_work(&mut self) -> &mut BentWork {
-        &mut self.shadow_maps.bent_work
+    pub(crate) fn bent_buffers(&mut self) -> &mut BentMapBuffers {
+        &mut self.shadow_maps.bent_buffers
     }
 
     /// Casters of coarse maps, for tests to look at and to plant faults in.
@@ -21,8 +21,8 @@ impl Renderer {
     }
 
     /// Spoils what the processor has drawn of maps of BendyLights, for tests to plant faults in: the next picture shows it.
-    pub(crate) fn spoil_native_maps(&mut self, fault: impl FnMut(&mut relight::DepthMap, &MapShape)) {
-        self.shadow_maps.spoil_native_maps(fault);
+    pub(crate) fn corrupt_native_maps(&mut self, fault: impl FnMut(&mut relight::DepthMap, &MapShape)) {
+        self.shadow_maps.corrupt_native_maps(fault);
         self.viewers.invalidate();
     }
 

@@ -11,19 +11,19 @@ fn sample_light(surface: Surface) -> LightSample {
     }
     let root = root_at(inside, q);
     let place = place_at(root);
-    let unshadowed = irradiance(light.light_filter, root.emission, place);
+    let unshadowed = irradiance(light.light_profile, root.emission, place);
     if !SHADOWED {
         return LightSample(true, place, unshadowed, 1.0);
     }
     return LightSample(true, place, unshadowed, bent_visibility(root, place.vw, surface));
 }
 
-fn light_filter() -> LightFilter {
-    return light.light_filter;
+fn light_profile() -> LightProfile {
+    return light.light_profile;
 }
 
 // Derivative of position by t along the curve of constant (v, w): the way light takes.
-fn path_tangent(root: Root, vw: vec2f, across: mat2x3f) -> vec3f {
+fn path_tangent(root: TubeRoot, vw: vec2f, across: mat2x3f) -> vec3f {
     let turn = u_hat_derivative(root);
     return root.u_hat * (2.0 * length(root.d) - dot(root.r, turn)) + (across * vw) * root.radius_derivative
         + cross(root.u_hat, root.r) * twist(root, turn);
@@ -88,7 +88,7 @@ struct Lifted {
 }
 
 // To second order in `lift`, which is short. `sigma` is |P'| - r . u_hat'.
-fn lifted_root(root: Root, lift: vec3f, sigma: f32) -> Lifted {
+fn lifted_root(root: TubeRoot, lift: vec3f, sigma: f32) -> Lifted {
     // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
     let rough = dot(lift, root.u_hat) / max(sigma, 1e-20);
     let d = root.d + root.a * rough;
@@ -111,7 +111,7 @@ fn lifted_root(root: Root, lift: vec3f, sigma: f32) -> Lifted {
 // Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
 // shadow itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives
 // dt = -R (n_v dv + n_w dw) / n.T.
-fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
+fn bent_visibility(root: TubeRoot, vw: vec2f, surface: Surface) -> f32 {
     let across = mat2x3f(root.v_hat, cross(root.u_hat, root.v_hat));
     let tangent = path_tangent(root, vw, across);
     let arriving = -normalize(light.world_from_tube * tangent);
@@ -124,7 +124,7 @@ fn bent_visibility(root: Root, vw: vec2f, surface: Surface) -> f32 {
     let sigma = max(center_speed - dot(root.r, u_hat_derivative(root)), 0.1 * center_speed);
     let lift = surface.terminator_offset / light.world_per_tube * (surface.normal * light.world_from_tube);
     let lifted = lifted_root(root, lift, sigma);
-    let t = root_t(root) + lifted.dt;
+    let t = tube_root_t(root) + lifted.dt;
     let radius = lifted.radius;
     let on_map = map_texel(lifted.vw_len, radius);
 

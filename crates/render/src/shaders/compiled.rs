@@ -6,7 +6,7 @@ use super::{
     SUM, WIREFRAME, lighting_pass,
 };
 use crate::bendy_light::Baked;
-use crate::composite::TermsOf;
+use crate::composite::TermKind;
 use crate::straight::BakedStraight;
 
 /// Every module by name, those of bent lights as several lights have them compiled.
@@ -39,7 +39,7 @@ pub(super) fn all() -> Vec<(&'static str, String)> {
     });
     let summed = [("composite", COMPOSITE), ("sum", SUM)];
     let summed =
-        summed.into_iter().flat_map(|(name, wgsl)| TermsOf::ALL.map(|of| (name, of.into_wgsl(wgsl))));
+        summed.into_iter().flat_map(|(name, wgsl)| TermKind::ALL.map(|of| (name, of.into_wgsl(wgsl))));
     let straight = BakedStraight::all().map(BakedStraight::wgsl);
     let straight = straight.flat_map(|(name, wgsl)| each(wgsl).map(|wgsl| (name, wgsl)));
     fixed

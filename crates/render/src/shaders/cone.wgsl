@@ -1,9 +1,9 @@
 // Straight rays from a point, as `light` has them in cone.rs: a spotlight and where a point lies in it. Follows
-// filter.wgsl. Light space: source at the origin, the light shines along -z.
+// profile.wgsl. Light space: source at the origin, the light shines along -z.
 
 struct Spot {
     light_from_scene: mat4x4f,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     tan_outer: f32,
     // Axial distance at which the light ends; 0 never.
     range: f32,
@@ -19,7 +19,7 @@ struct Spot {
 
 struct Located {
     inside: bool,
-    place: Place,
+    place: LightCoords,
 }
 
 // Where a position in the scene lies.
@@ -34,7 +34,7 @@ fn locate(scene_position: vec3f) -> Located {
     let t = select(depth / spot.range, 0.0, spot.range == 0.0);
     // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
     let vw = vec2f(-slope.x, slope.y) / spot.tan_outer;
-    return Located(true, Place(t, vw, length(position), normalize(-position * scene_axes())));
+    return Located(true, LightCoords(t, vw, length(position), normalize(-position * scene_axes())));
 }
 
 // Light axes from the scene's.

@@ -1,12 +1,12 @@
 // What one light adds to the picture, or one of its own quantities. Each kind of light brings
-// `fn sample_light(surface: Surface) -> LightSample` and `fn light_filter() -> LightFilter`; the entry points are named after
-// the AOVs. Follows filter.wgsl, and links.wgsl or no_links.wgsl. The constant SHADOWED, a bool, comes before this file:
+// `fn sample_light(surface: Surface) -> LightSample` and `fn light_profile() -> LightProfile`; the entry points are named after
+// the AOVs. Follows profile.wgsl, and links.wgsl or no_links.wgsl. The constant SHADOWED, a bool, comes before this file:
 // whether anything shadows the light.
 
 struct LightSample {
     // Whether the light's volume holds the surface, shadow or not; the rest is 0 outside.
     inside: bool,
-    place: Place,
+    place: LightCoords,
     // On a surface square to the light, without the shadow and the tint.
     irradiance: vec3f,
     // 1 lit, 0 in shadow.
@@ -16,7 +16,7 @@ struct LightSample {
 // Largest irradiance that stays finite through the BRDF.
 const MAX_IRRADIANCE = 1e30;
 
-fn tinted(f: LightFilter, irradiance: vec3f) -> vec3f {
+fn tinted(f: LightProfile, irradiance: vec3f) -> vec3f {
     return min(irradiance * f.tint, vec3f(MAX_IRRADIANCE));
 }
 
@@ -42,8 +42,8 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if !light.inside {
         return vec4f(0.0);
     }
-    let f = light_filter();
-    let arriving = tinted(f, light.irradiance) * light_filter_arriving(f, light.visibility);
+    let f = light_profile();
+    let arriving = tinted(f, light.irradiance) * light_profile_arriving(f, light.visibility);
     let lobes = reflected(surface, light.place.direction);
     let radiance = (lobes.diffuse * f.lobes.x + lobes.specular * f.lobes.y) * arriving;
     return vec4f(radiance * view.sample_weight, 0.0);
@@ -60,7 +60,7 @@ fn fs_layer(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
     if !light.inside {
         return vec4u(0u);
     }
-    let arriving = light.irradiance * light_filter_arriving(light_filter(), light.visibility);
+    let arriving = light.irradiance * light_profile_arriving(light_profile(), light.visibility);
     let lobes = reflected(surface, light.place.direction);
     return vec4u(radiance_to_bits(lobes.diffuse * arriving), radiance_to_bits(lobes.specular * arriving));
 }

@@ -16,7 +16,7 @@ struct LocatedRoot {
 // Room for two a segment and one on the extension.
 @group(0) @binding(2) var<storage, read_write> located: array<LocatedRoot>;
 
-fn report(point: u32, count: u32, root: Root) {
+fn report(point: u32, count: u32, root: TubeRoot) {
     let stride = 2u * light.segment_count + u32(EXTENDED);
     located[point * stride + count] =
         LocatedRoot(root.segment, root.u, root.vw_len.x, root.vw_len.y, root.radius, direction_at(root));

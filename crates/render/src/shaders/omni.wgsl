@@ -1,9 +1,9 @@
 // Straight rays from a point to all sides, as `light` has them in omni.rs: an omni light and where a point lies in it.
-// Follows filter.wgsl. Light space: source at the origin.
+// Follows profile.wgsl. Light space: source at the origin.
 
 struct Omni {
     light_from_scene: mat4x4f,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     // Distance at which the light ends; 0 never.
     range: f32,
     // Near plane of the shadow map's faces.
@@ -18,7 +18,7 @@ struct Omni {
 
 struct Located {
     inside: bool,
-    place: Place,
+    place: LightCoords,
 }
 
 // Where a position in the scene lies.
@@ -30,7 +30,7 @@ fn locate(scene_position: vec3f) -> Located {
         return Located();
     }
     let t = select(s / omni.range, 0.0, omni.range == 0.0);
-    return Located(true, Place(t, on_cube(position), s, -(position / s) * scene_axes()));
+    return Located(true, LightCoords(t, on_cube(position), s, -(position / s) * scene_axes()));
 }
 
 // How far to the left and how far up on the face of a cube, seen from within, the ray along `way` meets it.

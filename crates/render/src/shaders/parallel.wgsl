@@ -1,5 +1,5 @@
 // Parallel rays from infinitely far away, as `light` has them in parallel.rs: a directional light and where a point lies
-// in it. Follows filter.wgsl. Light space: the light's axes about the scene's origin; light travels along -z.
+// in it. Follows profile.wgsl. Light space: the light's axes about the scene's origin; light travels along -z.
 
 struct Directional {
     light_from_scene: mat4x4f,
@@ -7,7 +7,7 @@ struct Directional {
     window: vec4f,
     // Middle and 1 / half size of what the shadow map shows.
     fit: vec4f,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     // The z that has the map's depth 0: none of the scene is below.
     bottom: f32,
     // The map's depth a world unit along z.
@@ -20,7 +20,7 @@ struct Directional {
 
 struct Located {
     inside: bool,
-    place: Place,
+    place: LightCoords,
 }
 
 // Where a position in the scene lies.
@@ -30,7 +30,7 @@ fn locate(scene_position: vec3f) -> Located {
     if !all(abs(vw) <= vec2f(1.0)) {
         return Located();
     }
-    return Located(true, Place(0.0, vw, 0.0, direction()));
+    return Located(true, LightCoords(0.0, vw, 0.0, direction()));
 }
 
 // Unit vector to where all of the light comes from.

@@ -10,15 +10,15 @@ fn sample_light(surface: Surface) -> LightSample {
         return LightSample();
     }
     let place = located.place;
-    let unshadowed = irradiance(directional.light_filter, vec3f(1.0), place);
+    let unshadowed = irradiance(directional.light_profile, vec3f(1.0), place);
     if !SHADOWED {
         return LightSample(true, place, unshadowed, 1.0);
     }
     return LightSample(true, place, unshadowed, shadow_visibility(surface, place.direction));
 }
 
-fn light_filter() -> LightFilter {
-    return directional.light_filter;
+fn light_profile() -> LightProfile {
+    return directional.light_profile;
 }
 
 // A place on the map, and how high the receiver's own plane is around it; lengths along the light, as depths of the map.

@@ -10,15 +10,15 @@ fn sample_light(surface: Surface) -> LightSample {
         return LightSample();
     }
     let place = located.place;
-    let unshadowed = irradiance(spot.light_filter, vec3f(1.0), place);
+    let unshadowed = irradiance(spot.light_profile, vec3f(1.0), place);
     if !SHADOWED {
         return LightSample(true, place, unshadowed, 1.0);
     }
     return LightSample(true, place, unshadowed, shadow_visibility(surface, place.direction));
 }
 
-fn light_filter() -> LightFilter {
-    return spot.light_filter;
+fn light_profile() -> LightProfile {
+    return spot.light_profile;
 }
 
 // A receiver's place on the map, and what its own plane looks like there.

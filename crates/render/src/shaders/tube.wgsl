@@ -1,5 +1,5 @@
 // A BendyLight and where a point lies in it, as `light` has it in tube.rs. Follows curve.wgsl, frame.wgsl, solve.wgsl,
-// arc.wgsl, segment.wgsl and filter.wgsl.
+// arc.wgsl, segment.wgsl and profile.wgsl.
 // Positions `q` are in tube space; the caller goes there with a matrix composed in f64.
 
 struct BendyLight {
@@ -25,7 +25,7 @@ struct BendyLight {
     // These segments are a part of the light: its own t is t_start + t_span t.
     t_start: f32,
     t_span: f32,
-    light_filter: LightFilter,
+    light_profile: LightProfile,
     // See fit_of.
     fits: array<vec4f, 5>,
 }
@@ -52,7 +52,7 @@ const DIRECTION_FLOOR = 1e-18;
 const FAR = 1e30;
 
 // A root that lies in the tube, before its frame is known: what a search for the nearest compares.
-struct Inside {
+struct RootInTube {
     found: bool,
     segment: u32,
     u: f32,
@@ -61,7 +61,7 @@ struct Inside {
     radius: f32,
 }
 
-struct Root {
+struct TubeRoot {
     segment: u32,
     u: f32,
     // q - P(u), across the tangent.
@@ -83,16 +83,16 @@ struct Root {
     s: f32,
 }
 
-fn root_t(root: Root) -> f32 {
+fn tube_root_t(root: TubeRoot) -> f32 {
     return f32(root.segment) + root.u;
 }
 
 // The root at `u` of segment `i`, found where it lies in the tube: |r| <= R.
-fn inside_at(i: u32, q: vec3f, u: f32) -> Inside {
+fn inside_at(i: u32, q: vec3f, u: f32) -> RootInTube {
     let r = curve_offset(segments[i].curve, q, u);
     let radius = curve_radius(segments[i].curve, u);
     let r2 = dot(r, r);
-    return Inside(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
+    return RootInTube(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
 }
 
 // Segment `i`, picked from all where their number is known: a software driver gathers one number after the
@@ -118,11 +118,11 @@ fn path_length(s: Segment, u: f32, r: vec3f) -> f32 {
 }
 
 // All that is known at a root.
-fn root_at(inside: Inside, q: vec3f) -> Root {
+fn root_at(inside: RootInTube, q: vec3f) -> TubeRoot {
     let s = segment_at(inside.segment);
     let c = s.curve;
     let u = inside.u;
-    var root: Root;
+    var root: TubeRoot;
     root.segment = inside.segment;
     root.u = u;
     root.r = curve_offset(c, q, u);
@@ -167,7 +167,7 @@ fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
 }
 
 // Whether `a` has the smaller |r| / R, asked without dividing.
-fn nearer(a: Inside, b: Inside) -> bool {
+fn nearer(a: RootInTube, b: RootInTube) -> bool {
     return a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius;
 }
 
@@ -177,7 +177,7 @@ fn segment_count() -> u32 {
 }
 
 struct Search {
-    best: Inside,
+    best: RootInTube,
     // f at the joint that comes next.
     f0: f32,
 }
@@ -203,8 +203,8 @@ fn visit_segment(search: ptr<function, Search>, i: u32, q: vec3f) {
 
 // The place that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides,
 // equal but for rounding; either will do.
-fn nearest_inside(q: vec3f) -> Inside {
-    var search = Search(Inside(), first_joint(q));
+fn nearest_inside(q: vec3f) -> RootInTube {
+    var search = Search(RootInTube(), first_joint(q));
     if BAKED_SEGMENTS == 0u {
         // Always all of them; see above.
         let end = select(0u, light.segment_count, abs(q.x) < FAR);
@@ -225,7 +225,7 @@ fn nearest_inside(q: vec3f) -> Inside {
 }
 
 // tau, the rotation of the "up" frame about the tangent per unit of u.
-fn twist(root: Root, u_hat_derivative: vec3f) -> f32 {
+fn twist(root: TubeRoot, u_hat_derivative: vec3f) -> f32 {
     if !FRAME_UP {
         return 0.0;
     }
@@ -234,12 +234,12 @@ fn twist(root: Root, u_hat_derivative: vec3f) -> f32 {
     return along * dot(u_hat_derivative, root.v_hat) / perp;
 }
 
-fn u_hat_derivative(root: Root) -> vec3f {
+fn u_hat_derivative(root: TubeRoot) -> vec3f {
     return curve_u_hat_derivative(root.d, root.a, root.u_hat);
 }
 
 // Unit direction in tube space from the surface to where its light comes from.
-fn direction_at(root: Root) -> vec3f {
+fn direction_at(root: TubeRoot) -> vec3f {
     let spread = root.r * root.radius_derivative;
     var tangent = root.d * (2.0 * root.radius) + spread;
     if DIRECTION_PATH {
@@ -255,8 +255,8 @@ fn direction_at(root: Root) -> vec3f {
 }
 
 // The place of a root, its direction in world axes.
-fn place_at(root: Root) -> Place {
+fn place_at(root: TubeRoot) -> LightCoords {
     let vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
-    let t = light.t_start + light.t_span * root_t(root);
-    return Place(t, vw, root.s, normalize(light.world_from_tube * direction_at(root)));
+    let t = light.t_start + light.t_span * tube_root_t(root);
+    return LightCoords(t, vw, root.s, normalize(light.world_from_tube * direction_at(root)));
 }

@@ -15,13 +15,13 @@ const TWINS: [(&str, &str, &[&str]); 11] = [
     (include_str!("../../../light/src/emission.rs"), include_str!("emission.wgsl"), &[]),
     (
         concat!(
-            include_str!("../../../light/src/filter/mod.rs"),
-            include_str!("../../../light/src/filter/profile.rs"),
-            include_str!("../../../light/src/filter/radial.rs"),
-            include_str!("../../../light/src/filter/section.rs"),
-            include_str!("../../../light/src/filter/distance.rs"),
+            include_str!("../../../light/src/profile/mod.rs"),
+            include_str!("../../../light/src/profile/cross_falloff.rs"),
+            include_str!("../../../light/src/profile/edge_outline.rs"),
+            include_str!("../../../light/src/profile/section_outline.rs"),
+            include_str!("../../../light/src/profile/distance_ramps.rs"),
         ),
-        include_str!("filter.wgsl"),
+        include_str!("profile.wgsl"),
         &[],
     ),
     (include_str!("../../../light/src/segment.rs"), include_str!("segment.wgsl"), &[]),
@@ -36,7 +36,7 @@ const TWINS: [(&str, &str, &[&str]); 11] = [
 ];
 
 /// Where else structs of those shaders are in Rust.
-const PLACE: &str = include_str!("../../../light/src/place.rs");
+const PLACE: &str = include_str!("../../../light/src/light_coords.rs");
 /// Structs that only WGSL has: lights as uniforms, and what Rust returns as an option or keeps in a closure.
 const STRUCTS_OF_WGSL: [&str; 5] = ["BendyLight", "Directional", "Spot", "Located", "Search"];
 
@@ -121,5 +121,9 @@ fn structs_have_one_name_in_rust_and_in_wgsl() {
     // The planted fault: a name that only one side has.
     assert_eq!(structs("pub struct Curve<F: Real> {\nstruct Piece {\n"), BTreeSet::from(["Curve", "Piece"]));
     assert!(structs("struct Piece {").is_disjoint(&rust));
-    assert!(["Curve", "Segment", "Root", "Place", "LightFilter"].iter().all(|name| wgsl.contains(name)));
+    assert!(
+        ["Curve", "Segment", "TubeRoot", "LightCoords", "LightProfile"]
+            .iter()
+            .all(|name| wgsl.contains(name))
+    );
 }

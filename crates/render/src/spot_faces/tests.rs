@@ -13,8 +13,8 @@ fn vector(k: usize) -> DVec3 {
 }
 
 /// The face that a position in light space belongs to, and x / depth, y / depth and depth there.
-fn place(faces: &[Face], position: DVec3) -> (usize, DVec3) {
-    let on = |face: &Face| face.axes * position;
+fn place(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
+    let on = |face: &SpotFace| face.axes * position;
     let aside = |p: DVec3| p.x.abs().max(p.y.abs()) / p.z;
     let ahead = faces.iter().enumerate().filter(|(_, face)| on(face).z > 0.0);
     let (index, face) = ahead.min_by(|(_, a), (_, b)| aside(on(a)).total_cmp(&aside(on(b)))).expect("a face");
@@ -27,7 +27,7 @@ fn shows(fitted: &FittedFaces, side: f64, position: DVec3, share: f64) -> bool {
     let (index, p) = place(&fitted.faces, position);
     let face = &fitted.faces[index];
     let margin = face.half * 2.0 * MARGIN_TEXELS / side - 1e-9;
-    face.casts
+    face.has_casters
         && ((p.truncate() - face.center).abs() + margin).cmple(face.half * share).all()
         && p.z >= fitted.nearest * (1.0 - 1e-9)
 }

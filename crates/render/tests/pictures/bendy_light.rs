@@ -87,7 +87,7 @@ fn a_bent_spotlight_is_that_spotlight() {
     // The planted faults: no decay, and a cone one percent wider.
     let bent = bend(&with_range, 3).expect("valid");
     assert!(difference(&with_range, &bent.clone().with(DECAY, Decay::None)).0 > 1.0 / 255.0);
-    let wider = bent.with_points(|_, point| point.radius *= 1.01);
+    let wider = bent.map_points(|_, point| point.radius *= 1.01);
     assert!(difference(&with_range, &wider).0 > 1.0 / 255.0);
 }
 
@@ -96,7 +96,7 @@ fn winding() -> Light {
     let points = [(0., 0., 0.), (0.2, 0.5, -0.9), (-0.7, 0.1, -1.9), (0.5, -0.3, -2.9), (0.9, 0.2, -4.0)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
     Light::bendy(points, vec![0.2, 0.35, 0.45, 0.6, 1.2])
-        .placed(spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform())
+        .with_transform(spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform())
 }
 
 /// The largest error of the AOVs t, vw and direction over their bound, and at how many pixels.
@@ -130,7 +130,7 @@ fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
         // Light model, section 5; the position comes through f32 at the camera's distance and the scene's size.
         let reach = (pixel[0] as f64 * ray.length() + scene_reach()) / size;
         let cond = (root.r.length() + length) / (speed * (1.0 - bend)) * (1.0 + reach);
-        let expected = tube.describe(&root);
+        let expected = tube.tube_point(&root);
         let d = |a: f32, b: f64| (f64::from(a) - b).abs();
         let errors = [
             d(t.pixels[i][0], expected.t),
@@ -153,8 +153,8 @@ fn scene_reach() -> f64 {
 #[test]
 fn aovs_are_the_models() {
     let light = winding();
-    for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
-        for direction in [light::Direction::Tube, light::Direction::Path] {
+    for frame in [light::FrameMode::RotationMinimizing, light::FrameMode::Up] {
+        for direction in [light::DirectionMode::Tube, light::DirectionMode::Path] {
             let light = light.clone().with(FRAME, frame).with(DIRECTION, direction);
             let (worst, count) = worst_over_bound(&light, &light);
             assert!(count > 1000, "only {count} pixels lie in the light");
@@ -162,32 +162,32 @@ fn aovs_are_the_models() {
         }
     }
     // The planted fault: a control point moved by a ten-thousandth of the light's length.
-    let moved = light.clone().with_points(|i, point| point.position.x += if i == 2 { 4e-4 } else { 0.0 });
+    let moved = light.clone().map_points(|i, point| point.position.x += if i == 2 { 4e-4 } else { 0.0 });
     assert!(worst_over_bound(&light, &moved).0 > 1.0);
 }
 
 /// No NaN and no infinity (`picture` asserts it) under lights that are legal and unkind, in any AOV.
 #[test]
 fn unkind_lights_have_no_nan() {
-    let bright = winding().with_points(|_, point| {
+    let bright = winding().map_points(|_, point| {
         (point.intensity, point.color) = (1e300, DVec3::splat(1e300));
     });
     let at_a_surface = bright.clone().with(TRANSLATION, DVec3::ZERO).with(DECAY, Decay::InverseSquare);
-    let dark = winding().with_points(|i, point| point.intensity = [-1.0, 1.0, -1e300, 0.0, 1e-300][i]);
-    let thin = winding().with_points(|_, point| point.radius = 0.0);
+    let dark = winding().map_points(|i, point| point.intensity = [-1.0, 1.0, -1e300, 0.0, 1e-300][i]);
+    let thin = winding().map_points(|_, point| point.radius = 0.0);
     let pointed = winding()
-        .with_points(|i, point| point.radius = [0.0, 0.3, 0.0, 0.4, 0.0][i])
+        .map_points(|i, point| point.radius = [0.0, 0.3, 0.0, 0.4, 0.0][i])
         .with(END_MODE, light::EndMode::Extend);
     let tiny = winding().with(SCALE, 1e-9);
     let huge = winding().with(SCALE, 1e7);
     let corner = {
         let second = winding().points()[1].position;
-        winding().with_points(|i, point| point.position = if i == 2 { second } else { point.position })
+        winding().map_points(|i, point| point.position = if i == 2 { second } else { point.position })
     };
     let many = bend(&spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO), 250).expect("valid");
     let all = [bright, at_a_surface, dark, thin, pointed, tiny, huge, corner, many];
     for light in all {
-        for frame in [light::Frame::RotationMinimizing, light::Frame::Up] {
+        for frame in [light::FrameMode::RotationMinimizing, light::FrameMode::Up] {
             let light = bendy(light.clone().with(FRAME, frame));
             for aov in [Aov::Beauty, Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility] {
                 picture(&tilted(), &view(EYE, DVec3::Y * 0.3, [41, 31], aov), &light);
@@ -207,7 +207,7 @@ fn impossible_lights_are_refused() {
     let far = DVec3 { x: 1e200, ..winding().transform().translation };
     assert!(matches!(refused(winding().with(TRANSLATION, far)), RenderError::OutOfReach(_)));
     assert!(matches!(refused(winding().with(SCALE, 1e-30)), RenderError::OutOfReach(_)));
-    let folded = winding().with_points(|i, point| point.radius = if i == 2 { 9.0 } else { point.radius });
+    let folded = winding().map_points(|i, point| point.radius = if i == 2 { 9.0 } else { point.radius });
     assert!(matches!(CheckedLight::new(folded), Err(LightError::Fold { .. })));
 }
 
@@ -241,10 +241,10 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     let light = winding();
     assert_eq!(shadows_after(light.clone()), (1, 1));
     assert_eq!(shadows_after(light.clone()), (1, 1));
-    assert_eq!(shadows_after(light.clone().with_points(|_, point| point.color = DVec3::X)), (1, 1));
-    assert_eq!(shadows_after(light.clone().with_points(|_, point| point.intensity = 2.0)), (1, 1));
+    assert_eq!(shadows_after(light.clone().map_points(|_, point| point.color = DVec3::X)), (1, 1));
+    assert_eq!(shadows_after(light.clone().map_points(|_, point| point.intensity = 2.0)), (1, 1));
     assert_eq!(shadows_after(light.clone().with(DECAY, Decay::Linear).with(CONE_SOFTNESS, 0.7)), (1, 1));
-    let moved = light.with_points(|i, point| point.position.x += if i == 4 { 0.1 } else { 0.0 });
+    let moved = light.map_points(|i, point| point.position.x += if i == 4 { 0.1 } else { 0.0 });
     assert_eq!(shadows_after(moved), (2, 1));
 }
 
@@ -260,7 +260,7 @@ fn self_shadowed(light: &Light) -> (usize, usize) {
 /// A light with control points at these distances down its axis, two units above a floor.
 fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> Light {
     Light::bendy(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec())
-        .placed(spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform())
+        .with_transform(spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform())
 }
 
 /// Where two control points coincide the curve stops for a moment; what lies past it is lit all the same.
@@ -285,7 +285,7 @@ fn an_edge_through_the_axis_is_split() {
 #[test]
 fn a_tube_as_thin_as_rounding_is_drawn() {
     for radius in [1e-6, 1e-9, 1e-12] {
-        let (_, inside) = self_shadowed(&winding().with_points(|_, point| point.radius = radius));
+        let (_, inside) = self_shadowed(&winding().map_points(|_, point| point.radius = radius));
         assert!(inside < 10, "{inside}");
     }
 }

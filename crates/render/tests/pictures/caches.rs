@@ -72,7 +72,7 @@ fn only_what_changed_is_drawn_again() {
             runs(backend, |_, view, _| view.samples = 4),
             PassCounts { gbuffer: 4, lighting: 4, ..LIT }
         );
-        assert_eq!(runs(backend, |renderer, view, _| renderer.forget(view.slot)), everything);
+        assert_eq!(runs(backend, |renderer, view, _| renderer.drop_view(view.slot)), everything);
         // Quantities of the surface need no light, those of a light only that one.
         let one_light = |renderer: &mut Renderer, view: &mut View, lights: &mut Vec<Light>| {
             (view.aov, view.light) = (Aov::T, 1);
@@ -299,7 +299,7 @@ fn warming_up_leaves_the_scene() {
     let counts = renderer.counts();
     renderer.compile_pipelines(|| true).unwrap();
     assert_eq!(renderer.counts(), counts);
-    renderer.forget(view.slot);
+    renderer.drop_view(view.slot);
     assert_eq!(renderer.render(&view, &lights).unwrap(), before);
 }
 

@@ -17,7 +17,7 @@ use render::{
 use scene::{Material, Scene};
 
 use crate::support::{
-    BACKENDS, apart, floor, instances, named, renderer, renderer_of, scene_of, since, spot, view,
+    BACKENDS, floor, instances, named, renderer, renderer_of, scene_of, since, spot, unstraightened, view,
 };
 
 fn tables() -> Scene {
@@ -33,8 +33,8 @@ fn lights(count: usize) -> Vec<Light> {
         let shape = match k % 4 {
             0 => named(spot),
             1 => light::bend(&spot.with(RANGE, Some(6.0)), 2).unwrap().with(NAME, "bent".into()),
-            2 => named(Light::omni().placed(spot.transform())),
-            _ => named(Light::directional().placed(spot.transform())),
+            2 => named(Light::omni().with_transform(spot.transform())),
+            _ => named(Light::directional().with_transform(spot.transform())),
         };
         let share = 4.0 / count.max(4) as f64;
         shape
@@ -55,7 +55,7 @@ fn camera() -> View {
 /// The same picture with lights added to it one after the other.
 fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
     let mut picture = TiledPicture::for_screen(&View { slot: ViewSlot(9), ..camera() }, lights).unwrap();
-    while !renderer.draw_some(&mut picture, Duration::from_secs(9)).unwrap() {}
+    while !renderer.advance_tiled(&mut picture, Duration::from_secs(9)).unwrap() {}
     let Pixels::Display { bytes, .. } = picture.into_pixels() else { panic!("bytes") };
     bytes
 }
@@ -70,7 +70,7 @@ fn in_turns(renderer: &mut Renderer, lights: &[LightInstance]) -> (Vec<u8>, usiz
     let other = View { slot: ViewSlot(8), width: 40, ..camera() };
     let mut turns = 1;
     loop {
-        match renderer.display_some(&camera(), lights, Duration::ZERO).unwrap() {
+        match renderer.advance_display(&camera(), lights, Duration::ZERO).unwrap() {
             Poll::Ready(bytes) => return (bytes, turns),
             Poll::Pending => turns += 1,
         }
@@ -96,7 +96,7 @@ fn a_picture_in_turns_is_the_picture() {
             assert_eq!(of_turned.layers, 2 * of_whole.layers, "layers of two views, {backend:?}");
             // The planted fault: a picture of the first turn alone lacks lights.
             let (mut begun, later) = (renderer_of(backend, &tables()), &lights[..count - 1]);
-            assert!(begun.display_some(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
+            assert!(begun.advance_display(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
             assert_ne!(begun.render_display(&camera(), later).unwrap(), drawn);
         }
     }
@@ -135,7 +135,9 @@ fn more_lights_than_layers_fit_are_added_one_by_one() {
             let gpu =
                 Gpu::open(MemoryBudget::new(budget), Some(backend)).expect("tests need a graphics driver");
             let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-            renderer.set_shadow_settings(render::ShadowSettings { resolution: 64, ..apart() }).unwrap();
+            renderer
+                .set_shadow_settings(render::ShadowSettings { resolution: 64, ..unstraightened() })
+                .unwrap();
             renderer.set_scene(&scene::pose(tables())).unwrap();
             let lights = instances(&lights(12));
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
@@ -334,7 +336,7 @@ fn the_picture_knows_no_history() {
             };
             let lights = instances(&lights);
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
-            fresh.forget(camera().slot);
+            fresh.drop_view(camera().slot);
             assert_eq!(drawn, fresh.render_display(&camera(), &lights).unwrap(), "turn {turn}");
         }
     }
@@ -354,7 +356,7 @@ fn are_bounded_and_made_again(backend: Backend, bytes_of_a_view: u64) {
         let memory = MemoryBudget::new(budget);
         let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
         let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-        renderer.set_shadow_settings(render::ShadowSettings { resolution: 64, ..apart() }).unwrap();
+        renderer.set_shadow_settings(render::ShadowSettings { resolution: 64, ..unstraightened() }).unwrap();
         renderer.set_scene(&scene::pose(tables())).unwrap();
         let mut lights = lights(20);
         let mut most = 0;

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY, LIGHT_LINK, NAME, RANGE, SHADOW_LINK};
-use light::{Decay, Key, Light, Links};
+use light::{Decay, Light, Links, ParameterKey};
 use render::{Aov, Gpu, MemoryKind, Picture, Renderer, View};
 use scene::{Material, Mesh, Node, Scene};
 
-use crate::support::{apart, instances, picture, renderer, spot, square, view};
+use crate::support::{instances, picture, renderer, spot, square, unstraightened, view};
 
 /// A floor, and a group of two tables that have one mesh and one name, the second above a corner of the first.
 fn tables() -> Scene {
@@ -180,7 +180,7 @@ fn another_scene_may_have_the_node() {
 fn only_lights_with_links_take_room() {
     let gpu = Arc::new(Gpu::new().expect("a graphics driver"));
     let mut renderer = Renderer::new(Arc::clone(&gpu)).expect("a renderer");
-    renderer.set_shadow_settings(apart()).expect("sound");
+    renderer.set_shadow_settings(unstraightened()).expect("sound");
     renderer.set_scene(&scene::pose(tables())).expect("it fits");
     let [key, bent] = keys();
     let mut taken = |lights: &[Light]| {
@@ -210,7 +210,7 @@ fn links_draw_what_depends_on_them() {
             let after = renderer.counts();
             [after.gbuffer - before.gbuffer, after.shadow - before.shadow, after.lighting - before.lighting]
         };
-        let set = |row: Key<Option<Links>>, path| key.clone().with(row, links(&[], &[path]));
+        let set = |row: ParameterKey<Option<Links>>, path| key.clone().with(row, links(&[], &[path]));
         assert_eq!(draw(&key), [1, 2, 1]);
         assert_eq!(draw(&set(LIGHT_LINK, FIRST)), [0, 0, 1]);
         assert_eq!(draw(&set(LIGHT_LINK, SECOND)), [0, 0, 1]);

@@ -12,7 +12,7 @@ use render::{
 };
 use scene::{Material, Scene};
 
-use crate::support::{BACKENDS, apart, floor, instances, named, scene_of, spot, view};
+use crate::support::{BACKENDS, floor, instances, named, scene_of, spot, unstraightened, view};
 
 /// Bytes of a map of 2048 x 2048 texels.
 const MAP: u64 = 4 << 22;
@@ -26,7 +26,7 @@ fn renderer(backend: Backend, budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
     let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
     let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-    renderer.set_shadow_settings(apart()).unwrap();
+    renderer.set_shadow_settings(unstraightened()).unwrap();
     renderer.set_scene(&scene::pose(tables())).unwrap();
     (renderer, memory)
 }
@@ -60,7 +60,7 @@ fn pictures(
     let whole = renderer.render(&camera(1), lights).unwrap();
     let mut most = memory.total();
     let mut picture = TiledPicture::for_files(&camera(2), lights, FileNeeds::Values).unwrap();
-    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+    while !renderer.advance_tiled(&mut picture, Duration::ZERO).unwrap() {
         most = most.max(memory.total());
     }
     (whole, picture.into_pixels(), most)
@@ -140,13 +140,13 @@ fn what_nobody_looks_at_is_given_back() {
     for backend in BACKENDS {
         let memory = shared(backend).memory();
         let mut renderer = Renderer::new(Arc::clone(shared(backend))).unwrap();
-        renderer.set_shadow_settings(apart()).unwrap();
+        renderer.set_shadow_settings(unstraightened()).unwrap();
         renderer.set_scene(&scene::pose(tables())).unwrap();
         let at_rest = lights(3);
         let lights = instances(&at_rest);
         // The work buffers of bent maps stay with the scene.
         renderer.render(&camera(1), &lights).unwrap();
-        renderer.forget(ViewSlot(1));
+        renderer.drop_view(ViewSlot(1));
         let before = memory.total();
 
         // Views that close; the maps go with the last who needs them.
@@ -155,19 +155,19 @@ fn what_nobody_looks_at_is_given_back() {
         assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
         let views = memory.bytes(MemoryKind::Views);
         assert!(bytes_of_views(backend, 2).contains(&views), "{backend:?}: {views}");
-        renderer.forget(ViewSlot(1));
+        renderer.drop_view(ViewSlot(1));
         assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 2 * MAP);
-        renderer.forget(ViewSlot(2));
+        renderer.drop_view(ViewSlot(2));
         assert_eq!(memory.total(), before);
 
         // A still that is given up in the middle.
         let mut still = TiledPicture::for_files(&camera(3), &lights, FileNeeds::Values).unwrap();
         for _ in 0..4 {
-            assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
+            assert!(!renderer.advance_tiled(&mut still, Duration::ZERO).unwrap());
         }
         assert!(memory.bytes(MemoryKind::Tiled) > 150 * 140 * 16 && memory.bytes(MemoryKind::ShadowMaps) > 0);
         drop(still);
-        renderer.forget(ViewSlot(3));
+        renderer.drop_view(ViewSlot(3));
         assert_eq!(memory.total(), before);
 
         // A drag leaves no trail of maps.
@@ -188,7 +188,7 @@ fn what_nobody_looks_at_is_given_back() {
         let mut still = TiledPicture::for_files(&camera(4), &lights, FileNeeds::Values).unwrap();
         let before = renderer.counts().shadow;
         while renderer.counts().shadow == before {
-            assert!(!renderer.draw_some(&mut still, Duration::ZERO).unwrap());
+            assert!(!renderer.advance_tiled(&mut still, Duration::ZERO).unwrap());
         }
         for step in 6..12 {
             renderer.render_display(&camera(10 + u64::from(step)), &moved(step)).unwrap();
@@ -196,7 +196,7 @@ fn what_nobody_looks_at_is_given_back() {
             assert!(memory.bytes(MemoryKind::ShadowMaps) <= 4 * MAP, "{backend:?}, step {step}");
         }
         assert_eq!(renderer.counts().shadow, before + 7);
-        while !renderer.draw_some(&mut still, Duration::ZERO).unwrap() {}
+        while !renderer.advance_tiled(&mut still, Duration::ZERO).unwrap() {}
         assert_eq!(renderer.counts().shadow, before + 7, "the still's maps were drawn again");
         drop((still, renderer));
         assert_eq!(memory.total(), 0);
@@ -254,7 +254,7 @@ fn arrays_of_scenes_are_counted_where_the_processor_draws() {
         let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
         assert_eq!(gpu.backend(), backend);
         let mut renderer = Renderer::new(Arc::new(gpu)).unwrap();
-        renderer.set_shadow_settings(apart()).unwrap();
+        renderer.set_shadow_settings(unstraightened()).unwrap();
         renderer.set_scene(&scene).unwrap();
         let unlinked = memory.bytes(MemoryKind::Scenes);
         renderer.render(&camera(1), &instances(std::slice::from_ref(&linked))).unwrap();

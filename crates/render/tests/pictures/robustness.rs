@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SCALE, TRANSLATION};
-use light::{CheckedLight, Light, LightError, Reach};
+use light::{CheckedLight, Light, LightError, SceneBounds};
 use render::{Aov, RenderError, View};
 use scene::{Material, Primitive, Projection, Scene};
 
@@ -224,7 +224,7 @@ fn lights_out_of_reach_are_left_out() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [41, 31], Aov::Beauty);
     let alone = picture(&tables(), &view, std::slice::from_ref(&near));
     for light in far {
-        assert_eq!(Reach::from(&tables()).left_out([&checked(&light)]).len(), 1, "{light:?}");
+        assert_eq!(SceneBounds::from(&tables()).undrawable_of([&checked(&light)]).len(), 1, "{light:?}");
         assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
     }
     // The planted fault: the near one left out as well.
@@ -235,10 +235,10 @@ fn lights_out_of_reach_are_left_out() {
         bent().with(TRANSLATION, DVec3::new(0.0, 0.9e15, 0.0)),
         bent().with(SCALE, 1e13),
         bent().with(SCALE, 1e-13),
-        bent().with_points(|_, point| point.intensity = 3.4e38),
+        bent().map_points(|_, point| point.intensity = 3.4e38),
     ];
     for light in edge {
-        assert_eq!(Reach::from(&tables()).check(&checked(&light)), Ok(()), "{light:?}");
+        assert_eq!(SceneBounds::from(&tables()).check(&checked(&light)), Ok(()), "{light:?}");
         picture(&tables(), &view, &[light]);
     }
 }

@@ -26,7 +26,7 @@ fn camera() -> View {
     view(DVec3::new(0.0, 0.9, 3.0), DVec3::ZERO, [211, 151], Aov::Visibility)
 }
 
-/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half_size`, are
+/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half`, are
 /// wrong, and how many are in that shadow.
 fn wrong(half_size: f64) -> (usize, usize) {
     let view = camera();

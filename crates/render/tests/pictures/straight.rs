@@ -6,11 +6,11 @@ use light::parameters::{
     DIFFUSE, ENABLE_COLOR_TEMPERATURE, EXPOSURE, FAR_EDGE, NEAR_EDGE, PROFILE, PROFILE_POWER, RADIAL_FALLOFF,
     RANGE, SECTION_ROUNDNESS, SECTION_WIDTH, SHADOW_COLOR, SHADOW_ENABLE,
 };
-use light::{CrossSection, Decay, Light, PeriodicCurve, ProfileCurve, bend_to};
+use light::{CrossSection, Decay, Light, PeriodicCurve, ProfileCurve, bend_with_length};
 use render::{Aov, PassCounts, Renderer, ShadowSettings, View};
 use scene::{Material, Scene};
 
-use crate::support::{apart, floor, instances, named, renderer, scene_of, spot, view};
+use crate::support::{floor, instances, named, renderer, scene_of, spot, unstraightened, view};
 
 fn tables() -> Scene {
     let material = Material { double_sided: true, ..Material::default() };
@@ -38,7 +38,7 @@ fn spots() -> Vec<Light> {
     let scaled = light::Transform { scale: 0.3, ..key.transform() };
     vec![
         key.clone(),
-        key.clone().placed(scaled).with(RANGE, Some(2.8)),
+        key.clone().with_transform(scaled).with(RANGE, Some(2.8)),
         key.clone().with(CONE_ANGLE, 80.0),
         key.clone().with(CONE_SOFTNESS, 0.0).with(DECAY, Decay::None),
         key.clone().with(PROFILE, ProfileCurve::Linear).with(DECAY, Decay::Linear),
@@ -65,7 +65,7 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
         renderer.render(&seen(aov), &instances(std::slice::from_ref(light))).expect("drawn")
     };
     for (k, spot) in spots().into_iter().enumerate() {
-        let bent = bend_to(&spot, 3, 3.2).expect("valid");
+        let bent = bend_with_length(&spot, 3, 3.2).expect("valid");
         let aovs = [Aov::Beauty, Aov::Visibility, Aov::Vw, Aov::Direction];
         for aov in aovs.into_iter().take(if k < 3 { 4 } else { 2 }) {
             let expected = draw(&spot, aov);
@@ -75,8 +75,8 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
         }
     }
     // The planted faults: an end that lies a hundredth beside the cone, and the same light by another technique.
-    let bent = bend_to(&key(), 3, 3.2).expect("valid");
-    let aside = bent.clone().with_points(|k, point| {
+    let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
+    let aside = bent.clone().map_points(|k, point| {
         if k == 4 {
             point.position.x += 0.03;
         }
@@ -91,8 +91,8 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
 #[test]
 fn bending_draws_nothing() {
     let mut renderer = as_for_people();
-    let bent = bend_to(&key(), 3, 3.2).expect("valid");
-    let hair = bent.clone().with_points(|k, point| {
+    let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
+    let hair = bent.clone().map_points(|k, point| {
         if k == 4 {
             point.position.x += 1e-6;
         }
@@ -114,7 +114,7 @@ fn bending_draws_nothing() {
 #[test]
 fn what_shows_the_curve_is_a_bendy_lights() {
     let (mut straight, mut by_itself) = (as_for_people(), renderer(&tables()));
-    let bent = instances(&[bend_to(&key(), 3, 3.2).expect("valid")]);
+    let bent = instances(&[bend_with_length(&key(), 3, 3.2).expect("valid")]);
     for aov in [Aov::T, Aov::Wireframe] {
         let drawn = straight.render(&seen(aov), &bent).expect("drawn");
         assert!(drawn == by_itself.render(&seen(aov), &bent).expect("drawn"), "{aov:?}");
@@ -125,5 +125,5 @@ fn what_shows_the_curve_is_a_bendy_lights() {
     // The planted fault: a spotlight's own t, which is 0 without a range.
     let spot = straight.render(&seen(Aov::T), &instances(&[key()])).expect("drawn");
     assert!(spot.pixels.iter().all(|pixel| pixel[0] == 0.0));
-    assert_ne!(apart(), ShadowSettings::default());
+    assert_ne!(unstraightened(), ShadowSettings::default());
 }

@@ -27,7 +27,7 @@ pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
 }
 
 /// BendyLights are drawn by their own way, straight ones too: tests compare them with spotlights.
-pub fn apart() -> ShadowSettings {
+pub fn unstraightened() -> ShadowSettings {
     ShadowSettings { straighten: false, ..ShadowSettings::default() }
 }
 
@@ -40,7 +40,7 @@ pub fn renderer(scene: &Scene) -> Renderer {
 pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     let mut renderer = Renderer::new(gpu_of(backend)).expect("the device works");
-    renderer.set_shadow_settings(apart()).expect("sound");
+    renderer.set_shadow_settings(unstraightened()).expect("sound");
     renderer.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     renderer
 }
@@ -113,7 +113,9 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
 /// A spotlight of 10 cd and 25 degrees from `source` to `target`.
 pub fn spot(source: DVec3, target: DVec3) -> Light {
     let rotation = DQuat::from_mat3(&looking(source, target));
-    Light::spot().placed(Transform { translation: source, rotation, scale: 1.0 }).with(INTENSITY, 10.0)
+    Light::spot()
+        .with_transform(Transform { translation: source, rotation, scale: 1.0 })
+        .with(INTENSITY, 10.0)
 }
 
 /// The light with a name, as scenes have it.

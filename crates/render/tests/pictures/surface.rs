@@ -6,14 +6,14 @@ use scene::{Image, Material, Projection, Sampler, Scene, TextureRef};
 
 use crate::support::{EPS, floor, picture, ray_in_world, scene_of, square, view};
 
-/// A square tilted in all axes about `center`, and its unit normal.
+/// A square tilted in all axes about `middle`, and its unit normal.
 fn tilted(center: DVec3) -> (Scene, DVec3) {
     let rotation = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(-0.3);
     let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(2.0), rotation, center);
     (scene_of([(square(), placement)], vec![Material::default()]), rotation * DVec3::Y)
 }
 
-/// The largest error of a depth picture of the plane through `center`, over its bound; and how many pixels
+/// The largest error of a depth picture of the plane through `middle`, over its bound; and how many pixels
 /// were compared.
 ///
 /// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of

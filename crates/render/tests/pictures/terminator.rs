@@ -48,7 +48,7 @@ fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
 #[test]
 fn the_terminator_of_a_coarse_ball_is_smooth() {
     let key = named(spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO));
-    let bent = light::bend(&key, 3).expect("valid").with(DIRECTION, light::Direction::Path);
+    let bent = light::bend(&key, 3).expect("valid").with(DIRECTION, light::DirectionMode::Path);
     for facets in [6, 12, 24] {
         let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
         for light in [&key, &bent] {

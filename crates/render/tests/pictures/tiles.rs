@@ -8,12 +8,12 @@ use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 use light::LightInstance;
 use light::parameters::{COLOR, NAME, RANGE, TRANSLATION};
 use render::{
-    Aov, Backend, FileNeeds, Gpu, MemoryBudget, Picture, Pixels, Progress, RenderError, Renderer,
-    TiledPicture, View, ViewSlot, Yielding,
+    Aov, Backend, FileNeeds, Gpu, MemoryBudget, Picture, Pixels, RenderError, Renderer, SampleProgress,
+    TiledPicture, View, ViewSlot, YieldPolicy,
 };
 use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
-use crate::support::{BACKENDS, apart, instances, named, renderer_of, scene_of, spot, square, view};
+use crate::support::{BACKENDS, instances, named, renderer_of, scene_of, spot, square, unstraightened, view};
 
 /// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
@@ -95,15 +95,15 @@ fn tiled(
     let mut turns = 1;
     let mut progress = picture.progress();
     assert_eq!(progress.done, 0);
-    while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+    while !renderer.advance_tiled(&mut picture, Duration::ZERO).unwrap() {
         turns += 1;
-        assert!(picture.progress().done >= progress.done && picture.progress().of == progress.of);
+        assert!(picture.progress().done >= progress.done && picture.progress().total == progress.total);
         progress = picture.progress();
         if turns % 5 == 0 {
             renderer.render(between, &lights[1..2]).unwrap();
         }
     }
-    assert_eq!(picture.progress().done, progress.of);
+    assert_eq!(picture.progress().done, progress.total);
     (picture.into_pixels(), turns)
 }
 
@@ -172,7 +172,7 @@ fn tiles_make_up_the_picture() {
             let mut shifted = tiled.clone();
             shifted.pixels.rotate_right(1);
             assert!(differences(&whole, &shifted).1 > 1e-2, "{aov:?}");
-            if aov.takes_samples() {
+            if aov.can_be_multisampled() {
                 let (single, _) = raw(&mut renderer, &View { samples: 1, ..view.clone() }, &lights());
                 assert!(differences(&whole, &single).1 > 1e-2);
             }
@@ -208,10 +208,10 @@ fn a_file_says_how_far_it_is() {
             [(Aov::Beauty, 3, 3 * 700 * 410), (Aov::Depth, 3, 700 * 410), (Aov::Wireframe, 1, 700 * 410)]
         {
             let view = camera([700, 410], aov, samples);
-            let mut told: Vec<Progress> = Vec::new();
+            let mut told: Vec<SampleProgress> = Vec::new();
             let told_of = |progress| told.push(progress);
             let pixels = renderer.render_for_files(&view, &lights(), FileNeeds::Values, told_of).unwrap();
-            assert!(told.iter().all(|progress| progress.of == of), "{aov:?}: {told:?}");
+            assert!(told.iter().all(|progress| progress.total == of), "{aov:?}: {told:?}");
             assert!(told.is_sorted_by(|a, b| a.done < b.done), "{aov:?}: {told:?}");
             assert_eq!(told.last().map(|last| last.done), Some(of), "{aov:?}");
             // Tiles begin with 256 pixels a side, so the first row has three.
@@ -219,7 +219,7 @@ fn a_file_says_how_far_it_is() {
             assert!(told.len() >= least, "{aov:?}: {told:?}");
 
             let mut whole = TiledPicture::for_files(&view, &lights(), FileNeeds::Values).unwrap();
-            while !renderer.draw_some(&mut whole, Duration::MAX).unwrap() {}
+            while !renderer.advance_tiled(&mut whole, Duration::MAX).unwrap() {}
             assert!(whole.into_pixels() == pixels, "{aov:?}");
         }
     }
@@ -253,7 +253,7 @@ fn tiles_share_their_shadow_maps() {
         assert_eq!(renderer.counts().shadow, 3);
         let mut picture = TiledPicture::for_screen(&view, &lights()).unwrap();
         let mut turns = 0;
-        while !renderer.draw_some(&mut picture, Duration::ZERO).unwrap() {
+        while !renderer.advance_tiled(&mut picture, Duration::ZERO).unwrap() {
             turns += 1;
         }
         // One for each light over each sample of each tile.
@@ -268,7 +268,7 @@ fn a_bent_map_of_the_device_gives_way_in_its_middle() {
     let left = Arc::new(AtomicU32::new(u32::MAX));
     let counted = Arc::clone(&left);
     let give_way = move || counted.fetch_sub(1, Ordering::Relaxed) > 1;
-    let yielding = Yielding::new(
+    let yielding = YieldPolicy::new(
         || true,
         give_way,
         |work| {
@@ -277,8 +277,8 @@ fn a_bent_map_of_the_device_gives_way_in_its_middle() {
         },
     );
     let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu)).expect("tests need a graphics driver");
-    let mut renderer = Renderer::new(Arc::new(gpu.with_yielding(yielding))).unwrap();
-    renderer.set_shadow_settings(apart()).unwrap();
+    let mut renderer = Renderer::new(Arc::new(gpu.with_yield_policy(yielding))).unwrap();
+    renderer.set_shadow_settings(unstraightened()).unwrap();
     renderer.set_scene(&scene::pose(things())).unwrap();
     let view = camera([160, 90], Aov::Beauty, 1);
     let [lights, moved] = [0.0, 0.1].map(|by| {
@@ -294,7 +294,7 @@ fn a_bent_map_of_the_device_gives_way_in_its_middle() {
     let mut draw = |lights: &[LightInstance], most: u32| {
         left.store(most + 1, Ordering::Relaxed);
         let mut picture = TiledPicture::for_screen(&view, lights).unwrap();
-        while !renderer.draw_some(&mut picture, Duration::MAX)? {}
+        while !renderer.advance_tiled(&mut picture, Duration::MAX)? {}
         let Pixels::Display { bytes, .. } = picture.into_pixels() else { unreachable!("it is for a screen") };
         Ok::<_, RenderError>((bytes, most + 1 - left.load(Ordering::Relaxed)))
     };

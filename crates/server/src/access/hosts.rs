@@ -23,28 +23,28 @@ pub struct PublicUrl {
 pub struct Hosts {
     public: Vec<PublicUrl>,
     /// Whether any name will do: others can reach the server anyway, and nobody has said what it is called.
-    any: bool,
+    allows_any_name: bool,
 }
 
 impl Hosts {
     /// Of a server that listens on `address`.
     pub fn new(address: SocketAddr, public: &[PublicUrl]) -> Self {
-        Self { any: !address.ip().is_loopback() && public.is_empty(), public: public.to_vec() }
+        Self { allows_any_name: !address.ip().is_loopback() && public.is_empty(), public: public.to_vec() }
     }
 
     /// Whether a request with this `Host` may be meant for the server.
-    pub fn answers_to(&self, host: &str) -> bool {
+    pub fn is_known_host(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let name = authority.host();
         let address = name.trim_start_matches('[').trim_end_matches(']');
-        self.any
+        self.allows_any_name
             || address.parse::<IpAddr>().is_ok()
             || name.eq_ignore_ascii_case("localhost")
             || self.public.iter().any(|url| name.eq_ignore_ascii_case(&url.name))
     }
 
     /// Whether a page of this `Origin`, which has sent this `Host`, is the server's own.
-    pub fn is_own(&self, origin: &str, host: &str) -> bool {
+    pub fn is_own_origin(&self, origin: &str, host: &str) -> bool {
         let place = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
         place == Some(host) || self.public.iter().any(|url| url.origin == origin)
     }
@@ -95,35 +95,35 @@ mod tests {
     fn on_loopback_only_names_that_no_stranger_can_have_lead_here() {
         let local = hosts("127.0.0.1:8080", &[]);
         for own in ["127.0.0.1:8080", "localhost", "LOCALHOST:9000", "[::1]:8080", "192.168.0.7"] {
-            assert!(local.answers_to(own), "{own}");
+            assert!(local.is_known_host(own), "{own}");
         }
         for foreign in ["evil.example:8080", "localhost.evil.example", "127.0.0.1.evil.example", "", "a b"] {
-            assert!(!local.answers_to(foreign), "{foreign}");
+            assert!(!local.is_known_host(foreign), "{foreign}");
         }
-        assert!(hosts("0.0.0.0:8080", &[]).answers_to("render-3"), "others reach it under any name");
+        assert!(hosts("0.0.0.0:8080", &[]).is_known_host("render-3"), "others reach it under any name");
         let named = ["https://Lights.example.org/", "http://render-3:8080"];
         for listen in ["127.0.0.1:8080", "0.0.0.0:8080"] {
             let proxied = hosts(listen, &named);
-            assert!(proxied.answers_to("lights.example.org") && proxied.answers_to("render-3:8080"));
-            assert!(!proxied.answers_to("evil.example"));
+            assert!(proxied.is_known_host("lights.example.org") && proxied.is_known_host("render-3:8080"));
+            assert!(!proxied.is_known_host("evil.example"));
         }
     }
 
     #[test]
     fn pages_are_its_own_by_the_name_they_used_or_by_a_public_one() {
         let proxied = hosts("127.0.0.1:8080", &["https://lights.example.org:443"]);
-        assert!(proxied.is_own("http://localhost:8080", "localhost:8080"));
-        assert!(proxied.is_own("https://lights.example.org", "lights.example.org"));
+        assert!(proxied.is_own_origin("http://localhost:8080", "localhost:8080"));
+        assert!(proxied.is_own_origin("https://lights.example.org", "lights.example.org"));
         assert!(
-            proxied.is_own("https://lights.example.org", "127.0.0.1:8080"),
+            proxied.is_own_origin("https://lights.example.org", "127.0.0.1:8080"),
             "the proxy has changed the host"
         );
-        assert!(!proxied.is_own("https://evil.example", "127.0.0.1:8080"));
+        assert!(!proxied.is_own_origin("https://evil.example", "127.0.0.1:8080"));
         assert!(
-            !proxied.is_own("http://lights.example.org", "127.0.0.1:8080"),
+            !proxied.is_own_origin("http://lights.example.org", "127.0.0.1:8080"),
             "without TLS it is another place"
         );
-        assert!(!proxied.is_own("null", "localhost:8080"));
+        assert!(!proxied.is_own_origin("null", "localhost:8080"));
     }
 
     #[test]

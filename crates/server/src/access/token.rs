@@ -18,12 +18,12 @@ const FILE: &str = "token";
 
 impl Token {
     /// The data folder's token.
-    pub(crate) fn of(folder: &Path) -> Result<Self, ServerError> {
-        Self::at(&folder.join(FILE))
+    pub(crate) fn in_folder(folder: &Path) -> Result<Self, ServerError> {
+        Self::from_file(&folder.join(FILE))
     }
 
     /// The token in a file, made at the first start. Only the owner can read that, and it is there whole or not at all.
-    pub(crate) fn at(path: &Path) -> Result<Self, ServerError> {
+    pub(crate) fn from_file(path: &Path) -> Result<Self, ServerError> {
         let unusable = |reason| ServerError::Data { path: path.into(), reason };
         match fs::read_to_string(path) {
             Ok(text) => Self::parse(text.trim()).ok_or_else(|| ServerError::BadToken(path.into())),
@@ -83,11 +83,11 @@ mod tests {
     #[test]
     fn a_token_stays_over_a_restart_and_is_its_owners_alone() {
         let folder = tempfile::tempdir().unwrap();
-        let first = Token::of(folder.path()).unwrap();
-        assert!(Token::of(folder.path()).unwrap().verify(first.digits()).is_some());
+        let first = Token::in_folder(folder.path()).unwrap();
+        assert!(Token::in_folder(folder.path()).unwrap().verify(first.digits()).is_some());
         let mode = fs::metadata(folder.path().join(FILE)).unwrap().permissions().mode();
         assert_eq!(mode & 0o777, 0o600);
-        let other = Token::of(tempfile::tempdir().unwrap().path()).unwrap();
+        let other = Token::in_folder(tempfile::tempdir().unwrap().path()).unwrap();
         assert_eq!(other.verify(first.digits()), None);
         assert_eq!([first.verify(""), first.verify(&first.digits()[1..])], [None, None]);
     }
@@ -96,22 +96,23 @@ mod tests {
     fn a_file_that_is_no_token_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join(FILE), "secret").unwrap();
-        assert!(matches!(Token::of(folder.path()), Err(ServerError::BadToken(_))));
+        assert!(matches!(Token::in_folder(folder.path()), Err(ServerError::BadToken(_))));
     }
 
     #[test]
     fn a_token_lies_where_it_is_told_to() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("secret");
-        let first = Token::at(&path).unwrap();
+        let first = Token::from_file(&path).unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), first.digits());
         fs::write(&path, format!("{:032x}\n", 7)).unwrap();
         assert_eq!(
-            Token::at(&path).unwrap().digits(),
+            Token::from_file(&path).unwrap().digits(),
             format!("{:032x}", 7),
             "of somebody's own, with a line's end"
         );
-        let nowhere = Token::at(&folder.path().join("none/secret")).err().expect("no folder").to_string();
+        let nowhere =
+            Token::from_file(&folder.path().join("none/secret")).err().expect("no folder").to_string();
         assert!(nowhere.contains("none/secret"), "{nowhere}");
     }
 }

@@ -9,7 +9,7 @@ use crate::ServerError;
 use crate::limits::RETRY_AFTER;
 
 /// What a handler answers.
-pub type Answer = Result<Response, ServerError>;
+pub type HandlerResult = Result<Response, ServerError>;
 
 impl IntoResponse for ServerError {
     fn into_response(self) -> Response {

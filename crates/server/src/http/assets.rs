@@ -11,7 +11,7 @@ use serde::Deserialize;
 use store::{MAX_ASSET_BYTES, check_scene_name};
 use tokio::io::AsyncWriteExt;
 
-use super::answer::{Answer, created};
+use super::answer::{HandlerResult, created};
 use super::read::{next_part, read_query};
 use crate::ServerError;
 use crate::limits::MAX_UPLOADS;
@@ -24,7 +24,7 @@ struct Query {
 }
 
 /// Keeps a scene's file once it is known to decode, and names it.
-pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> Answer {
+pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> HandlerResult {
     let Query { name } = read_query(&uri)?;
     // Before the file has come, which may take long.
     name.as_deref().map_or(Ok(()), check_scene_name)?;

@@ -9,12 +9,12 @@ use serde::Serialize;
 use super::answer::json_text;
 
 /// JSON that is made once.
-pub struct Constant {
+pub struct ConstantJson {
     text: Bytes,
     tag: HeaderValue,
 }
 
-impl Constant {
+impl ConstantJson {
     /// The JSON of `value`.
     pub fn json(value: &impl Serialize) -> Self {
         let text = json_text(value);
@@ -35,7 +35,7 @@ pub fn tag(hash: &str) -> HeaderValue {
 
 /// `answer` with its tag; 304 without a body where the request says that it has that one.
 pub fn tagged(asked: &HeaderMap, tag: HeaderValue, mut answer: Response) -> Response {
-    if is_known(asked, &tag) {
+    if client_has(asked, &tag) {
         return not_modified(tag);
     }
     answer.headers_mut().insert(header::ETAG, tag);
@@ -43,8 +43,8 @@ pub fn tagged(asked: &HeaderMap, tag: HeaderValue, mut answer: Response) -> Resp
 }
 
 /// Whether a request says that it has what has that tag.
-pub fn is_known(asked: &HeaderMap, tag: &HeaderValue) -> bool {
-    asked.get_all(header::IF_NONE_MATCH).iter().any(|known| names(known, tag))
+pub fn client_has(asked: &HeaderMap, tag: &HeaderValue) -> bool {
+    asked.get_all(header::IF_NONE_MATCH).iter().any(|known| lists_tag(known, tag))
 }
 
 /// 304 without a body.
@@ -53,7 +53,7 @@ pub fn not_modified(tag: HeaderValue) -> Response {
 }
 
 /// Whether a list of tags has this one or is `*`. A weak tag counts too: RFC 9110, section 13.1.2.
-fn names(known: &HeaderValue, tag: &HeaderValue) -> bool {
+fn lists_tag(known: &HeaderValue, tag: &HeaderValue) -> bool {
     let (Ok(known), Ok(tag)) = (known.to_str(), tag.to_str()) else { return false };
     known.split(',').map(str::trim).any(|one| one == "*" || one.strip_prefix("W/").unwrap_or(one) == tag)
 }

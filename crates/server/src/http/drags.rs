@@ -8,25 +8,25 @@ use axum::body::Bytes;
 use axum::extract::State;
 use axum::http::HeaderMap;
 use document::{Document, EditError, MAX_CHOSEN_POINTS, MAX_PINS};
-use drag::{Viewport, Work, drag_within};
+use drag::{Viewport, WorkBudget, drag_budgeted};
 use light::{CheckedLight, LightId};
 use protocol::RenderLimits;
-use protocol::drag_file::{Drag, Dragged, NameOrIndex};
+use protocol::drag_file::{Dragged, FileDrag, NameOrIndex};
 use raycast::Bvh;
 
-use super::answer::{Answer, json};
+use super::answer::{HandlerResult, json};
 use super::read::{SessionName, read_json};
 use super::render::default_camera;
 use crate::ServerError;
+use crate::charges::Payer;
 use crate::limits::MAX_DRAGS;
-use crate::room::{Message, Snapshot};
-use crate::scenes::Decoded;
-use crate::solver::Turn;
+use crate::room::{RoomMessage, SessionSnapshot};
+use crate::scenes::DecodedScene;
+use crate::solver::SolveTurn;
 use crate::state::AppState;
-use crate::turns::Payer;
 
 /// A drag with what its names mean in the document.
-struct Question {
+struct ResolvedFileDrag {
     light: Arc<CheckedLight>,
     view: Viewport,
     drag: drag::Drag,
@@ -40,47 +40,52 @@ pub async fn answer(
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
-    let drags: Vec<Drag> = read_json(&headers, &body)?;
+) -> HandlerResult {
+    let drags: Vec<FileDrag> = read_json(&headers, &body)?;
     if drags.len() > MAX_DRAGS {
         return Err(ServerError::TooMany { what: "drags in a request", limit: MAX_DRAGS });
     }
-    let Snapshot { document, scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
-    let questions = drags.iter().map(|asked| question(asked, &document, &scene));
+    let SessionSnapshot { document, scene, .. } =
+        state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
+    let questions = drags.iter().map(|asked| resolve_drag(asked, &document, &scene));
     let questions = questions.collect::<Result<Vec<_>, _>>()?;
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(questions.len());
     for question in questions {
         // Where the request's connection ends this future is dropped, and what is being solved is given up.
         let bvh = Arc::clone(&bvh);
-        let solve = move |turn: &mut Turn| dragged(&bvh, &question, turn);
+        let solve = move |turn: &mut SolveTurn| dragged(&bvh, &question, turn);
         answers.push(state.backend.solver.run(Payer::program(&name), solve).await?);
     }
     Ok(json(&answers))
 }
 
-fn dragged(bvh: &Bvh, question: &Question, turn: &mut Turn) -> Dragged {
+fn dragged(bvh: &Bvh, question: &ResolvedFileDrag, turn: &mut SolveTurn) -> Dragged {
     let began = Instant::now();
     let turn = RefCell::new(turn);
-    let goes_on = |steps| turn.borrow_mut().goes_on(steps);
-    let work = Work::new(&goes_on);
-    let landing = drag_within(bvh, &question.view, &question.light, &question.drag, &work);
+    let goes_on = |steps| turn.borrow_mut().may_continue(steps);
+    let work = WorkBudget::new(&goes_on);
+    let landing = drag_budgeted(bvh, &question.view, &question.light, &question.drag, &work);
     let name = |node: usize| bvh.posed.scene.nodes[node].name.clone();
     Dragged::new(&landing, &question.pins, name, began.elapsed().as_secs_f64())
 }
 
 /// What is asked, with the lights and cameras of the document for their names and, where the drag has no pins of its own, the
 /// document's.
-fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Question, ServerError> {
+fn resolve_drag(
+    asked: &FileDrag,
+    document: &Document,
+    scene: &DecodedScene,
+) -> Result<ResolvedFileDrag, ServerError> {
     let size = RenderLimits::HTTP.check_size(asked.size)?;
     if size.contains(&0) {
-        return Err(edit::Refusal::from(EditError::NoPicture).into());
+        return Err(edit::EditRefusal::from(EditError::EmptyViewport).into());
     }
     let chosen = asked.points.as_ref().map_or(0, Vec::len);
     let pinned = asked.pins.as_ref().map_or(0, Vec::len);
     for (what, count, limit) in [("control points", chosen, MAX_CHOSEN_POINTS), ("pins", pinned, MAX_PINS)] {
         if count > limit {
-            return Err(edit::Refusal::from(EditError::TooManyChosen { what, limit }).into());
+            return Err(edit::EditRefusal::from(EditError::TooManyChosen { what, limit }).into());
         }
     }
     let light_of = |wanted: &NameOrIndex| light_named(document, wanted);
@@ -95,27 +100,27 @@ fn question(asked: &Drag, document: &Document, scene: &Decoded) -> Result<Questi
         Some(wanted) => {
             let id = match wanted {
                 NameOrIndex::Index(index) => document.cameras().keys().nth(*index).copied(),
-                NameOrIndex::Name(name) => Some(document.find_camera(name).map_err(edit::Refusal::from)?),
+                NameOrIndex::Name(name) => Some(document.find_camera(name).map_err(edit::EditRefusal::from)?),
             };
             let camera = id.and_then(|id| document.cameras().get(&id));
-            camera.cloned().ok_or_else(|| none_at("camera", wanted))?
+            camera.cloned().ok_or_else(|| not_found("camera", wanted))?
         }
     };
     let light =
-        document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Fault)?;
-    Ok(Question { light, view: Viewport { camera, size }, drag, pins })
+        document.lights().get(&id).map(|placed| Arc::clone(&placed.light)).ok_or(ServerError::Internal)?;
+    Ok(ResolvedFileDrag { light, view: Viewport { camera, size }, drag, pins })
 }
 
 /// The light of that name, or of that index among all.
 fn light_named(document: &Document, wanted: &NameOrIndex) -> Result<LightId, ServerError> {
     match wanted {
         NameOrIndex::Index(index) => document.lights().keys().nth(*index).copied(),
-        NameOrIndex::Name(name) => Some(document.find_light(name).map_err(edit::Refusal::from)?),
+        NameOrIndex::Name(name) => Some(document.find_light(name).map_err(edit::EditRefusal::from)?),
     }
-    .ok_or_else(|| none_at("light", wanted))
+    .ok_or_else(|| not_found("light", wanted))
 }
 
-fn none_at(what: &'static str, wanted: &NameOrIndex) -> ServerError {
+fn not_found(what: &'static str, wanted: &NameOrIndex) -> ServerError {
     let remedy = "give the name or the index of one of the document's";
     ServerError::NotFound { what, name: wanted.to_string().chars().take(64).collect(), remedy }
 }

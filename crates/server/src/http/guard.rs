@@ -13,15 +13,15 @@ use axum::response::Response;
 use super::read::{SessionName, excerpt, read_body};
 use crate::ServerError;
 use crate::access::Credential;
+use crate::charges::Payer;
 use crate::connections::Connection;
-use crate::in_flight::Reservation;
+use crate::in_flight::ByteReservation;
 use crate::limits::SMALL_BYTES;
 use crate::state::AppState;
-use crate::turns::Payer;
 
 /// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
 /// not be let near it.
-pub async fn refuse_strange_pages(
+pub async fn check_origin(
     State(state): State<Arc<AppState>>,
     request: Request,
     next: Next,
@@ -30,12 +30,12 @@ pub async fn refuse_strange_pages(
     let readable = |value: &HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
     // No browser leaves it out, so nobody's page does.
     let host = headers.get(header::HOST).map(readable).unwrap_or_default();
-    if !host.is_empty() && !state.hosts.answers_to(&host) {
+    if !host.is_empty() && !state.hosts.is_known_host(&host) {
         return Err(ServerError::ForeignHost(excerpt(&host)));
     }
     if let Some(origin) = headers.get(header::ORIGIN) {
         let origin = readable(origin);
-        if !state.hosts.is_own(&origin, &host) {
+        if !state.hosts.is_own_origin(&origin, &host) {
             return Err(ServerError::ForeignOrigin(excerpt(&origin)));
         }
     }
@@ -43,7 +43,7 @@ pub async fn refuse_strange_pages(
 }
 
 /// Tells browsers to take every answer for what it says it is, and to pass on no addresses.
-pub async fn believe_no_guesses(mut response: Response) -> Response {
+pub async fn security_headers(mut response: Response) -> Response {
     let headers = response.headers_mut();
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
     headers.insert(header::REFERRER_POLICY, HeaderValue::from_static("no-referrer"));
@@ -51,7 +51,7 @@ pub async fn believe_no_guesses(mut response: Response) -> Response {
 }
 
 /// Lets pass who has the token, and says so with the request.
-pub async fn need_token(
+pub async fn require_token(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
     mut request: Request,
@@ -59,7 +59,7 @@ pub async fn need_token(
 ) -> Result<Response, ServerError> {
     let credential = credential(&state, request.headers()).ok_or(ServerError::Unauthorized)?;
     request.extensions_mut().insert(credential);
-    connection.is_known();
+    connection.mark_authenticated();
     Ok(next.run(request).await)
 }
 
@@ -78,21 +78,22 @@ pub async fn limit_requests(
     next: Next,
 ) -> Result<Response, ServerError> {
     let (mut head, body) = request.into_parts();
-    let session = of_session(&mut head, &state).await;
+    let session = session_name(&mut head, &state).await;
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
     // A picture has been drawn, and there are few at once (`MAX_STILLS`).
     let is_done = !head.method.is_safe() || head.uri.path().ends_with("/render");
-    let permit = state.requests.take(&session)?;
+    let permit = state.requests.acquire(&session)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;
     drop((permit, held));
     // What has been done is told in any case.
-    let room = |bytes| if is_done { Ok(in_flight.count(bytes)) } else { in_flight.reserve(bytes) };
-    hold_answer(answer, room, &connection).await
+    let room =
+        |bytes| if is_done { Ok(in_flight.reserve_unchecked(bytes)) } else { in_flight.reserve(bytes) };
+    reserve_answer_bytes(answer, room, &connection).await
 }
 
 /// The session that a request is about; empty of one that is about none.
-async fn of_session(head: &mut Parts, state: &Arc<AppState>) -> String {
+async fn session_name(head: &mut Parts, state: &Arc<AppState>) -> String {
     if !head.uri.path().starts_with("/sessions/") {
         return String::new();
     }
@@ -100,9 +101,9 @@ async fn of_session(head: &mut Parts, state: &Arc<AppState>) -> String {
 }
 
 /// Keeps a large answer on the account until it is taken, which has to be in time.
-async fn hold_answer(
+async fn reserve_answer_bytes(
     answer: Response,
-    room: impl FnOnce(usize) -> Result<Reservation, ServerError>,
+    room: impl FnOnce(usize) -> Result<ByteReservation, ServerError>,
     connection: &Connection,
 ) -> Result<Response, ServerError> {
     let length = answer.body().size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok());
@@ -110,13 +111,13 @@ async fn hold_answer(
     let held = room(length)?;
     let (head, body) = answer.into_parts();
     // It is there in one piece already.
-    let bytes = to_bytes(body, length).await.map_err(|_| ServerError::Fault)?;
-    Ok(Response::from_parts(head, connection.takes_in_time(held.of(bytes)).into()))
+    let bytes = to_bytes(body, length).await.map_err(|_| ServerError::Internal)?;
+    Ok(Response::from_parts(head, connection.with_delivery_timeout(held.attach_to(bytes)).into()))
 }
 
 /// Lets strangers wait for their turn, and beside a hand that moves a view everybody else too, by what they ask about. Signs of
 /// life and sockets that open have turns of their own: they stay quick while others load pages.
-pub async fn pace(
+pub async fn throttle(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
     request: Request,
@@ -124,17 +125,17 @@ pub async fn pace(
 ) -> Response {
     let path = request.uri().path();
     let is_short = matches!(path, "/healthz" | "/readyz" | "/socket");
-    if connection.has_shown_token() || credential(&state, request.headers()).is_some() {
+    if connection.is_authenticated() || credential(&state, request.headers()).is_some() {
         if !is_short {
             let session = path.strip_prefix("/sessions/").and_then(|rest| rest.split('/').next());
             state.backend.request_pacing.wait(&Payer::program(session.unwrap_or_default()), 1.0).await;
         }
         return next.run(request).await;
     }
-    let turns = if is_short { &state.short_turns } else { &state.page_turns };
-    let turn = turns.next().await;
+    let turns = if is_short { &state.anonymous_short_permits } else { &state.anonymous_permits };
+    let turn = turns.acquire().await;
     let answer = next.run(request).await;
-    turn.end(answer.body().size_hint().lower());
+    turn.release_after_bytes(answer.body().size_hint().lower());
     answer
 }
 

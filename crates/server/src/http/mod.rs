@@ -32,12 +32,13 @@ use crate::connections::Connection;
 use crate::renderer::Readiness;
 use crate::socket;
 use crate::state::AppState;
-use answer::Answer;
-use constant::Constant;
+use answer::HandlerResult;
+use constant::ConstantJson;
 
-static OPENAPI: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::openapi()));
-static SCENES: LazyLock<Constant> = LazyLock::new(|| Constant::json(&session_list::scenes()));
-static PARAMETERS: LazyLock<Constant> = LazyLock::new(|| Constant::json(&protocol::parameter_table()));
+static OPENAPI: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&protocol::openapi()));
+static SCENES: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&session_list::scenes()));
+static PARAMETERS: LazyLock<ConstantJson> =
+    LazyLock::new(|| ConstantJson::json(&protocol::parameter_table()));
 
 /// Every route.
 pub fn router(state: Arc<AppState>) -> Router {
@@ -61,7 +62,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::limit_requests))
         .route("/assets", post(assets::add))
         .method_not_allowed_fallback(guard::wrong_method)
-        .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::need_token));
+        .route_layer(middleware::from_fn_with_state(Arc::clone(&state), guard::require_token));
     Router::new()
         .merge(needs_token)
         .route("/socket", get(open_socket))
@@ -71,9 +72,9 @@ pub fn router(state: Arc<AppState>) -> Router {
         .fallback(page::page)
         .method_not_allowed_fallback(guard::wrong_method)
         .layer(DefaultBodyLimit::disable())
-        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::refuse_strange_pages))
-        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::pace))
-        .layer(middleware::map_response(guard::believe_no_guesses))
+        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::check_origin))
+        .layer(middleware::from_fn_with_state(Arc::clone(&state), guard::throttle))
+        .layer(middleware::map_response(guard::security_headers))
         .layer(middleware::from_fn_with_state(Arc::clone(&state), count::count_requests))
         .layer(compress::compression())
         .layer(middleware::map_response(compress::weaken_tag))
@@ -85,7 +86,7 @@ async fn open_socket(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
     mut request: Request,
-) -> Answer {
+) -> HandlerResult {
     let (upgrade, answer) = upgrade::upgrade(&mut request)?;
     if state.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
@@ -103,7 +104,7 @@ async fn open_socket(
 }
 
 /// `GET /readyz`.
-async fn ready(State(state): State<Arc<AppState>>) -> Answer {
+async fn ready(State(state): State<Arc<AppState>>) -> HandlerResult {
     if state.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
     }

@@ -5,7 +5,7 @@ use axum::response::{Html, IntoResponse, Response};
 use document::AssetHash;
 use rust_embed::RustEmbed;
 
-use super::answer::Answer;
+use super::answer::HandlerResult;
 use super::constant::{tag, tagged};
 use super::guard::wrong_method;
 use super::read::excerpt;
@@ -18,10 +18,10 @@ struct Page;
 
 const INDEX: &str = "index.html";
 /// Where the build puts files with the hash of their content in their name.
-const HASHED: &str = "assets/";
+const HASHED_FILES: &str = "assets/";
 /// What a page may load and where it may connect to: this server. Frames are shown from memory. No other page may hold it
 /// in a frame, and nothing that gets into it can send forms or lead its addresses elsewhere.
-const POLICY: &str = "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; \
+const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>BendyLights</title>\
@@ -29,7 +29,7 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
     folder and start the server again. The HTTP interface works all the same.</p></html>\n";
 
 /// A file of the page; `/` is the page itself.
-pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> Answer {
+pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> HandlerResult {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { INDEX } else { path };
     let found = Page::get(path);
@@ -40,20 +40,27 @@ pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> Answer {
     }
     match found {
         Some(file) => {
-            let cache =
-                if path.starts_with(HASHED) { "public, max-age=31536000, immutable" } else { "no-cache" };
+            let cache = if path.starts_with(HASHED_FILES) {
+                "public, max-age=31536000, immutable"
+            } else {
+                "no-cache"
+            };
             let kind = file.metadata.mimetype().to_owned();
             let headers = [(header::CONTENT_TYPE, kind), (header::CACHE_CONTROL, cache.into())];
             let tag = tag(&AssetHash(file.metadata.sha256_hash()).hex());
-            Ok(guarded(tagged(&asked, tag, (headers, file.data).into_response())))
+            Ok(with_content_security_policy(tagged(&asked, tag, (headers, file.data).into_response())))
         }
-        None if is_known => Ok(guarded((StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response())),
+        None if is_known => Ok(with_content_security_policy(
+            (StatusCode::SERVICE_UNAVAILABLE, Html(NOT_BUILT)).into_response(),
+        )),
         None => Err(ServerError::NoRoute(excerpt(uri.path()))),
     }
 }
 
 /// Tells the browser to load nothing from elsewhere.
-fn guarded(mut response: Response) -> Response {
-    response.headers_mut().insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(POLICY));
+fn with_content_security_policy(mut response: Response) -> Response {
+    response
+        .headers_mut()
+        .insert(header::CONTENT_SECURITY_POLICY, HeaderValue::from_static(CONTENT_SECURITY_POLICY));
     response
 }

@@ -7,11 +7,11 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use protocol::{Pick, Picked};
 
-use super::answer::{Answer, json};
+use super::answer::{HandlerResult, json};
 use super::read::{SessionName, read_json};
 use crate::probe::pick;
 use crate::request::valid_camera;
-use crate::room::{Message, Snapshot};
+use crate::room::{RoomMessage, SessionSnapshot};
 use crate::state::AppState;
 
 /// The point in the middle of the camera's picture.
@@ -20,10 +20,10 @@ pub async fn answer(
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
+) -> HandlerResult {
     let Pick { camera } = read_json(&headers, &body)?;
     let camera = valid_camera(camera)?;
-    let Snapshot { scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let SessionSnapshot { scene, .. } = state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     let point = pick(&state.backend, camera, &scene).await?;
     Ok(json(&Picked { point: point.map(|point| point.to_array()) }))
 }

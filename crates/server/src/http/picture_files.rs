@@ -4,13 +4,13 @@ use std::io::{Cursor, Write as _};
 
 use light::LightInstance;
 use protocol::RenderFormat;
-use render::{Aov, Background, ExrFile, FileNeeds, Origin, Pixels, RenderError};
+use render::{Aov, Background, ExrFile, FileNeeds, PictureOrigin, Pixels, RenderError};
 use scene::View;
 use zip::write::{SimpleFileOptions, ZipWriter};
 use zip::{CompressionMethod, result::ZipResult};
 
 /// What is drawn of a request.
-pub struct Drawn {
+pub struct DrawnPictures {
     /// From where, and which quantity of which light.
     pub view: View,
     /// Under which lights.
@@ -22,14 +22,14 @@ pub struct Drawn {
 }
 
 /// The files, as far as they are made.
-pub struct Files {
+pub struct PictureFiles {
     background: Background,
     exr: Option<ExrFile>,
     /// PNGs by their names, where they are wanted.
     pngs: Option<Vec<(String, Vec<u8>)>>,
 }
 
-impl Files {
+impl PictureFiles {
     /// Nothing is in them.
     pub fn new(formats: &[RenderFormat], background: Background, view: &View) -> Self {
         let size = [view.width, view.height];
@@ -46,8 +46,8 @@ impl Files {
     }
 
     /// Takes in one quantity. Takes a while.
-    pub fn add(mut self, drawn: &Drawn) -> Result<Self, RenderError> {
-        let Drawn { view, lights, light, pixels } = drawn;
+    pub fn add(mut self, drawn: &DrawnPictures) -> Result<Self, RenderError> {
+        let DrawnPictures { view, lights, light, pixels } = drawn;
         if let (Some(exr), Some(picture)) = (&mut self.exr, pixels.values()) {
             exr.add(view.aov, light.as_deref(), picture);
         }
@@ -60,7 +60,7 @@ impl Files {
     }
 
     /// The bytes that answer the request, and their media type: the file, or a ZIP of several. Takes a while.
-    pub fn finish(self, view: &View, origin: &Origin) -> Result<(&'static str, Vec<u8>), RenderError> {
+    pub fn finish(self, view: &View, origin: &PictureOrigin) -> Result<(&'static str, Vec<u8>), RenderError> {
         let exr = self.exr.map(|exr| exr.into_bytes(view, origin)).transpose()?;
         let mut pngs = self.pngs.unwrap_or_default();
         match (exr, &mut pngs[..]) {

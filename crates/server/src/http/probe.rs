@@ -8,11 +8,11 @@ use axum::extract::State;
 use axum::http::HeaderMap;
 use protocol::ProbeRequest;
 
-use super::answer::{Answer, json};
+use super::answer::{HandlerResult, json};
 use super::read::{SessionName, read_json};
 use super::render::default_camera;
-use crate::probe::{Probe, chosen_camera, probe};
-use crate::room::{Message, Snapshot};
+use crate::probe::{ProbeJob, chosen_camera, probe};
+use crate::room::{RoomMessage, SessionSnapshot};
 use crate::state::AppState;
 
 /// What every light of the document does where the picture shows that point.
@@ -21,14 +21,18 @@ pub async fn answer(
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
+) -> HandlerResult {
     let ProbeRequest { camera, size, pixel, highlights } = read_json(&headers, &body)?;
-    let Snapshot { document, scene, .. } = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let SessionSnapshot { document, scene, .. } =
+        state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     let aspect = f64::from(size[0].max(1)) / f64::from(size[1].max(1));
     let default = || default_camera(&document, &scene, aspect);
     let camera = camera.map_or_else(|| Ok(default()), |wanted| chosen_camera(wanted, &document))?;
-    let (lights, muted) = (document.instances(), BTreeSet::new());
-    let found =
-        probe(&state.backend, Probe { camera, size, pixel, highlights, lights, muted, scene }).await?;
+    let (lights, muted) = (document.light_instances(), BTreeSet::new());
+    let found = probe(
+        &state.backend,
+        ProbeJob { camera, size, pixel, wants_highlights: highlights, lights, muted, scene },
+    )
+    .await?;
     Ok(json(&found))
 }

@@ -9,15 +9,15 @@ use serde::de::DeserializeOwned;
 use tokio::time::{Instant, timeout};
 
 use crate::ServerError;
-use crate::in_flight::{BodyReservation, InFlight};
-use crate::limits::{BODY_COST, BODY_RESTS_AT_MOST, LARGE_BODY_WITHIN, MAX_BODY_BYTES, SMALL_BYTES};
+use crate::in_flight::{BodyReservation, ByteBudget};
+use crate::limits::{BODY_COST, BODY_IDLE_TIMEOUT, LARGE_BODY_TIMEOUT, MAX_BODY_BYTES, SMALL_BYTES};
 
 /// Characters of what came that a refusal says again.
-const SAID_AGAIN: usize = 100;
+const MAX_EXCERPT_CHARS: usize = 100;
 
 /// What is said again of what came.
 pub fn excerpt(text: &str) -> String {
-    text.chars().take(SAID_AGAIN).collect()
+    text.chars().take(MAX_EXCERPT_CHARS).collect()
 }
 
 /// The session that an address names.
@@ -53,9 +53,12 @@ fn is_json(kind: &str) -> bool {
 
 /// All of a request's body, and what it has on the account. What its head says that it has is put there before any of it
 /// is read; one of which that is not known is put there as it comes.
-pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, BodyReservation), ServerError> {
+pub async fn read_body(
+    body: Body,
+    in_flight: &ByteBudget,
+) -> Result<(Vec<u8>, BodyReservation), ServerError> {
     let said = body.size_hint().exact().and_then(|bytes| usize::try_from(bytes).ok()).unwrap_or_default();
-    let mut read = BodyRead { bytes: Vec::new(), held: in_flight.body(), refused: None };
+    let mut read = BodyRead { bytes: Vec::new(), reservation: in_flight.body(), refused: None };
     if said <= MAX_BODY_BYTES {
         read.make_room(said);
     }
@@ -65,13 +68,13 @@ pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, Bod
         if length > MAX_BODY_BYTES {
             return Err(ServerError::TooLarge { what: "a request", limit: MAX_BODY_BYTES, unit: "bytes" });
         }
-        if length > SMALL_BYTES && began.elapsed() > LARGE_BODY_WITHIN {
+        if length > SMALL_BYTES && began.elapsed() > LARGE_BODY_TIMEOUT {
             return Err(ServerError::TooSlow);
         }
         read.take(&part);
     }
     match read.refused {
-        None => Ok((read.bytes, read.held)),
+        None => Ok((read.bytes, read.reservation)),
         Some(error) => Err(error),
     }
 }
@@ -79,7 +82,7 @@ pub async fn read_body(body: Body, in_flight: &InFlight) -> Result<(Vec<u8>, Bod
 /// What has been read of a body.
 struct BodyRead {
     bytes: Vec<u8>,
-    held: BodyReservation,
+    reservation: BodyReservation,
     /// There was no room for it. The rest is read all the same, and thrown away: who still sends may not see the answer.
     refused: Option<ServerError>,
 }
@@ -87,7 +90,7 @@ struct BodyRead {
 impl BodyRead {
     /// Puts a body of so many bytes on the account.
     fn make_room(&mut self, bytes: usize) {
-        let room = if bytes > SMALL_BYTES { self.held.grow_to(BODY_COST * bytes) } else { Ok(()) };
+        let room = if bytes > SMALL_BYTES { self.reservation.grow_to(BODY_COST * bytes) } else { Ok(()) };
         match room {
             Ok(()) => self.bytes.reserve_exact(bytes.saturating_sub(self.bytes.len())),
             Err(error) => (self.refused, self.bytes) = (Some(error), Vec::new()),
@@ -107,7 +110,7 @@ impl BodyRead {
 
 /// The next part of a body, however slowly the whole comes; `None` at its end.
 pub async fn next_part(parts: &mut BodyDataStream) -> Result<Option<Bytes>, ServerError> {
-    let next = timeout(BODY_RESTS_AT_MOST, parts.next()).await.map_err(|_| ServerError::Stalled)?;
+    let next = timeout(BODY_IDLE_TIMEOUT, parts.next()).await.map_err(|_| ServerError::BodyTimedOut)?;
     next.transpose().map_err(|error| {
         tracing::debug!("a body broke: {error}");
         ServerError::CutOff

@@ -6,46 +6,46 @@ use std::time::{Duration, Instant};
 
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Uri, header};
-use document::{AssetHash, Context, Document, edited};
+use document::{AssetHash, CommandContext, Document, execute_command};
 use light::LightInstance;
 use protocol::{
     Aovs, CameraChoice, Command, FrameQuality, RenderBackground, RenderFormat, RenderLimits,
     RenderParameters, RenderRefusal, RenderRequest, TraceLine, TraceWhat,
 };
-use render::{Background, ExrFile, Origin, Pixels, Wanted, wanted};
+use render::{Background, ExrFile, PictureOrigin, Pixels, WantedPicture, wanted_pictures};
 use scene::{Camera, View, framing_camera};
 
-use super::answer::{Answer, file};
-use super::constant::{is_known, not_modified, tag};
-use super::picture_files::{Drawn, Files};
+use super::answer::{HandlerResult, file};
+use super::constant::{client_has, not_modified, tag};
+use super::picture_files::{DrawnPictures, PictureFiles};
 use super::read::{SessionName, read_query};
 use crate::ServerError;
 use crate::background as in_background;
+use crate::charges::Payer;
 use crate::limits::MAX_PICTURE_BYTES;
-use crate::picture_stats::{micros, on_the_wire};
-use crate::renderer::{Lease, Output, Place, Request, Urgency};
+use crate::picture_stats::{micros, wire_pass_runs};
+use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, RenderLease, Urgency};
 use crate::request::valid_camera;
-use crate::room::{Message, Snapshot};
-use crate::scenes::Decoded;
+use crate::room::{RoomMessage, SessionSnapshot};
+use crate::scenes::DecodedScene;
 use crate::state::AppState;
 use crate::trace::PictureTrace;
-use crate::turns::Payer;
 
 /// The header that tells what a picture lacks.
-const NOTE: HeaderName = HeaderName::from_static("x-bendylights-note");
+const NOTE_HEADER: HeaderName = HeaderName::from_static("x-bendylights-note");
 
 /// The pictures that an address asks for, known but not drawn.
-struct Asked {
+struct ResolvedRender {
     document: Document,
-    scene: Decoded,
+    scene: DecodedScene,
     /// The view but for its quantity and its light.
     view: View,
     /// The lights that shine.
     lights: Vec<LightInstance>,
     /// What of it is drawn.
-    pictures: Vec<Wanted>,
+    pictures: Vec<WantedPicture>,
     /// What the header of an EXR says.
-    origin: Origin,
+    origin: PictureOrigin,
 }
 
 /// The pictures that the address asks for. They wait behind the views.
@@ -54,12 +54,12 @@ pub async fn render(
     SessionName(name): SessionName,
     headers: HeaderMap,
     uri: Uri,
-) -> Answer {
+) -> HandlerResult {
     let query: RenderParameters = read_query(&uri)?;
     let (request, formats) = (query.request()?, query.formats()?);
     request.check_quantities()?;
-    let Snapshot { name, epoch, seq, document, scene, lease: session, .. } =
-        state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+    let SessionSnapshot { name, epoch, seq, document, scene, lease: session, .. } =
+        state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     // The document as it is by its hash, or where the file says it by its record; as it was it is what that record left.
     let of = match query.at {
         None if !formats.contains(&RenderFormat::Exr) => document.hash().to_string(),
@@ -68,10 +68,10 @@ pub async fn render(
     // Another run may have another driver.
     let all = format!("{} {of} {name} {}", state.backend.run, uri.query().unwrap_or_default());
     let tag = tag(&AssetHash::of(all.as_bytes()).hex());
-    if is_known(&headers, &tag) {
+    if client_has(&headers, &tag) {
         return Ok(not_modified(tag));
     }
-    let _permit = state.stills.take(&name)?;
+    let _permit = state.stills.acquire(&name)?;
     let (document, scene, seq) = match query.at {
         None => (document, scene, seq),
         Some(at) => {
@@ -83,7 +83,7 @@ pub async fn render(
         }
     };
     let viewer = state.backend.renders.lease();
-    let mut asked = asked(&query, &request, (document, scene), &viewer)?;
+    let mut asked = resolve_render(&query, &request, (document, scene), &viewer)?;
     asked.origin.name = Some(name.clone());
     asked.origin.seq = Some(seq);
     let notes = notes(&asked);
@@ -91,25 +91,25 @@ pub async fn render(
         RenderBackground::Black => Background::Black,
         RenderBackground::Transparent => Background::Transparent,
     };
-    let mut files = Files::new(&formats, background, &asked.view);
+    let mut files = PictureFiles::new(&formats, background, &asked.view);
     let payer = Payer::program(&name);
     let mut last: Option<(PictureTrace, Duration)> = None;
-    for Wanted { aov, light, name: called } in asked.pictures {
+    for WantedPicture { aov, light, name: called } in asked.pictures {
         let view = View { aov, light, ..asked.view.clone() };
         let lights = asked.lights.clone();
-        let request = Request {
+        let request = PictureRequest {
             scene: Arc::clone(&asked.scene.posed),
             view: view.clone(),
             session: Arc::clone(&session),
             viewer: Arc::clone(&viewer),
             payer: payer.clone(),
             lights: lights.clone(),
-            output: Output::File(files.needs(aov)),
+            output: PictureFormat::File(files.needs(aov)),
             urgency: Urgency::Still,
-            place: Place::since(Instant::now()),
+            ticket: PictureTicket::since(Instant::now()),
         };
         let (pixels, trace) = draw(&state, &name, request).await?;
-        let drawn = Drawn { view, lights, light: called, pixels };
+        let drawn = DrawnPictures { view, lights, light: called, pixels };
         if let Some((trace, took)) = last.take() {
             trace.encoded(took);
         }
@@ -135,7 +135,7 @@ pub async fn render(
     let mut response = file(kind, bytes);
     response.headers_mut().insert(header::ETAG, tag);
     for note in notes {
-        response.headers_mut().append(NOTE, note);
+        response.headers_mut().append(NOTE_HEADER, note);
     }
     Ok(response)
 }
@@ -144,12 +144,12 @@ pub async fn render(
 async fn draw(
     state: &AppState,
     session: &str,
-    request: Request,
+    request: PictureRequest,
 ) -> Result<(Pixels, PictureTrace), ServerError> {
     let (size, asked_at) = ([request.view.width, request.view.height], Instant::now());
     let drawn = state.backend.renders.draw(request).await;
     // Of a server that stops, the renderer's end is no fault.
-    let stopped = matches!(drawn, Err(ServerError::Fault)) && state.backend.draining.is_cancelled();
+    let stopped = matches!(drawn, Err(ServerError::Internal)) && state.backend.draining.is_cancelled();
     let drawn = if stopped { Err(ServerError::Draining) } else { drawn }?;
     let trace = state.backend.trace.drawn(|| TraceLine {
         time: drawn.started.saturating_duration_since(state.backend.started).as_secs_f64(),
@@ -158,36 +158,36 @@ async fn draw(
         size,
         quality: FrameQuality::Settled,
         wait_us: micros(drawn.started.saturating_duration_since(asked_at)),
-        render_us: micros(drawn.took),
+        render_us: micros(drawn.render_time),
         encode_us: None,
-        passes: on_the_wire(&drawn.passes),
+        passes: wire_pass_runs(&drawn.passes),
         left_out: 0,
     });
     Ok((drawn.pixels, trace))
 }
 
 /// What the address asks for, in a document.
-fn asked(
+fn resolve_render(
     query: &RenderParameters,
     request: &RenderRequest,
-    (document, scene): (Document, Decoded),
-    viewer: &Lease,
-) -> Result<Asked, ServerError> {
-    let refused = |error| ServerError::from(edit::Refusal::Edit(error));
+    (document, scene): (Document, DecodedScene),
+    viewer: &RenderLease,
+) -> Result<ResolvedRender, ServerError> {
+    let refused = |error| ServerError::from(edit::EditRefusal::Edit(error));
     let (mut document, set) = (document, query.set()?);
-    let reach = scene.posed.reach();
+    let reach = scene.posed.bounds();
     for (address, value) in &set {
         let target = document.address_by_id(address).map_err(refused)?;
         let command = Command::Set { target, value: value.clone() }.try_into()?;
-        let context = Context { reach, loaded: None, solved: None };
-        document = edited(&document, &command, context).map_err(refused)?.document;
+        let context = CommandContext { scene_bounds: reach, loaded: None, solved: None };
+        document = execute_command(&document, &command, context).map_err(refused)?.document;
     }
-    let mut lights = document.instances();
-    let mut origin = Origin {
+    let mut lights = document.light_instances();
+    let mut origin = PictureOrigin {
         document_hash: Some(document.hash().to_string()),
         scene: document.scene().map(|scene| scene.asset.to_string()),
         set: (!set.is_empty()).then(|| query.set.clone()).flatten(),
-        ..Origin::default()
+        ..PictureOrigin::default()
     };
     if let Some(called) = query.lights()? {
         let ids: Result<BTreeSet<_>, _> = called.iter().map(|light| document.find_light(light)).collect();
@@ -211,24 +211,25 @@ fn asked(
         Some(CameraChoice::Own(camera)) => valid_camera((**camera).clone())?,
         Some(CameraChoice::Named(called)) => {
             let id = document.find_camera(called).map_err(refused)?;
-            document.cameras().get(&id).cloned().ok_or(ServerError::Fault)?
+            document.cameras().get(&id).cloned().ok_or(ServerError::Internal)?
         }
     };
     let of_each = request.aovs == Aovs::All && request.light.is_none();
-    let pictures = wanted(request.aovs.each(), (!of_each).then_some(light), &lights);
+    let pictures = wanted_pictures(request.aovs.each(), (!of_each).then_some(light), &lights);
     let view = request.view(camera, light, RenderLimits::HTTP, viewer.slot());
     let pixels = view.width as usize * view.height as usize;
     let bytes: usize = pictures.iter().map(|of| pixels * ExrFile::bytes_a_pixel(of.aov)).sum();
     if bytes > MAX_PICTURE_BYTES {
         return Err(RenderRefusal::TooMuch { limit_mib: MAX_PICTURE_BYTES >> 20 }.into());
     }
-    Ok(Asked { document, scene, view, lights, pictures, origin })
+    Ok(ResolvedRender { document, scene, view, lights, pictures, origin })
 }
 
 /// What the pictures lack: the notes of their scene, and a sentence for each light that they leave out.
-fn notes(asked: &Asked) -> Vec<HeaderValue> {
-    let Asked { document, scene, .. } = asked;
-    let left_out = scene.posed.reach().left_out(document.lights().values().map(|placed| &*placed.light));
+fn notes(asked: &ResolvedRender) -> Vec<HeaderValue> {
+    let ResolvedRender { document, scene, .. } = asked;
+    let left_out =
+        scene.posed.bounds().undrawable_of(document.lights().values().map(|placed| &*placed.light));
     let sentences = scene.notes.iter().cloned().chain(left_out.into_iter().map(|why| why.to_string()));
     // Names can have any letters; a header's value has those of ASCII.
     let plain = |sentence: String| sentence.replace(|c: char| !matches!(c, ' '..='~'), "?");
@@ -236,7 +237,7 @@ fn notes(asked: &Asked) -> Vec<HeaderValue> {
 }
 
 /// The first camera, or one that sees everything in a picture of that width over height.
-pub fn default_camera(document: &Document, scene: &Decoded, aspect: f64) -> Camera {
+pub fn default_camera(document: &Document, scene: &DecodedScene, aspect: f64) -> Camera {
     let first = document.cameras().values().next().cloned();
-    first.unwrap_or_else(|| framing_camera(&scene.posed.subject(), aspect))
+    first.unwrap_or_else(|| framing_camera(&scene.posed.subject_bounds(), aspect))
 }

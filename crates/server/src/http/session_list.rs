@@ -12,7 +12,7 @@ use protocol::{DemoScene, DemoScenes, Duplicate, LastChange, SessionChange, Sess
 use serde::Deserialize;
 use store::{SessionSummary, StoreError};
 
-use super::answer::{Answer, created, json};
+use super::answer::{HandlerResult, created, json};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::scenes::DEMO;
@@ -26,7 +26,7 @@ struct ListQuery {
 }
 
 /// `GET /sessions`. No session is opened for it, and no log is read.
-pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> Answer {
+pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> HandlerResult {
     let ListQuery { archived, name } = read_query(&uri)?;
     let with_archived = archived.unwrap_or(name.is_some());
     let summaries = state.backend.storage.read(move |store| match name {
@@ -70,11 +70,11 @@ pub async fn change(
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
+) -> HandlerResult {
     let SessionChange { title, archived } = read_json(&headers, &body)?;
     let change = store::SessionChange { title, archived };
     let summary = state.backend.storage.change_session(name, change).await?;
-    state.rooms.tell_change(&summary.name, &summary.title, summary.is_archived).await;
+    state.rooms.notify_change(&summary.name, &summary.title, summary.is_archived).await;
     let clients = state.rooms.clients().await?;
     let here = clients.get(summary.name.as_str()).map_or(&[][..], Vec::as_slice);
     Ok(json(&entry(summary, here)))
@@ -86,14 +86,14 @@ pub async fn duplicate(
     SessionName(original): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
+) -> HandlerResult {
     let Duplicate { name, title } = read_json(&headers, &body)?;
     let made = state.backend.storage.duplicate_session(original, name, title).await?;
     Ok(created(&entry(made, &[])))
 }
 
 /// `DELETE /sessions/S`.
-pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
+pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> HandlerResult {
     let asked = name.clone();
     let summary = state.backend.storage.read(move |store| store.summary(&asked)).await?;
     // Before its room is closed.

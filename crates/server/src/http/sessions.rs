@@ -7,8 +7,8 @@ use axum::body::{Body, Bytes};
 use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{IntoResponse, Response};
-use document::{Command, Context, Document};
-use edit::{Actor, Request, Session, Sources};
+use document::{Command, CommandContext, Document};
+use edit::{Actor, EditRequest, EditSources, Session};
 use futures_util::stream::{iter, try_unfold};
 use protocol::{Edit, Edits, NewSession, SceneNodes, SessionState, json_around_document};
 use serde::Deserialize;
@@ -16,25 +16,25 @@ use store::Store;
 use tokio::task::spawn_blocking;
 use tokio_util::sync::CancellationToken;
 
-use super::answer::{Answer, created, json};
-use super::constant::{is_known, not_modified, tag};
+use super::answer::{HandlerResult, created, json};
+use super::constant::{client_has, not_modified, tag};
 use super::read::{SessionName, read_json, read_query};
 use crate::ServerError;
 use crate::access::{Credential, Principal, random_digits};
+use crate::charges::Payer;
 use crate::connections::Connection;
-use crate::in_flight::InFlight;
+use crate::in_flight::ByteBudget;
 use crate::limits::{
     LOG_PAGE_BYTES, MAX_EDITS, MAX_GROUP_EDITS, MAX_LOG_RECORDS, MAX_NODES_LISTED, MESSAGE_COST_EDITS,
 };
-use crate::request::{Asked, AskedEdit, Step, actor, asked_edit, step};
-use crate::room::{Message, of_group, time_ms};
-use crate::scenes::{Decoded, Scenes};
+use crate::request::{RecordAction, RecordRequest, RequestedEdit, actor, asked_edit, step};
+use crate::room::{RoomMessage, in_group_error, time_ms};
+use crate::scenes::{DecodedScene, SceneCache};
 use crate::state::AppState;
 use crate::storage::Storage;
-use crate::turns::Payer;
 
 /// `POST /sessions`.
-pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body: Bytes) -> Answer {
+pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body: Bytes) -> HandlerResult {
     let NewSession { name, title, scene, actor: who } = read_json(&headers, &body)?;
     let who = who.map_or_else(|| Ok(program()), actor)?;
     let load = match scene {
@@ -50,13 +50,17 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
     if let Some(command) = load {
         let scene = match &command {
             Command::LoadScene { asset, .. } => state.backend.scenes.load(*asset).await?,
-            _ => Decoded::default(),
+            _ => DecodedScene::default(),
         };
         notes = scene.notes.to_vec();
-        let context = Context { reach: scene.posed.reach(), loaded: Some(&scene.contents), solved: None };
-        let sources = Sources { context, taken_back: None };
-        let load = Request::Edit { base_seq: None, command };
-        records.push(session.request(load, &who, &new_op_id()?, time_ms(), sources)?);
+        let context = CommandContext {
+            scene_bounds: scene.posed.bounds(),
+            loaded: Some(&scene.contents),
+            solved: None,
+        };
+        let sources = EditSources { context, reverted: None };
+        let load = EditRequest::Edit { base_seq: None, command };
+        records.push(session.execute_request(load, &who, &new_op_id()?, time_ms(), sources)?);
     }
     let hash = session.document().hash();
     let epoch = state.backend.storage.begin_session(&name, title, records, hash).await?;
@@ -70,11 +74,11 @@ pub async fn show(
     Extension(connection): Extension<Connection>,
     SessionName(name): SessionName,
     asked: HeaderMap,
-) -> Answer {
-    let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+) -> HandlerResult {
+    let snapshot = state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     let hash = snapshot.document.hash().to_string();
     let tag = tag(&format!("{}.{}.{hash}", snapshot.epoch, snapshot.seq));
-    if is_known(&asked, &tag) {
+    if client_has(&asked, &tag) {
         return Ok(not_modified(tag));
     }
     state.backend.in_flight.check()?;
@@ -88,8 +92,8 @@ pub async fn show(
     };
     let (before, after) = json_around_document(&state);
     let text = snapshot.text;
-    let document = spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Fault)?;
-    let pieces = [before.into(), connection.takes_in_time(document), Bytes::from(after + "\n")];
+    let document = spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Internal)?;
+    let pieces = [before.into(), connection.with_delivery_timeout(document), Bytes::from(after + "\n")];
     let length: usize = pieces.iter().map(Bytes::len).sum();
     let headers = [
         (header::CONTENT_TYPE, HeaderValue::from_static("application/json")),
@@ -100,11 +104,12 @@ pub async fn show(
 }
 
 /// `GET /sessions/S/nodes`.
-pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> Answer {
-    let snapshot = state.rooms.find(&name).await?.request(Message::Snapshot).await?;
+pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> HandlerResult {
+    let snapshot = state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     let posed = snapshot.scene.posed;
-    let listed = spawn_blocking(move || posed.nodes().drawn_paths(MAX_NODES_LISTED, scene::MAX_PATH_BYTES));
-    let (paths, left_out) = listed.await.map_err(|_| ServerError::Fault)?;
+    let listed =
+        spawn_blocking(move || posed.node_tree().drawn_paths(MAX_NODES_LISTED, scene::MAX_PATH_BYTES));
+    let (paths, left_out) = listed.await.map_err(|_| ServerError::Internal)?;
     Ok(json(&SceneNodes { paths, left_out }))
 }
 
@@ -115,7 +120,7 @@ pub async fn edit(
     SessionName(name): SessionName,
     headers: HeaderMap,
     body: Bytes,
-) -> Answer {
+) -> HandlerResult {
     let Edits { actor: who, edits, atomic, op_id } = read_json(&headers, &body)?;
     if edits.len() > MAX_EDITS {
         return Err(ServerError::TooLarge { what: "a request", limit: MAX_EDITS, unit: "edits" });
@@ -143,17 +148,18 @@ pub async fn edit(
     // Where the connection ends this future is dropped.
     let gone = CancellationToken::new();
     let _waits = gone.clone().drop_guard();
-    let results = room.request(|reply| Message::Edit { principal, steps, reply, gone }).await?;
+    let results =
+        room.request(|reply| RoomMessage::Edit { principal, steps, reply, cancellation: gone }).await?;
     Ok(json(&results))
 }
 
 /// One edit; what is wrong with its command is its own result, not that of the request.
-async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
+async fn parse_edit(edit: Edit, scenes: &SceneCache) -> Result<RecordRequest, ServerError> {
     let Edit { op_id, base_seq, command, undo, redo } = edit;
     let request = match (command, undo, redo) {
-        (Some(command), None, None) => asked_edit(command, base_seq, scenes).await.map(Asked::Edit),
-        (None, Some(scope), None) => Ok(Asked::Undo(scope.into())),
-        (None, None, Some(scope)) => Ok(Asked::Redo(scope.into())),
+        (Some(command), None, None) => asked_edit(command, base_seq, scenes).await.map(RecordAction::Edit),
+        (None, Some(scope), None) => Ok(RecordAction::Undo(scope.into())),
+        (None, None, Some(scope)) => Ok(RecordAction::Redo(scope.into())),
         _ => {
             let sentence = "an edit has exactly one of `command`, `undo` and `redo`: divide it";
             Err(ServerError::BadMessage(sentence.into()))
@@ -163,7 +169,11 @@ async fn parse_edit(edit: Edit, scenes: &Scenes) -> Result<Step, ServerError> {
 }
 
 /// Edits that are one step. What is wrong with one of them is what is wrong with the step.
-async fn parse_group(op_id: Option<String>, edits: Vec<Edit>, scenes: &Scenes) -> Result<Step, ServerError> {
+async fn parse_group(
+    op_id: Option<String>,
+    edits: Vec<Edit>,
+    scenes: &SceneCache,
+) -> Result<RecordRequest, ServerError> {
     if edits.len() > MAX_GROUP_EDITS {
         return Err(ServerError::TooLarge {
             what: "an atomic request",
@@ -177,16 +187,16 @@ async fn parse_group(op_id: Option<String>, edits: Vec<Edit>, scenes: &Scenes) -
         match parse_grouped(edit, scenes).await {
             Ok(edit) => asked.push(edit),
             Err(error) => {
-                refused = Some(of_group(index, error));
+                refused = Some(in_group_error(index, error));
                 break;
             }
         }
     }
-    let request = refused.map_or(Ok(Asked::Group(asked)), Err);
+    let request = refused.map_or(Ok(RecordAction::Group(asked)), Err);
     step(op_id.map_or_else(new_op_id, Ok)?, request)
 }
 
-async fn parse_grouped(edit: Edit, scenes: &Scenes) -> Result<AskedEdit, ServerError> {
+async fn parse_grouped(edit: Edit, scenes: &SceneCache) -> Result<RequestedEdit, ServerError> {
     let sentence = match edit {
         Edit { command: Some(protocol::Command::LoadScene { .. }), .. } => {
             "`loadScene` changes what all else is about: send it in a request of its own"
@@ -208,7 +218,7 @@ fn program() -> Actor {
 fn new_op_id() -> Result<String, ServerError> {
     random_digits().map_err(|error| {
         tracing::error!("the system gives no random numbers: {error}");
-        ServerError::Fault
+        ServerError::Internal
     })
 }
 
@@ -220,7 +230,11 @@ struct LogQuery {
 }
 
 /// `GET /sessions/S/log`, sent as it is read.
-pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionName, uri: Uri) -> Answer {
+pub async fn log(
+    State(state): State<Arc<AppState>>,
+    SessionName(name): SessionName,
+    uri: Uri,
+) -> HandlerResult {
     let LogQuery { from, limit } = read_query(&uri)?;
     let limit = limit.unwrap_or(MAX_LOG_RECORDS);
     if limit > MAX_LOG_RECORDS {
@@ -240,7 +254,7 @@ pub async fn log(State(state): State<Arc<AppState>>, SessionName(name): SessionN
 /// The lines of some records from `from` on, and where the next page begins; `None` past the last.
 async fn page(
     storage: Storage,
-    in_flight: InFlight,
+    in_flight: ByteBudget,
     session: String,
     (from, left): (u64, usize),
 ) -> Result<Option<(Bytes, (u64, usize))>, ServerError> {
@@ -252,5 +266,5 @@ async fn page(
         serde_json::to_string(record).expect("plain data with string keys") + "\n"
     };
     let lines: String = records.iter().map(line).collect();
-    Ok(Some((in_flight.count(lines.len()).of(lines), next)))
+    Ok(Some((in_flight.reserve_unchecked(lines.len()).attach_to(lines), next)))
 }

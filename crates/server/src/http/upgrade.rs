@@ -16,7 +16,7 @@ use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use crate::ServerError;
 use crate::limits::{MAX_MESSAGE_BYTES, SOCKET_READ_BYTES};
-use crate::send_within::SendWithin;
+use crate::send_within::WriteTimeoutStream;
 use crate::socket::Socket;
 
 /// What becomes the socket that a request asks for, and the answer that says so (RFC 6455, section 4.2).
@@ -41,9 +41,9 @@ pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerErr
 
 /// The socket on what a connection has become, for the runtime that this runs in: not that of requests, which gives way.
 pub async fn open(upgraded: Upgraded) -> io::Result<Socket> {
-    let parts = upgraded.downcast::<TokioIo<SendWithin>>();
+    let parts = upgraded.downcast::<TokioIo<WriteTimeoutStream>>();
     let Parts { io, read_buf, .. } = parts.map_err(|_| io::Error::other("it is none of this server's"))?;
-    let stream = io.into_inner().moved_here()?;
+    let stream = io.into_inner().into_current_runtime()?;
     // A message a little over the limit is answered with a sentence; one far over it ends the connection. What is sent is
     // written at once, so that nothing but the part of a message under way waits in memory.
     let config = WebSocketConfig::default()

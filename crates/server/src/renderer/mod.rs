@@ -11,9 +11,9 @@ use scene::PosedScene;
 use tokio::sync::{mpsc, oneshot, watch};
 
 use crate::ServerError;
+use crate::charges::Payer;
 use crate::limits::RENDER_QUEUE;
 use crate::metrics::Metrics;
-use crate::turns::Payer;
 
 mod schedule;
 mod thread;
@@ -35,7 +35,7 @@ pub enum Readiness {
 
 /// In which form a picture comes back.
 #[derive(Clone, Copy, Debug)]
-pub enum Output {
+pub enum PictureFormat {
     /// As a screen shows it.
     Display,
     /// What its files need.
@@ -44,19 +44,19 @@ pub enum Output {
 
 /// Somebody the renderer keeps things for: a session, a view, a still. When the last clone is dropped, those go.
 #[derive(Debug)]
-pub struct Lease {
+pub struct RenderLease {
     number: u64,
     jobs: mpsc::Sender<Job>,
 }
 
-impl Lease {
+impl RenderLease {
     /// Names the viewer for the renderer.
     pub fn slot(&self) -> ViewSlot {
         ViewSlot(self.number)
     }
 }
 
-impl Drop for Lease {
+impl Drop for RenderLease {
     fn drop(&mut self) {
         // Wakes it. Where the queue is full it is awake.
         let _ = self.jobs.try_send(Job::Wake);
@@ -65,11 +65,11 @@ impl Drop for Lease {
 
 /// A picture to draw.
 #[derive(Debug)]
-pub struct Request {
+pub struct PictureRequest {
     /// Whose scene it is.
-    pub session: Arc<Lease>,
+    pub session: Arc<RenderLease>,
     /// Who sees it; the slot of `view` is this one's.
-    pub viewer: Arc<Lease>,
+    pub viewer: Arc<RenderLease>,
     /// Who is charged for it.
     pub payer: Payer,
     /// Geometry and materials.
@@ -79,47 +79,47 @@ pub struct Request {
     /// All lights that shine in it.
     pub lights: Vec<LightInstance>,
     /// In which form.
-    pub output: Output,
+    pub output: PictureFormat,
     /// How soon it is wanted.
     pub urgency: Urgency,
     /// Where it waits: of those of a client that are as urgent the one that has waited longest is first.
-    pub place: Place,
+    pub ticket: PictureTicket,
 }
 
 /// A picture's place in line. Whoever asked can give it up until the picture is begun, and come back with what there is to
 /// be seen by then: so what is begun is never stale.
 #[derive(Clone, Debug)]
-pub struct Place {
-    since: Instant,
-    is_taken: Arc<AtomicBool>,
+pub struct PictureTicket {
+    queued_at: Instant,
+    is_claimed: Arc<AtomicBool>,
 }
 
-impl Place {
+impl PictureTicket {
     /// That of who has waited since then.
-    pub fn since(since: Instant) -> Self {
-        Self { since, is_taken: Arc::default() }
+    pub fn since(queued_at: Instant) -> Self {
+        Self { queued_at, is_claimed: Arc::default() }
     }
 
     /// Gives it up. Since when it was held; `None` where the picture has been begun, and will be drawn.
-    pub fn give_up(&self) -> Option<Instant> {
-        self.take().then_some(self.since)
+    pub fn cancel(&self) -> Option<Instant> {
+        self.claim().then_some(self.queued_at)
     }
 
     /// Begins the picture, or gives it up: whatever comes first. False where the other did.
-    fn take(&self) -> bool {
-        !self.is_taken.swap(true, Ordering::Relaxed)
+    fn claim(&self) -> bool {
+        !self.is_claimed.swap(true, Ordering::Relaxed)
     }
 }
 
 /// A picture.
 #[derive(Debug)]
-pub struct Drawn {
+pub struct DrawnPicture {
     /// In the form asked for.
     pub pixels: Pixels,
     /// When drawing began.
     pub started: Instant,
     /// How long it took, without what was drawn in between.
-    pub took: Duration,
+    pub render_time: Duration,
     /// Whether a shadow map was drawn for it.
     pub drew_map: bool,
     /// Which passes it came to, in all of its turns.
@@ -128,7 +128,7 @@ pub struct Drawn {
 
 /// Hands pictures to the render thread.
 #[derive(Clone, Debug)]
-pub struct Renders {
+pub struct RenderQueue {
     jobs: mpsc::Sender<Job>,
     readiness: watch::Receiver<Readiness>,
     leases: Arc<AtomicU64>,
@@ -157,18 +157,18 @@ impl Drop for RenderThread {
 }
 
 /// Where a picture goes. Whoever asked gives it up by dropping the other end.
-type Answer = oneshot::Sender<Result<Drawn, RenderError>>;
+type PictureReply = oneshot::Sender<Result<DrawnPicture, RenderError>>;
 
 #[derive(Debug)]
 enum Job {
-    Draw(Box<Request>, Answer),
+    Draw(Box<PictureRequest>, PictureReply),
     /// Somebody has had so much time of the processor for pictures besides.
     Charge(Payer, Duration),
     /// Somebody is gone, or nothing will be drawn any more.
     Wake,
 }
 
-impl Renders {
+impl RenderQueue {
     /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
     pub fn start(
         metrics: Arc<Metrics>,
@@ -190,7 +190,7 @@ impl Renders {
             Err(error) => drop(opened.send(Err(error))),
         });
         let thread = RenderThread { jobs: jobs.clone(), ending, thread: Some(thread) };
-        is_open.recv().map_err(|_| ServerError::Fault)??;
+        is_open.recv().map_err(|_| ServerError::Internal)??;
         Ok((Self { jobs, readiness, leases: Arc::default() }, thread))
     }
 
@@ -200,7 +200,7 @@ impl Renders {
     }
 
     /// Ends once they are, or cannot be: whether they are.
-    pub fn warmed_up(&self) -> impl Future<Output = bool> + Send + 'static {
+    pub fn wait_until_warm(&self) -> impl Future<Output = bool> + Send + 'static {
         let mut readiness = self.readiness.clone();
         async move {
             let over = readiness.wait_for(|readiness| !matches!(readiness, Readiness::WarmingUp)).await;
@@ -209,10 +209,10 @@ impl Renders {
     }
 
     /// Draws a picture. Dropping the future gives it up.
-    pub async fn draw(&self, request: Request) -> Result<Drawn, ServerError> {
+    pub async fn draw(&self, request: PictureRequest) -> Result<DrawnPicture, ServerError> {
         let (done, drawn) = oneshot::channel();
-        self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Fault)?;
-        Ok(drawn.await.map_err(|_| ServerError::Fault)??)
+        self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Internal)?;
+        Ok(drawn.await.map_err(|_| ServerError::Internal)??)
     }
 
     /// Charges who sees a picture for what it took of one core after it was drawn. Where the queue is full it is for nothing.
@@ -221,8 +221,8 @@ impl Renders {
     }
 
     /// For a new session, view or still.
-    pub fn lease(&self) -> Arc<Lease> {
+    pub fn lease(&self) -> Arc<RenderLease> {
         let number = self.leases.fetch_add(1, Ordering::Relaxed);
-        Arc::new(Lease { number, jobs: self.jobs.clone() })
+        Arc::new(RenderLease { number, jobs: self.jobs.clone() })
     }
 }

@@ -8,8 +8,10 @@
 
 use std::time::{Duration, Instant};
 
-use crate::limits::{MOVING_FOR, MOVING_TURN, REST_SHARE, TURN_AT_MOST, TURN_WHILE_MOVING, WATCH_SHARE};
-use crate::turns::Charged;
+use crate::charges::ChargedSeconds;
+use crate::limits::{
+    MAX_TURN, MOVING_FOR, MOVING_TURN, SETTLING_TIME_SHARE, TURN_WHILE_MOVING, WATCHED_TIME_SHARE,
+};
 
 /// What is more urgent is drawn first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -39,27 +41,27 @@ impl Urgency {
     }
 
     /// Whether something moves in the picture.
-    pub fn moves(self) -> bool {
+    pub fn is_moving(self) -> bool {
         matches!(self, Self::Moving | Self::Watched)
     }
 }
 
 /// A picture that waits.
 #[derive(Clone, Copy, Debug)]
-pub struct Waiting {
+pub struct QueuedPicture {
     /// How urgent it is.
     pub urgency: Urgency,
     /// What whoever it is drawn for has been charged.
-    pub charged: Charged,
+    pub charged: ChargedSeconds,
     /// When it was last worked on, or since when it waits.
-    pub touched: Instant,
+    pub last_turn_at: Instant,
     /// Since when it waits, worked on or not.
-    pub since: Instant,
+    pub queued_at: Instant,
 }
 
 /// What to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum ScheduledTurn {
     /// Work on the picture of this index for about so long.
     Draw(usize, Duration),
     /// Nothing may be drawn before so much time has passed; something new may.
@@ -69,111 +71,120 @@ pub enum Turn {
 }
 
 /// The classes that have an account, most urgent first, with their shares of the time.
-const SHARES: [(Urgency, f64); 3] =
-    [(Urgency::Watched, WATCH_SHARE), (Urgency::Settling, REST_SHARE), (Urgency::Still, REST_SHARE)];
+const SHARES: [(Urgency, f64); 3] = [
+    (Urgency::Watched, WATCHED_TIME_SHARE),
+    (Urgency::Settling, SETTLING_TIME_SHARE),
+    (Urgency::Still, SETTLING_TIME_SHARE),
+];
 
 /// What it remembers from turn to turn.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     /// When a hand last moved something, and when something last moved at all.
-    hand_moved: Option<Instant>,
-    moved: Option<Instant>,
+    last_interactive: Option<Instant>,
+    last_moving: Option<Instant>,
     /// Seconds that those who watch, views at rest and stills are owed; below zero they have had more than their share.
-    owed: [f64; SHARES.len()],
+    owed_seconds: [f64; SHARES.len()],
     /// Until when that was reckoned.
-    reckoned: Option<Instant>,
+    accrued_until: Option<Instant>,
     /// As what the turn was given that is not over: its account pays, whatever is drawn in it.
-    turn_of: Option<Urgency>,
+    turn_class: Option<Urgency>,
 }
 
 impl Schedule {
     /// Nothing has been drawn.
     pub fn new() -> Self {
-        let (hand_moved, moved, owed, reckoned) = (None, None, [0.0; SHARES.len()], None);
-        Self { hand_moved, moved, owed, reckoned, turn_of: None }
+        let (last_interactive, last_moving, owed_seconds, accrued_until) =
+            (None, None, [0.0; SHARES.len()], None);
+        Self { last_interactive, last_moving, owed_seconds, accrued_until, turn_class: None }
     }
 
     /// Whose turn it is.
-    pub fn next(&mut self, now: Instant, waiting: &[Waiting]) -> Turn {
+    pub fn next(&mut self, now: Instant, waiting: &[QueuedPicture]) -> ScheduledTurn {
         let waits = |urgency| waiting.iter().any(|task| task.urgency == urgency);
         if waits(Urgency::Moving) {
-            self.hand_moved = Some(now);
+            self.last_interactive = Some(now);
         }
         if waits(Urgency::Moving) || waits(Urgency::Watched) {
-            self.moved = Some(now);
+            self.last_moving = Some(now);
         }
         let lately = |moved: Option<Instant>| {
             moved.is_some_and(|moved| now.saturating_duration_since(moved) < MOVING_FOR)
         };
-        let (hand_moves, moves) = (lately(self.hand_moved), lately(self.moved));
+        let (hand_moves, moves) = (lately(self.last_interactive), lately(self.last_moving));
         let limited = [hand_moves, moves, moves || waits(Urgency::Settling)];
-        let turn = if moves { TURN_WHILE_MOVING } else { TURN_AT_MOST };
-        self.reckon(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
+        let turn = if moves { TURN_WHILE_MOVING } else { MAX_TURN };
+        self.accrue_shares(now, SHARES.map(|(urgency, _)| waits(urgency)), limited, turn);
 
         let turn = self.choose(waiting, limited, turn);
-        self.turn_of = match turn {
-            Turn::Draw(index, _) => Some(waiting[index].urgency),
-            Turn::Wait(_) | Turn::Idle => None,
+        self.turn_class = match turn {
+            ScheduledTurn::Draw(index, _) => Some(waiting[index].urgency),
+            ScheduledTurn::Wait(_) | ScheduledTurn::Idle => None,
         };
         turn
     }
 
     /// Whose turn it is, where these classes are `limited` to their shares.
-    fn choose(&self, waiting: &[Waiting], limited: [bool; SHARES.len()], turn: Duration) -> Turn {
+    fn choose(
+        &self,
+        waiting: &[QueuedPicture],
+        limited: [bool; SHARES.len()],
+        turn: Duration,
+    ) -> ScheduledTurn {
         // What is owed longest first, though it is the least urgent.
         for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
-                && self.owed[index] >= turn.as_secs_f64()
+                && self.owed_seconds[index] >= turn.as_secs_f64()
                 && let Some(first) = least_charged(waiting, *urgency)
             {
-                return Turn::Draw(first, turn);
+                return ScheduledTurn::Draw(first, turn);
             }
         }
         let unlimited = SHARES.iter().zip(limited).filter(|(_, limited)| !limited).map(|(share, _)| share.0);
         if let Some(first) = least_charged(waiting, Urgency::Moving) {
-            return Turn::Draw(first, MOVING_TURN);
+            return ScheduledTurn::Draw(first, MOVING_TURN);
         }
         for urgency in unlimited {
             if let Some(first) = least_charged(waiting, urgency) {
-                return Turn::Draw(first, turn);
+                return ScheduledTurn::Draw(first, turn);
             }
         }
         if waiting.is_empty() {
-            return Turn::Idle;
+            return ScheduledTurn::Idle;
         }
-        let waits_for = waiting.iter().filter_map(|task| account(task.urgency));
+        let waits_for = waiting.iter().filter_map(|task| account_index(task.urgency));
         let missing =
-            waits_for.map(|index| (turn.as_secs_f64() - self.owed[index]).max(0.0) / SHARES[index].1);
+            waits_for.map(|index| (turn.as_secs_f64() - self.owed_seconds[index]).max(0.0) / SHARES[index].1);
         let least = missing.fold(f64::INFINITY, f64::min);
-        Turn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
+        ScheduledTurn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
     /// A turn is over; it went on from `began` to `ended`. What was drawn can be of another class than who got the turn: a
     /// scene's thread ends first what it is in the middle of.
-    pub fn note(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
+    pub fn record_turn(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
-            self.hand_moved = Some(ended);
+            self.last_interactive = Some(ended);
         }
-        if urgency.moves() {
-            self.moved = Some(ended);
+        if urgency.is_moving() {
+            self.last_moving = Some(ended);
         }
-        if let Some(index) = self.turn_of.take().and_then(account) {
-            self.owed[index] -= took.as_secs_f64();
+        if let Some(index) = self.turn_class.take().and_then(account_index) {
+            self.owed_seconds[index] -= took.as_secs_f64();
         }
     }
 
     /// Adds the share of the time since the last reckoning, at most to what one turn takes: nobody saves up.
-    fn reckon(
+    fn accrue_shares(
         &mut self,
         now: Instant,
         waits: [bool; SHARES.len()],
         limited: [bool; SHARES.len()],
         turn: Duration,
     ) {
-        let since = self.reckoned.map_or(Duration::ZERO, |then| now.saturating_duration_since(then));
-        self.reckoned = Some(now);
-        for (index, owed) in self.owed.iter_mut().enumerate() {
+        let since = self.accrued_until.map_or(Duration::ZERO, |then| now.saturating_duration_since(then));
+        self.accrued_until = Some(now);
+        for (index, owed) in self.owed_seconds.iter_mut().enumerate() {
             let earned = SHARES[index].1 * since.as_secs_f64();
             *owed = match (limited[index], waits[index]) {
                 (true, true) => (*owed + earned).min(turn.as_secs_f64()),
@@ -186,17 +197,19 @@ impl Schedule {
 }
 
 /// Where the account of a class stands; `None` of what a hand moves, which needs none.
-fn account(urgency: Urgency) -> Option<usize> {
+fn account_index(urgency: Urgency) -> Option<usize> {
     SHARES.iter().position(|(class, _)| *class == urgency)
 }
 
-fn least_charged(waiting: &[Waiting], urgency: Urgency) -> Option<usize> {
+fn least_charged(waiting: &[QueuedPicture], urgency: Urgency) -> Option<usize> {
     let of_it = waiting.iter().enumerate().filter(|(_, task)| task.urgency == urgency);
     // Of what one client watches the oldest is drawn to its end: of thirty views that are opened at once, a turn each in turn, none
     // would show anything for long.
-    let waits_from = |task: &Waiting| if urgency == Urgency::Watched { task.since } else { task.touched };
-    let order =
-        |a: &Waiting, b: &Waiting| a.charged.order(&b.charged).then(waits_from(a).cmp(&waits_from(b)));
+    let waits_from =
+        |task: &QueuedPicture| if urgency == Urgency::Watched { task.queued_at } else { task.last_turn_at };
+    let order = |a: &QueuedPicture, b: &QueuedPicture| {
+        a.charged.order(&b.charged).then(waits_from(a).cmp(&waits_from(b)))
+    };
     Some(of_it.min_by(|(_, a), (_, b)| order(a, b))?.0)
 }
 

@@ -12,29 +12,29 @@ use tokio::runtime::{self, Runtime};
 use tokio::sync::mpsc;
 use tokio::time::timeout;
 
-use super::schedule::{Schedule, Turn, Urgency, Waiting};
-use super::worker::{Course, Drawing, Report, SharedScene, TurnEnd, Worker};
-use super::{Answer, Drawn, Job, Lease, Readiness, Request};
-use crate::limits::{MAX_PICTURES, SHARED_FOR, TURN_AT_MOST};
+use super::schedule::{QueuedPicture, Schedule, ScheduledTurn, Urgency};
+use super::worker::{DrawWorker, PictureProgress, SharedScene, TurnDeadline, TurnPlan, TurnReport};
+use super::{DrawnPicture, Job, PictureReply, PictureRequest, Readiness, RenderLease};
+use crate::charges::{Charges, Payer};
+use crate::limits::{MAX_PICTURES, MAX_TURN, SHARED_FOR};
 use crate::metrics::Metrics;
-use crate::turns::{Charges, Payer};
 
 /// A request on its way.
 #[derive(Debug)]
-struct Task {
+struct PictureTask {
     id: u64,
-    request: Arc<Request>,
-    done: Answer,
+    request: Arc<PictureRequest>,
+    reply: PictureReply,
     started: Option<Instant>,
     took: Duration,
     /// When it was last worked on, or since when it waits.
-    touched: Instant,
+    last_turn_at: Instant,
     /// How often it was worked on.
     turns: u32,
     /// Whether the device was lost with it.
-    was_lost: bool,
+    lost_device: bool,
     /// What there is of it; `None` before it is begun, and while its worker has it.
-    drawing: Option<Box<Drawing>>,
+    drawing: Option<Box<PictureProgress>>,
 }
 
 /// All that the render thread holds.
@@ -46,18 +46,18 @@ pub(super) struct RenderLoop {
     /// Who draws shadows and lights; as the device is where nobody says.
     backend: Option<Backend>,
     /// The one that drew last at the end.
-    workers: Vec<Worker>,
-    turn_end: TurnEnd,
+    workers: Vec<DrawWorker>,
+    turn_end: TurnDeadline,
     inbox: mpsc::Receiver<Job>,
     /// Nothing is to be drawn any more.
     ended: Arc<AtomicBool>,
-    waiting: Vec<Task>,
+    waiting: Vec<PictureTask>,
     last_task: u64,
     schedule: Schedule,
     /// What each client has been charged for drawing.
     charges: Charges,
     /// Who drew moving pictures lately, and when.
-    movers: BTreeMap<Payer, Instant>,
+    moving_payers: BTreeMap<Payer, Instant>,
     /// What a core is of all of them.
     core_share: f64,
     metrics: Arc<Metrics>,
@@ -74,7 +74,7 @@ impl RenderLoop {
     ) -> Result<Self, RenderError> {
         let memory = metrics.render_memory().clone();
         let clock = runtime::Builder::new_current_thread().enable_time().build();
-        let turn_end = TurnEnd::new();
+        let turn_end = TurnDeadline::new();
         Ok(Self {
             base: open(&memory, backend, &turn_end)?,
             memory,
@@ -87,7 +87,7 @@ impl RenderLoop {
             last_task: 0,
             schedule: Schedule::new(),
             charges: Charges::default(),
-            movers: BTreeMap::new(),
+            moving_payers: BTreeMap::new(),
             core_share: 1.0 / thread::available_parallelism().map_or(1.0, |cores| cores.get() as f64),
             metrics,
             clock: clock.expect("a runtime that only tells the time asks nothing of the system"),
@@ -113,68 +113,77 @@ impl RenderLoop {
     /// Draws until the server ends.
     pub fn run(mut self) {
         while !self.ended.load(Ordering::Relaxed) {
-            self.clear_up();
-            let (indices, waiting) = self.who_waits();
+            self.release_unused();
+            let (indices, waiting) = self.queued_tasks();
             let goes_on = match self.schedule.next(Instant::now(), &waiting) {
-                Turn::Draw(index, turn) => {
-                    self.work_on(indices[index], turn);
+                ScheduledTurn::Draw(index, turn) => {
+                    self.run_turn(indices[index], turn);
                     true
                 }
-                Turn::Wait(time) => self.listen(time),
-                Turn::Idle => self.listen(Duration::MAX),
+                ScheduledTurn::Wait(time) => self.wait_for_job(time),
+                ScheduledTurn::Idle => self.wait_for_job(Duration::MAX),
             };
             if !goes_on {
                 return;
             }
-            while has_room(&mut self.waiting, |task| task.done.is_closed())
+            while has_room(&mut self.waiting, |task| task.reply.is_closed())
                 && let Ok(job) = self.inbox.try_recv()
             {
-                self.take(job);
+                self.handle_job(job);
             }
         }
     }
 
     /// The tasks that wait for a turn, by their indices, and how the schedule sees them.
-    fn who_waits(&self) -> (Vec<usize>, Vec<Waiting>) {
-        let aside: Vec<&Worker> = self.workers.iter().filter(|worker| worker.is_aside()).collect();
-        let is_aside = |task: &Task| {
-            let Request { session, scene, .. } = &*task.request;
+    fn queued_tasks(&self) -> (Vec<usize>, Vec<QueuedPicture>) {
+        let aside: Vec<&DrawWorker> =
+            self.workers.iter().filter(|worker| worker.is_in_background()).collect();
+        let is_aside = |task: &PictureTask| {
+            let PictureRequest { session, scene, .. } = &*task.request;
             aside.iter().any(|worker| worker.is_for(session, scene))
         };
         let waiting = self.waiting.iter().enumerate().filter(|(_, task)| !is_aside(task));
         let seen = waiting.map(|(index, task)| {
             let (urgency, charged) = (task.request.urgency, self.charges.of(&task.request.payer));
-            (index, Waiting { urgency, charged, touched: task.touched, since: task.request.place.since })
+            (
+                index,
+                QueuedPicture {
+                    urgency,
+                    charged,
+                    last_turn_at: task.last_turn_at,
+                    queued_at: task.request.ticket.queued_at,
+                },
+            )
         });
         seen.unzip()
     }
 
     /// Waits for a job. False where none can come any more.
-    fn listen(&mut self, time: Duration) -> bool {
+    fn wait_for_job(&mut self, time: Duration) -> bool {
         let inbox = &mut self.inbox;
         match self.clock.block_on(async { timeout(time, inbox.recv()).await }) {
-            Ok(Some(job)) => self.take(job),
+            Ok(Some(job)) => self.handle_job(job),
             Ok(None) => return false,
             Err(_) => {}
         }
         true
     }
 
-    fn take(&mut self, job: Job) {
+    fn handle_job(&mut self, job: Job) {
         match job {
             // Given up before it came here: each change of a document gives up a picture of each view.
             Job::Draw(_, done) if done.is_closed() => {}
             Job::Draw(request, done) => {
                 self.last_task += 1;
-                self.waiting.push(Task {
+                self.waiting.push(PictureTask {
                     id: self.last_task,
-                    touched: request.place.since,
+                    last_turn_at: request.ticket.queued_at,
                     request: request.into(),
-                    done,
+                    reply: done,
                     started: None,
                     took: Duration::ZERO,
                     turns: 0,
-                    was_lost: false,
+                    lost_device: false,
                     drawing: None,
                 });
             }
@@ -186,10 +195,10 @@ impl RenderLoop {
     }
 
     /// Frees what was kept for those who are gone.
-    fn clear_up(&mut self) {
-        self.waiting.retain(|task| !task.done.is_closed());
+    fn release_unused(&mut self) {
+        self.waiting.retain(|task| !task.reply.is_closed());
         let before = self.workers.len();
-        for worker in self.workers.iter_mut().filter(|worker| !worker.is_aside()) {
+        for worker in self.workers.iter_mut().filter(|worker| !worker.is_in_background()) {
             if worker.paused.is_some_and(|id| self.waiting.iter().all(|task| task.id != id)) {
                 worker.cancel();
             }
@@ -201,9 +210,9 @@ impl RenderLoop {
                 worker.forget(render::ViewSlot(number));
             }
         }
-        self.workers.retain(|worker| worker.is_aside() || worker.session.strong_count() > 0);
+        self.workers.retain(|worker| worker.is_in_background() || worker.session.strong_count() > 0);
         if self.workers.len() < before {
-            self.base.collect();
+            self.base.free_dropped_memory();
         }
         let of = |urgency| self.waiting.iter().filter(move |task| task.request.urgency == urgency);
         for urgency in Urgency::ALL {
@@ -216,38 +225,38 @@ impl RenderLoop {
 
     /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun. Where its scene's
     /// worker is in the middle of another, that one goes on.
-    fn work_on(&mut self, index: usize, turn: Duration) {
+    fn run_turn(&mut self, index: usize, turn: Duration) {
         let request = Arc::clone(&self.waiting[index].request);
         let mut worker = match self.worker(&request) {
             Ok(worker) => worker,
             Err(error) => {
-                drop(self.waiting.swap_remove(index).done.send(Err(error)));
+                drop(self.waiting.swap_remove(index).reply.send(Err(error)));
                 return;
             }
         };
-        let of_it = |task: &Task| Some(task.id) == worker.paused;
+        let of_it = |task: &PictureTask| Some(task.id) == worker.paused;
         let index = self.waiting.iter().position(of_it).unwrap_or(index);
         let task = &self.waiting[index];
-        if task.started.is_none() && !task.request.place.take() {
+        if task.started.is_none() && !task.request.ticket.claim() {
             self.waiting.swap_remove(index);
             self.workers.push(worker);
             return;
         }
         let began = Instant::now();
-        if self.waiting[index].request.urgency.moves() {
-            self.movers.insert(self.waiting[index].request.payer.clone(), began);
-            self.movers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
+        if self.waiting[index].request.urgency.is_moving() {
+            self.moving_payers.insert(self.waiting[index].request.payer.clone(), began);
+            self.moving_payers.retain(|_, drew| began.saturating_duration_since(*drew) < SHARED_FOR);
         }
-        let is_shared = self.movers.len() > 1;
+        let is_shared = self.moving_payers.len() > 1;
         let task = &mut self.waiting[index];
         task.started.get_or_insert(began);
         let drawing = worker.paused.is_none().then(|| match task.drawing.take() {
             Some(mut drawing) => {
-                drawing.course = drawing.course.after(task.turns, is_shared);
+                drawing.plan = drawing.plan.after(task.turns, is_shared);
                 drawing
             }
-            None => Box::new(Drawing {
-                course: Course::of(&task.request, is_shared, &self.base),
+            None => Box::new(PictureProgress {
+                plan: TurnPlan::of(&task.request, is_shared, &self.base),
                 request: Arc::clone(&task.request),
                 picture: None,
                 passes: Vec::new(),
@@ -257,47 +266,53 @@ impl RenderLoop {
         let is_new = worker.viewers.len() == 1 && task.turns == 0;
         let report = worker.draw(drawing, turn, &self.turn_end);
         let ended = Instant::now();
-        task.touched = ended;
+        task.last_turn_at = ended;
         task.took += ended - began;
         task.turns += 1;
         let urgency = task.request.urgency;
         self.charges.charge(&task.request.payer, (ended - began).as_secs_f64());
-        self.schedule.note(urgency, [began, ended]);
+        self.schedule.record_turn(urgency, [began, ended]);
         self.metrics.render_turn_seconds.observe((ended - began).as_secs_f64());
         if urgency == Urgency::Still {
             self.metrics.still_turns.inc();
         }
-        if ended - began > TURN_AT_MOST {
+        if ended - began > MAX_TURN {
             let render::View { width, height, .. } = task.request.view;
             let took = (ended - began).as_millis();
             tracing::debug!("a turn took {took} ms: {urgency:?}, {width}x{height}, turn {}", task.turns);
         }
-        worker.paused = matches!(report, Report::Paused | Report::Aside).then_some(task.id);
+        worker.paused = matches!(report, TurnReport::Paused | TurnReport::InBackground).then_some(task.id);
         match report {
-            Report::Paused | Report::Aside => self.workers.push(worker),
-            Report::Ended(drawing, Ok(None)) => {
+            TurnReport::Paused | TurnReport::InBackground => self.workers.push(worker),
+            TurnReport::Ended(drawing, Ok(None)) => {
                 task.drawing = Some(drawing);
                 self.workers.push(worker);
             }
-            Report::Ended(drawing, Ok(Some(pixels))) => {
+            TurnReport::Ended(drawing, Ok(Some(pixels))) => {
                 self.workers.push(worker);
                 let task = self.waiting.swap_remove(index);
                 let (started, took) = (task.started.unwrap_or(began), task.took);
-                let Drawing { passes, drew_map, .. } = *drawing;
-                drop(task.done.send(Ok(Drawn { pixels, started, took, drew_map, passes })));
+                let PictureProgress { passes, drew_map, .. } = *drawing;
+                drop(task.reply.send(Ok(DrawnPicture {
+                    pixels,
+                    started,
+                    render_time: took,
+                    drew_map,
+                    passes,
+                })));
             }
-            Report::Ended(_, Err(RenderError::DeviceLost(why))) if !task.was_lost => {
-                task.was_lost = true;
+            TurnReport::Ended(_, Err(RenderError::DeviceLost(why))) if !task.lost_device => {
+                task.lost_device = true;
                 drop(worker);
                 self.reopen(&why);
             }
-            Report::Ended(_, Err(error)) => {
+            TurnReport::Ended(_, Err(error)) => {
                 // Where the scene itself could not be taken over, who asks next has it tried again.
                 self.workers.push(worker);
-                drop(self.waiting.swap_remove(index).done.send(Err(error)));
+                drop(self.waiting.swap_remove(index).reply.send(Err(error)));
             }
             // The answer's other end sees that there will be none.
-            Report::Lost => drop(self.waiting.swap_remove(index)),
+            TurnReport::Lost => drop(self.waiting.swap_remove(index)),
         }
         if is_new {
             self.drop_scenes_over_budget();
@@ -312,7 +327,7 @@ impl RenderLoop {
         {
             self.workers.remove(rests);
         }
-        self.base.collect();
+        self.base.free_dropped_memory();
     }
 
     /// Opens the device again. What was on it is gone: pictures under way begin again.
@@ -326,22 +341,23 @@ impl RenderLoop {
             Ok(base) => self.base = base,
             Err(error) => {
                 for task in self.waiting.drain(..) {
-                    drop(task.done.send(Err(error.clone())));
+                    drop(task.reply.send(Err(error.clone())));
                 }
             }
         }
     }
 
     /// Takes out the worker of a request's session and scene.
-    fn worker(&mut self, request: &Request) -> Result<Worker, RenderError> {
-        let Request { session, viewer, scene, .. } = request;
+    fn worker(&mut self, request: &PictureRequest) -> Result<DrawWorker, RenderError> {
+        let PictureRequest { session, viewer, scene, .. } = request;
         let known = self.workers.iter().position(|worker| worker.is_for(session, scene));
         let mut worker = match known {
             Some(index) => self.workers.remove(index),
             None => self.open_scene(session, scene)?,
         };
-        let is_listed =
-            |listed: &Weak<Lease>, lease: &Arc<Lease>| std::ptr::eq(listed.as_ptr(), &raw const **lease);
+        let is_listed = |listed: &Weak<RenderLease>, lease: &Arc<RenderLease>| {
+            std::ptr::eq(listed.as_ptr(), &raw const **lease)
+        };
         if !worker.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
             // A view shows one scene: what was kept of another one for it goes.
             for other in self.workers.iter_mut().filter(|other| other.paused.is_none()) {
@@ -354,17 +370,21 @@ impl RenderLoop {
     }
 
     /// A worker for a session and a scene. Scenes that nobody looks at go where more than half of the budget is taken.
-    fn open_scene(&mut self, session: &Arc<Lease>, scene: &Arc<PosedScene>) -> Result<Worker, RenderError> {
+    fn open_scene(
+        &mut self,
+        session: &Arc<RenderLease>,
+        scene: &Arc<PosedScene>,
+    ) -> Result<DrawWorker, RenderError> {
         let half = self.memory.budget() / 2;
         while self.memory.total() > half
             && let Some(idle) = self.workers.iter().position(|worker| worker.viewers.is_empty())
         {
             self.workers.remove(idle);
         }
-        self.base.collect();
+        self.base.free_dropped_memory();
         let known = self.workers.iter().find(|worker| Arc::ptr_eq(&worker.scene, scene));
         let shared = known.map_or_else(SharedScene::default, |worker| Arc::clone(&worker.shared));
-        Ok(Worker::start(session, (scene, shared), self.base.with_same_pipelines()?))
+        Ok(DrawWorker::start(session, (scene, shared), self.base.with_same_pipelines()?))
     }
 }
 
@@ -380,9 +400,9 @@ fn has_room<T>(waiting: &mut Vec<T>, is_given_up: impl Fn(&T) -> bool) -> bool {
 fn open(
     memory: &MemoryBudget,
     backend: Option<Backend>,
-    turn_end: &TurnEnd,
+    turn_end: &TurnDeadline,
 ) -> Result<Renderer, RenderError> {
-    let gpu = Gpu::open(memory.clone(), backend)?.with_yielding(turn_end.yielding());
+    let gpu = Gpu::open(memory.clone(), backend)?.with_yield_policy(turn_end.yield_policy());
     tracing::info!("rendering with {}, shadows and lights by {}", gpu.adapter_name(), gpu.backend().name());
     if let Some(advice) = gpu.advice() {
         tracing::warn!("{advice}");

@@ -1,7 +1,7 @@
 //! When a session gets a new checkpoint, and keeping it.
 
 use protocol::SessionCheckpoint;
-use store::Tail;
+use store::RecordTail;
 use tokio::task::spawn_blocking;
 
 use super::Room;
@@ -12,7 +12,7 @@ use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 ///
 /// A checkpoint names everybody who has edited, so it grows with them. Together checkpoints never take more than the
 /// records do: each is as long as the one before, about, and as many bytes of records lie between.
-fn is_due(tail: Tail, last_bytes: u64) -> bool {
+fn is_due(tail: RecordTail, last_bytes: u64) -> bool {
     let has_many = tail.records >= CHECKPOINT_AFTER_RECORDS && tail.bytes >= last_bytes;
     has_many || tail.bytes >= CHECKPOINT_AFTER_BYTES.max(4 * last_bytes)
 }
@@ -24,11 +24,11 @@ impl Room {
         if !is_due(self.tail, self.checkpoint_bytes) {
             return;
         }
-        self.tail = Tail::default();
+        self.tail = RecordTail::default();
         let session = self.session.clone();
         let kept = match spawn_blocking(move || SessionCheckpoint::from(&session)).await {
             Ok(checkpoint) => self.backend.storage.keep_checkpoint(&self.name, checkpoint).await,
-            Err(_) => Err(ServerError::Fault),
+            Err(_) => Err(ServerError::Internal),
         };
         match kept {
             Ok(bytes) => self.checkpoint_bytes = bytes,
@@ -40,7 +40,7 @@ impl Room {
 #[cfg(test)]
 mod tests {
     use document::Command;
-    use edit::{Actor, Request, Session, Sources};
+    use edit::{Actor, EditRequest, EditSources, Session};
     use serde_json::json;
 
     use super::*;
@@ -49,8 +49,8 @@ mod tests {
 
     /// Bytes of checkpoints that so many edits come to, for each byte of their records, where the actor with the number
     /// that `actor` gives for an edit makes it.
-    fn written(actor: impl Fn(u64) -> u64, is_due: impl Fn(Tail, u64) -> bool) -> f64 {
-        let (mut session, mut tail, mut last_bytes) = (Session::default(), Tail::default(), 0);
+    fn written(actor: impl Fn(u64) -> u64, is_due: impl Fn(RecordTail, u64) -> bool) -> f64 {
+        let (mut session, mut tail, mut last_bytes) = (Session::default(), RecordTail::default(), 0);
         let (mut of_records, mut of_checkpoints) = (0, 0);
         for n in 0..EDITS {
             let command = match n {
@@ -60,15 +60,16 @@ mod tests {
             let command: protocol::Command = serde_json::from_value(command).unwrap();
             let command = Command::try_from(command).unwrap();
             let actor = Actor { id: format!("{:0>64}", actor(n)), name: "Ada".into() };
-            let request = Request::Edit { base_seq: None, command };
-            let record = session.request(request, &actor, &n.to_string(), 0, Sources::default()).unwrap();
+            let request = EditRequest::Edit { base_seq: None, command };
+            let record =
+                session.execute_request(request, &actor, &n.to_string(), 0, EditSources::default()).unwrap();
             let bytes = protocol::Record::from(&record).to_json().len() as u64;
             of_records += bytes;
-            tail += Tail { records: 1, bytes };
+            tail += RecordTail { records: 1, bytes };
             if is_due(tail, last_bytes) {
                 last_bytes = SessionCheckpoint::from(&session).to_json().len() as u64;
                 of_checkpoints += last_bytes;
-                tail = Tail::default();
+                tail = RecordTail::default();
             }
         }
         of_checkpoints as f64 / of_records as f64
@@ -76,7 +77,7 @@ mod tests {
 
     #[test]
     fn checkpoints_take_no_more_than_records_whoever_edits() {
-        let after_a_count = |tail: Tail, _| tail.records >= CHECKPOINT_AFTER_RECORDS;
+        let after_a_count = |tail: RecordTail, _| tail.records >= CHECKPOINT_AFTER_RECORDS;
         let (one, all) = (written(|_| 0, is_due), written(|n| n, is_due));
         assert!(one > 0.0 && all > 0.0, "both have checkpoints: {one} and {all}");
         assert!(one < 0.5 && all <= 1.0, "{one} with one actor, {all} with another for each edit");

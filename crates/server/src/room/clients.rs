@@ -7,63 +7,63 @@ use protocol::{
 };
 
 use super::Room;
-use super::message::{Join, Message};
-use super::solving::Solves;
+use super::message::{JoinRequest, RoomMessage};
+use super::solving::SolveState;
 use super::tick::Tick;
 use crate::ServerError;
 use crate::access::Principal;
-use crate::limits::{MAX_CLIENTS, MAX_TAIL, MAX_TAIL_BYTES, MAX_VIEW_SIDE};
-use crate::outbox::{Outbox, Text};
+use crate::limits::{MAX_CATCH_UP_BYTES, MAX_CATCH_UP_RECORDS, MAX_CLIENTS, MAX_VIEW_SIDE};
+use crate::outbox::{Outbox, SharedText};
 use crate::outboxes::ClientId;
-use crate::request::{Asked, ClientRequest};
+use crate::request::{ClientRequest, RecordAction};
 
 /// One connection.
-pub(super) struct Client {
+pub(super) struct ConnectedClient {
     pub principal: Principal,
     /// The light it has selected.
     pub selection: Option<u64>,
     /// Of what it drags.
-    pub solves: Solves,
+    pub solves: SolveState,
     /// What of its messages waits, first the one whose drag is being solved.
-    pub line: VecDeque<Message>,
+    pub queued: VecDeque<RoomMessage>,
 }
 
-impl Client {
+impl ConnectedClient {
     /// Whether what waits can go on.
-    pub fn is_released(&self) -> bool {
-        !(self.line.is_empty() || self.solves.are_under_way())
+    pub fn can_resume(&self) -> bool {
+        !(self.queued.is_empty() || self.solves.is_pending())
     }
 
     /// Leaves out updates in its line of gestures that end with its connection: all that it has not committed there.
-    pub fn give_up_uncommitted(&mut self) {
+    pub fn discard_uncommitted(&mut self) {
         let committed = |gesture: &String| {
-            self.line.iter().any(|message| match message {
-                Message::Client { request: ClientRequest::Step(step), .. } => {
-                    matches!(&step.request, Ok(Asked::Commit(id)) if id == gesture)
+            self.queued.iter().any(|message| match message {
+                RoomMessage::Client { request: ClientRequest::Step(step), .. } => {
+                    matches!(&step.request, Ok(RecordAction::Commit(id)) if id == gesture)
                 }
                 _ => false,
             })
         };
-        let is_left_out = |message: &Message| match message {
-            Message::Client { request: ClientRequest::UpdateGesture { gesture, .. }, .. } => {
+        let is_left_out = |message: &RoomMessage| match message {
+            RoomMessage::Client { request: ClientRequest::UpdateGesture { gesture, .. }, .. } => {
                 !committed(gesture)
             }
             _ => false,
         };
-        let left_out: Vec<bool> = self.line.iter().map(is_left_out).collect();
+        let left_out: Vec<bool> = self.queued.iter().map(is_left_out).collect();
         if left_out.first() == Some(&true) {
-            self.solves.stop_waiting();
+            self.solves.cancel();
         }
         let mut left_out = left_out.into_iter();
-        self.line.retain(|_| !left_out.next().unwrap_or_default());
+        self.queued.retain(|_| !left_out.next().unwrap_or_default());
     }
 }
 
 impl Room {
     /// Takes in a client, or tells it why not. All that was done before is committed.
-    pub(super) async fn join(&mut self, join: Join) {
-        let Join { principal, epoch, last_seq, mut outbox, joined } = join;
-        if self.draining {
+    pub(super) async fn join(&mut self, join: JoinRequest) {
+        let JoinRequest { principal, epoch, last_seq, mut outbox, joined } = join;
+        if self.is_draining {
             return outbox.send_error(&ServerError::Draining, true);
         }
         if self.clients.len() >= MAX_CLIENTS {
@@ -91,7 +91,12 @@ impl Room {
         self.views.insert(id, &principal.actor.id);
         self.clients.insert(
             id,
-            Client { principal, selection: None, solves: Solves::default(), line: VecDeque::new() },
+            ConnectedClient {
+                principal,
+                selection: None,
+                solves: SolveState::default(),
+                queued: VecDeque::new(),
+            },
         );
         self.outboxes.insert(id, outbox);
         self.backend.metrics.clients.inc();
@@ -99,7 +104,7 @@ impl Room {
         match document {
             None => self.outboxes.send(id, &welcome),
             Some(document) => {
-                let text = Text::around(&welcome, document, &self.backend.in_flight);
+                let text = SharedText::with_document(&welcome, document, &self.backend.in_flight);
                 self.outboxes.send_text(id, text);
             }
         }
@@ -129,7 +134,7 @@ impl Room {
             clients: self.presence(),
             gestures: self.gesture_states(),
             settings: Settings {
-                ack_window: stream::WINDOW as u32,
+                ack_window: stream::MAX_FRAMES_IN_FLIGHT as u32,
                 lease_ms: edit::LEASE_MS,
                 max_view_side: MAX_VIEW_SIDE,
             },
@@ -145,13 +150,14 @@ impl Room {
     /// The records after the one that the client knows. Where it knows none or too few an empty document, in whose place the text
     /// of the session's goes.
     async fn state_from(&self, known: Option<u64>) -> State {
-        let missing = known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_TAIL);
+        let missing =
+            known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_CATCH_UP_RECORDS);
         if let Some((known, missing)) = known.zip(missing) {
             let name = self.name.clone();
             let read = self
                 .backend
                 .storage
-                .read(move |store| store.page(&name, known + 1, missing as usize, MAX_TAIL_BYTES));
+                .read(move |store| store.page(&name, known + 1, missing as usize, MAX_CATCH_UP_BYTES));
             match read.await {
                 Ok(records) if records.len() as u64 == missing => return State::Tail(records),
                 // A page has a limit of bytes.
@@ -181,7 +187,7 @@ impl Room {
     /// Lets go of clients whose connection is over, though they have not said so; once what they sent is carried out.
     pub(super) fn drop_lost_clients(&mut self) {
         for id in self.outboxes.closed() {
-            if self.clients.get(&id).is_some_and(|client| !client.line.is_empty()) {
+            if self.clients.get(&id).is_some_and(|client| !client.queued.is_empty()) {
                 continue;
             }
             let mut tick = Tick::default();
@@ -197,7 +203,7 @@ impl Room {
     }
 
     fn presence(&self) -> Vec<Presence> {
-        let presence = |(&id, client): (&ClientId, &Client)| {
+        let presence = |(&id, client): (&ClientId, &ConnectedClient)| {
             let view = self.views.view_of(id);
             Presence {
                 client: id,
@@ -230,7 +236,7 @@ impl Room {
         match self.document_json().await {
             Ok(document) => {
                 let resync = ServerMessage::Resync(Box::new(self.resync()));
-                let resync = Text::around(&resync, document, &self.backend.in_flight);
+                let resync = SharedText::with_document(&resync, document, &self.backend.in_flight);
                 self.outboxes.catch_up(chosen, &resync);
             }
             Err(error) => tracing::error!("the text of session {} cannot be made: {error}", self.name),

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use document::Context;
+use document::CommandContext;
 use protocol::{EditResults, GestureStatus, Outcome, ServerMessage};
 
 use super::Room;
-use super::tick::{Answer, Batch, Outgoing, Tick};
+use super::tick::{Outgoing, RecordAnswer, RequestBatch, Tick};
 use crate::ServerError;
 
 impl Room {
@@ -33,8 +33,12 @@ impl Room {
     fn roll_back(&mut self, tick: &mut Tick, error: &ServerError) {
         if let Some((session, scene)) = tick.before.take().map(|before| *before) {
             self.scene = scene;
-            let context = Context { reach: self.scene.decoded.posed.reach(), loaded: None, solved: None };
-            self.session.go_back_to(session, context);
+            let context = CommandContext {
+                scene_bounds: self.scene.decoded.posed.bounds(),
+                loaded: None,
+                solved: None,
+            };
+            self.session.roll_back_to(session, context);
         }
         let rolled_back = |outgoing| match outgoing {
             Outgoing::Record(_) => None,
@@ -52,13 +56,13 @@ impl Room {
             Outgoing::GestureRefusal(..) => Some(outgoing),
         };
         tick.outgoing = std::mem::take(&mut tick.outgoing).into_iter().filter_map(rolled_back).collect();
-        tick.shows = true;
+        tick.changes_pictures = true;
     }
 
     /// Sends what a tick has to send. It has nothing to commit any more.
     pub(super) fn publish(&mut self, tick: Tick) {
-        if tick.shows {
-            self.views.touch();
+        if tick.changes_pictures {
+            self.views.invalidate_all();
         }
         for outgoing in tick.outgoing {
             match outgoing {
@@ -71,7 +75,7 @@ impl Room {
                 Outgoing::GestureRefusal(client, state) => {
                     self.outboxes.send(client, &ServerMessage::GestureState(state));
                 }
-                Outgoing::Answer(client, Answer { result, .. }) => {
+                Outgoing::Answer(client, RecordAnswer { result, .. }) => {
                     self.count(&result.outcome);
                     self.outboxes.send(client, &ServerMessage::EditResult(result));
                 }
@@ -81,8 +85,8 @@ impl Room {
     }
 
     /// Answers a program, or puts what is left of its request back in line.
-    fn answer_or_continue(&mut self, mut batch: Batch) {
-        for Answer { result, .. } in batch.answers.drain(..) {
+    fn answer_or_continue(&mut self, mut batch: RequestBatch) {
+        for RecordAnswer { result, .. } in batch.answers.drain(..) {
             self.count(&result.outcome);
             batch.done.push(result);
         }
@@ -90,7 +94,7 @@ impl Room {
             self.batches.push_back(batch);
             return;
         }
-        let Batch { done: results, reply, .. } = batch;
+        let RequestBatch { done: results, reply, .. } = batch;
         let hash = self.session.document().hash().to_string();
         // Whoever asked may have gone; it is done all the same.
         let _ = reply.send(Ok(EditResults { results, seq: self.session.seq(), hash }));

@@ -8,9 +8,9 @@ use edit::Actor;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::task::JoinHandle;
 
-use super::message::{Message, Opening, Reply, RoomHandle};
+use super::message::{Reply, RoomHandle, RoomMessage, RoomOpening};
 use crate::ServerError;
-use crate::backend::Backend;
+use crate::backend::Services;
 use crate::limits::{MAX_ROOMS, ROOM_QUEUE};
 
 /// Reaches the directory of open sessions.
@@ -45,7 +45,7 @@ enum DirectoryRequest {
     Drain(oneshot::Sender<()>),
 }
 
-struct Entry {
+struct RoomEntry {
     number: u64,
     /// `None` once it was told to close.
     handle: Option<RoomHandle>,
@@ -74,7 +74,7 @@ impl RoomStatus {
 
 impl Rooms {
     /// Starts the directory, with no session open.
-    pub fn start(backend: Backend) -> Self {
+    pub fn start(backend: Services) -> Self {
         let (requests, inbox) = mpsc::channel(ROOM_QUEUE);
         let rooms = Self { requests };
         let directory = Directory { backend, rooms: rooms.clone(), entries: BTreeMap::new(), last_number: 0 };
@@ -98,14 +98,14 @@ impl Rooms {
     }
 
     /// Tells who is in a session that what the list says of it was changed. It is not opened for that.
-    pub async fn tell_change(&self, name: &str, title: &str, archived: bool) {
+    pub async fn notify_change(&self, name: &str, title: &str, archived: bool) {
         let (reply, found) = oneshot::channel();
         let request = DirectoryRequest::FindOpen { name: name.into(), reply };
         // A server that stops, or a session that ends, has nobody to tell.
         if self.requests.send(request).await.is_ok()
             && let Ok(Some(room)) = found.await
         {
-            let _ = room.send(Message::Changed { title: title.into(), archived }).await;
+            let _ = room.send(RoomMessage::Changed { title: title.into(), archived }).await;
         }
     }
 
@@ -133,9 +133,9 @@ impl Rooms {
 }
 
 struct Directory {
-    backend: Backend,
+    backend: Services,
     rooms: Rooms,
-    entries: BTreeMap<Arc<str>, Entry>,
+    entries: BTreeMap<Arc<str>, RoomEntry>,
     last_number: u64,
 }
 
@@ -145,7 +145,7 @@ impl Directory {
             // Whoever asked may not be waiting any more.
             match request {
                 DirectoryRequest::Find { name, reply } => drop(reply.send(self.find(name.into()))),
-                DirectoryRequest::Idle { name, number } => self.retire(&name, number),
+                DirectoryRequest::Idle { name, number } => self.close_room(&name, number),
                 DirectoryRequest::Clients(reply) => drop(reply.send(self.clients())),
                 DirectoryRequest::FindOpen { name, reply } => {
                     let entry = self.entries.get(name.as_str());
@@ -174,12 +174,12 @@ impl Directory {
         self.last_number += 1;
         let (number, status) = (self.last_number, Arc::new(RoomStatus::default()));
         let (sender, inbox) = mpsc::channel(ROOM_QUEUE);
-        let (opening, opened) = watch::channel(Opening::UnderWay);
+        let (opening, opened) = watch::channel(RoomOpening::UnderWay);
         let named = (Arc::clone(&name), number);
         let shared = (self.backend.clone(), self.rooms.clone());
         let room = super::run(inbox, named, (opening, Arc::clone(&status)), shared, before);
         let handle = RoomHandle::new(sender, opened);
-        let entry = Entry { number, handle: Some(handle.clone()), status, task: tokio::spawn(room) };
+        let entry = RoomEntry { number, handle: Some(handle.clone()), status, task: tokio::spawn(room) };
         self.entries.insert(name, entry);
         Ok(handle)
     }
@@ -191,7 +191,7 @@ impl Directory {
         if open < MAX_ROOMS {
             return Ok(());
         }
-        let unused = |entry: &&mut Entry| entry.handle.as_ref().is_some_and(RoomHandle::is_only_one);
+        let unused = |entry: &&mut RoomEntry| entry.handle.as_ref().is_some_and(RoomHandle::is_unshared);
         let candidates = self.entries.values_mut().filter(unused);
         let oldest = candidates.min_by_key(|entry| entry.status.used_ms.load(Ordering::Relaxed));
         let too_many = ServerError::TooMany { what: "open sessions", limit: MAX_ROOMS };
@@ -200,10 +200,10 @@ impl Directory {
     }
 
     /// Closes a room that nobody else has a way to: its inbox ends once our own handle is dropped.
-    fn retire(&mut self, name: &str, number: u64) {
+    fn close_room(&mut self, name: &str, number: u64) {
         if let Some(entry) = self.entries.get_mut(name)
             && entry.number == number
-            && entry.handle.as_ref().is_some_and(RoomHandle::is_only_one)
+            && entry.handle.as_ref().is_some_and(RoomHandle::is_unshared)
         {
             entry.handle = None;
         }
@@ -224,10 +224,10 @@ impl Directory {
         let before = self.entries.remove(&name);
         let (session, storage) = (Arc::clone(&name), self.backend.storage.clone());
         let task = tokio::spawn(async move {
-            if let Some(Entry { handle, task, .. }) = before {
+            if let Some(RoomEntry { handle, task, .. }) = before {
                 if let Some(handle) = handle {
                     // What programs have asked it for is finished. One that is over needs no word.
-                    let _ = handle.send(Message::Drain).await;
+                    let _ = handle.send(RoomMessage::Drain).await;
                 }
                 let _ = task.await;
             }
@@ -236,13 +236,13 @@ impl Directory {
         });
         self.last_number += 1;
         let (number, status) = (self.last_number, Arc::default());
-        self.entries.insert(name, Entry { number, handle: None, status, task });
+        self.entries.insert(name, RoomEntry { number, handle: None, status, task });
     }
 
     async fn drain(&mut self) {
         for handle in self.entries.values().filter_map(|entry| entry.handle.as_ref()) {
             // One that is over needs none.
-            let _ = handle.send(Message::Drain).await;
+            let _ = handle.send(RoomMessage::Drain).await;
         }
         for (_, entry) in std::mem::take(&mut self.entries) {
             let _ = entry.task.await;

@@ -1,12 +1,12 @@
 //! Drags: live for everybody, in the log only once they are committed.
 
-use document::{Change, Command, Context};
-use edit::{Actor, Gesture, Refusal};
+use document::{Change, Command, CommandContext};
+use edit::{Actor, EditRefusal, Gesture};
 use light::LightId;
 use protocol::{GestureState, GestureStatus};
 
 use super::Room;
-use super::solving::{Found, with_solution};
+use super::solving::{FoundSolution, with_solution};
 use super::tick::{Outgoing, Tick};
 use crate::ServerError;
 use crate::outboxes::ClientId;
@@ -32,17 +32,17 @@ impl Room {
         &mut self,
         id: &str,
         update: u64,
-        (command, found): (Result<Command, ServerError>, Found),
+        (command, found): (Result<Command, ServerError>, FoundSolution),
         (client, actor): (ClientId, &Actor),
         tick: &mut Tick,
     ) {
         let Some(before) = self.gesture_of(id, actor) else {
-            let error = Refusal::NoGesture(id.to_owned()).into();
+            let error = EditRefusal::NoGesture(id.to_owned()).into();
             return self.refuse_gesture((id, 0, update), client, &error, tick);
         };
         match self.updated_gesture(id, update, (command, found), actor) {
             Ok(gesture) => {
-                tick.shows |= shows(&before) || shows(&gesture);
+                tick.changes_pictures |= is_visible(&before) || is_visible(&gesture);
                 self.live_revision = self.live_revision.wrapping_add(1);
                 tick.send(Outgoing::Gesture(
                     self.gesture_state(&gesture, GestureStatus::Held { refused: None }),
@@ -60,12 +60,12 @@ impl Room {
         &mut self,
         id: &str,
         update: u64,
-        (command, found): (Result<Command, ServerError>, Found),
+        (command, found): (Result<Command, ServerError>, FoundSolution),
         actor: &Actor,
     ) -> Result<Gesture, ServerError> {
         let (command, solved) = with_solution(command?, found)?;
-        let reach = self.scene.decoded.posed.reach();
-        let context = Context { reach, loaded: None, solved: solved.as_ref() };
+        let reach = self.scene.decoded.posed.bounds();
+        let context = CommandContext { scene_bounds: reach, loaded: None, solved: solved.as_ref() };
         let now_ms = self.clock_ms();
         Ok(self.session.update_gesture(id, update, command, actor, now_ms, context).cloned()?)
     }
@@ -81,7 +81,7 @@ impl Room {
     pub(super) fn expire_gestures(&mut self) {
         let mut tick = Tick::default();
         let now_ms = self.clock_ms();
-        for client in self.clients.values().filter(|client| !client.line.is_empty()) {
+        for client in self.clients.values().filter(|client| !client.queued.is_empty()) {
             self.session.renew_gestures_of(&client.principal.actor, now_ms);
         }
         for gesture in self.session.expire_gestures(now_ms) {
@@ -92,9 +92,9 @@ impl Room {
 
     /// Tells everybody that a gesture is over and changes nothing any more.
     pub(super) fn end_gesture(&mut self, mut gesture: Gesture, status: GestureStatus, tick: &mut Tick) {
-        tick.shows |= shows(&gesture);
+        tick.changes_pictures |= is_visible(&gesture);
         self.live_revision = self.live_revision.wrapping_add(1);
-        gesture.shown = None;
+        gesture.live = None;
         tick.send(Outgoing::Gesture(self.gesture_state(&gesture, status)));
     }
 
@@ -133,7 +133,7 @@ impl Room {
             live_revision: self.live_revision,
             changes: gesture.changes().iter().map(protocol::Change::from).collect(),
             outcome: gesture
-                .shown
+                .live
                 .as_ref()
                 .and_then(|shown| shown.outcome.as_ref())
                 .map(|o| Box::new(o.into())),
@@ -142,6 +142,6 @@ impl Room {
     }
 }
 
-fn shows(gesture: &Gesture) -> bool {
+fn is_visible(gesture: &Gesture) -> bool {
     gesture.changes().iter().any(Change::changes_picture)
 }

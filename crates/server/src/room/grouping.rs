@@ -1,39 +1,39 @@
 //! Edits that are one step: each is read in the document that those before it leave, names and all.
 
-use document::{Command, Context, Document, GroupedCommand, SolvedDrag, edited};
-use edit::{GroupedEdit, Refusal};
-use light::Reach;
+use document::{Command, CommandContext, Document, GroupedCommand, SolvedDrag, execute_command};
+use edit::{EditRefusal, GroupedEdit};
+use light::SceneBounds;
 
 use crate::ServerError;
-use crate::request::AskedEdit;
+use crate::request::RequestedEdit;
 
 /// The edits as they are carried out from `document` on. `solved` gives a command with what the scene says of it in a document, and
 /// where the drag in it leads. Where one is refused the sentence says which.
-pub(super) fn grouped(
-    asked: &[AskedEdit],
+pub(super) fn resolve_group(
+    asked: &[RequestedEdit],
     document: &Document,
-    reach: Reach,
+    reach: SceneBounds,
     mut solved: impl FnMut(Command, &Document) -> Result<(Command, Option<SolvedDrag>), ServerError>,
 ) -> Result<Vec<GroupedEdit>, ServerError> {
     let mut draft = document.clone();
     let mut edits = Vec::with_capacity(asked.len());
-    for (index, AskedEdit { base_seq, command }) in asked.iter().enumerate() {
+    for (index, RequestedEdit { base_seq, command }) in asked.iter().enumerate() {
         let mut next = || {
             let (command, solved) = solved(command.of(&draft)?, &draft)?;
-            let context = Context { reach, loaded: None, solved: solved.as_ref() };
-            draft = edited(&draft, &command, context).map_err(Refusal::from)?.document;
+            let context = CommandContext { scene_bounds: reach, loaded: None, solved: solved.as_ref() };
+            draft = execute_command(&draft, &command, context).map_err(EditRefusal::from)?.document;
             Ok(GroupedEdit { base_seq: *base_seq, grouped: GroupedCommand { command, solved } })
         };
-        edits.push(next().map_err(|error| of_group(index, error))?);
+        edits.push(next().map_err(|error| in_group_error(index, error))?);
     }
     Ok(edits)
 }
 
 /// Why a group is refused for one of its edits. What is only of the moment stays as it is.
-pub fn of_group(index: usize, error: ServerError) -> ServerError {
+pub fn in_group_error(index: usize, error: ServerError) -> ServerError {
     match error {
-        ServerError::Refused(refusal) => Refusal::of_group(index, refusal).into(),
-        error if error.is_of_the_moment() => error,
-        error => ServerError::OfGroup { number: index + 1, reason: Box::new(error) },
+        ServerError::Refused(refusal) => EditRefusal::in_group(index, refusal).into(),
+        error if error.is_transient() => error,
+        error => ServerError::InGroup { number: index + 1, reason: Box::new(error) },
     }
 }

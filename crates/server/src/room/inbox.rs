@@ -8,22 +8,22 @@ use protocol::ServerMessage;
 use tokio::sync::{OwnedSemaphorePermit, mpsc};
 
 use super::Room;
-use super::message::{Message, Snapshot};
-use super::tick::{Batch, EarlierOutcomes, Outgoing, Tick};
+use super::message::{RoomMessage, SessionSnapshot};
+use super::tick::{EarlierOutcomes, Outgoing, RequestBatch, Tick};
 use crate::ServerError;
-use crate::limits::MAX_TICK;
+use crate::limits::MAX_TICK_MESSAGES;
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
 
 /// Takes out the updates of feature drags of which the client's next message that edits leaves nothing: to solve them takes
 /// longer than they may come apart, and the picture would fall behind the cursor.
-fn pass_over_outrun_drags(messages: &mut Vec<Message>) {
+fn drop_superseded_drags(messages: &mut Vec<RoomMessage>) {
     let mut latest: BTreeMap<ClientId, usize> = BTreeMap::new();
     let mut outrun = vec![false; messages.len()];
     for (number, message) in messages.iter().enumerate() {
-        let before = message.editor().and_then(|client| latest.insert(client, number));
+        let before = message.editing_client().and_then(|client| latest.insert(client, number));
         if let Some(before) = before {
-            outrun[before] = message.outruns(&messages[before]);
+            outrun[before] = message.supersedes(&messages[before]);
         }
     }
     let mut outrun = outrun.into_iter();
@@ -32,45 +32,48 @@ fn pass_over_outrun_drags(messages: &mut Vec<Message>) {
 
 impl Room {
     /// Carries out a message and those that wait behind it, what has waited for solves, and some of what programs have asked for.
-    pub(super) async fn tick(&mut self, first: Option<Message>, inbox: &mut mpsc::Receiver<Message>) {
-        self.note_use();
-        let (mut now, mut behind) = self.released();
-        let room_for = (MAX_TICK - 1).saturating_sub(now.len() + behind.len());
+    pub(super) async fn tick(&mut self, first: Option<RoomMessage>, inbox: &mut mpsc::Receiver<RoomMessage>) {
+        self.mark_used();
+        let (mut now, mut behind) = self.take_resumable();
+        let room_for = (MAX_TICK_MESSAGES - 1).saturating_sub(now.len() + behind.len());
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
-        let messages: Vec<Message> = first.into_iter().chain(waiting.take(room_for)).collect();
+        let messages: Vec<RoomMessage> = first.into_iter().chain(waiting.take(room_for)).collect();
         // Who comes, or wants to see the session, sees what is committed.
         let mut afterwards = Vec::new();
         for message in messages {
             match message {
-                Message::Edit { principal, steps, reply, gone } => {
+                RoomMessage::Edit { principal, steps, reply, cancellation: gone } => {
                     tracing::debug!("{} steps in session {} by {principal}", steps.len(), self.name);
-                    self.batches.push_back(Batch::new(principal, steps, (reply, gone)));
+                    self.batches.push_back(RequestBatch::new(principal, steps, (reply, gone)));
                 }
-                Message::Client { .. } | Message::Leave(_) => behind.push(message),
-                Message::Join(_) | Message::Snapshot(_) | Message::Changed { .. } | Message::Drain => {
+                RoomMessage::Client { .. } | RoomMessage::Leave(_) => behind.push(message),
+                RoomMessage::Join(_)
+                | RoomMessage::Snapshot(_)
+                | RoomMessage::Changed { .. }
+                | RoomMessage::Drain => {
                     afterwards.push(message);
                 }
             }
         }
         // What was solved is shown, even if it is outrun by now: else a slow drag never would be.
-        pass_over_outrun_drags(&mut behind);
+        drop_superseded_drags(&mut behind);
         now.append(&mut behind);
-        let mut tick = Tick { earlier: self.earlier_outcomes(&now).await, ..Tick::default() };
+        let mut tick = Tick { earlier_outcomes: self.earlier_outcomes(&now).await, ..Tick::default() };
         for message in now {
-            let Some(message) = self.next_in_line(message) else { continue };
+            let Some(message) = self.take_or_queue(message) else { continue };
             match message {
-                Message::Client { client, request, place } => {
+                RoomMessage::Client { client, request, queue_permit: place } => {
                     self.handle(client, request, place, &mut tick).await;
                 }
-                Message::Leave(client) => self.leave(client, &mut tick),
-                Message::Edit { .. }
-                | Message::Join(_)
-                | Message::Snapshot(_)
-                | Message::Changed { .. }
-                | Message::Drain => {}
+                RoomMessage::Leave(client) => self.leave(client, &mut tick),
+                RoomMessage::Edit { .. }
+                | RoomMessage::Join(_)
+                | RoomMessage::Snapshot(_)
+                | RoomMessage::Changed { .. }
+                | RoomMessage::Drain => {}
             }
         }
-        self.carry_out_batches(&mut tick).await;
+        self.run_batches(&mut tick).await;
         let history_requests = std::mem::take(&mut tick.history_requests);
         self.commit(tick).await;
         for client in history_requests {
@@ -78,27 +81,27 @@ impl Room {
         }
         for message in afterwards {
             match message {
-                Message::Join(join) => self.join(*join).await,
-                Message::Snapshot(reply) => drop(reply.send(Ok(self.snapshot()))),
-                Message::Changed { title, archived } => {
+                RoomMessage::Join(join) => self.join(*join).await,
+                RoomMessage::Snapshot(reply) => drop(reply.send(Ok(self.snapshot()))),
+                RoomMessage::Changed { title, archived } => {
                     self.outboxes.broadcast(&ServerMessage::SessionChanged { title, archived }, None);
                 }
-                Message::Drain => self.drain(),
-                Message::Client { .. } | Message::Edit { .. } | Message::Leave(_) => {}
+                RoomMessage::Drain => self.drain(),
+                RoomMessage::Client { .. } | RoomMessage::Edit { .. } | RoomMessage::Leave(_) => {}
             }
         }
     }
 
     /// What became of the operations that are next, where they came before.
-    async fn earlier_outcomes(&self, messages: &[Message]) -> EarlierOutcomes {
-        let share = self.share_of_batch();
+    async fn earlier_outcomes(&self, messages: &[RoomMessage]) -> EarlierOutcomes {
+        let share = self.steps_per_batch();
         let of_clients = messages.iter().filter_map(|message| match message {
-            Message::Client { client, request: ClientRequest::Step(step), .. } => {
+            RoomMessage::Client { client, request: ClientRequest::Step(step), .. } => {
                 Some((&self.clients.get(client)?.principal, step))
             }
             _ => None,
         });
-        let going_on = self.batches.iter().filter(|batch| !batch.solves.are_under_way());
+        let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending());
         let of_batches =
             going_on.flat_map(|batch| batch.next_steps(share).iter().map(|step| (&batch.principal, step)));
         let operations = of_clients.chain(of_batches);
@@ -108,20 +111,20 @@ impl Room {
     }
 
     /// How many steps of each program's request are carried out in a tick.
-    fn share_of_batch(&self) -> usize {
-        let going_on = self.batches.iter().filter(|batch| !batch.solves.are_under_way()).count();
-        (MAX_TICK / going_on.max(1)).max(1)
+    fn steps_per_batch(&self) -> usize {
+        let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending()).count();
+        (MAX_TICK_MESSAGES / going_on.max(1)).max(1)
     }
 
     /// Carries out some of each program's request, as many steps as there is room for in a tick.
-    async fn carry_out_batches(&mut self, tick: &mut Tick) {
-        let share = self.share_of_batch();
+    async fn run_batches(&mut self, tick: &mut Tick) {
+        let share = self.steps_per_batch();
         for mut batch in std::mem::take(&mut self.batches) {
-            if batch.solves.are_under_way() {
+            if batch.solves.is_pending() {
                 self.batches.push_back(batch);
                 continue;
             }
-            batch.give_up_solves();
+            batch.drop_unawaited_solves();
             // One of each in any case, so that none waits for the end of another.
             for taken in 0..batch.next_steps(share).len() {
                 if taken > 0 && tick.is_full() {
@@ -129,11 +132,11 @@ impl Room {
                 }
                 // Only once it can be carried out is it taken.
                 let Some(step) = batch.steps.as_slice().first() else { break };
-                let asker = (&batch.principal.actor, Some(&batch.gone));
+                let asker = (&batch.principal.actor, Some(&batch.cancellation));
                 let solution = self.solution_of_step(step, asker, &mut batch.solves, tick);
                 let Poll::Ready(found) = solution else { break };
                 let Some(step) = batch.steps.next() else { break };
-                batch.answers.push(self.take_step(step, found, &batch.principal, tick).await);
+                batch.answers.push(self.run_step(step, found, &batch.principal, tick).await);
             }
             tick.send(Outgoing::Batch(batch));
         }
@@ -153,21 +156,21 @@ impl Room {
         if let Some(sender) = self.clients.get_mut(&client) {
             sender.solves = solves;
         }
-        let Poll::Ready(found) = solution else { return self.wait_in_line(client, request, place) };
+        let Poll::Ready(found) = solution else { return self.requeue_first(client, request, place) };
         let holder = (client, &principal.actor);
-        if request.is_of_a_hand() {
-            self.views.note_hand(client);
+        if request.is_interactive() {
+            self.views.mark_interactive(client);
         }
         match request {
             ClientRequest::OpenView { camera, camera_revision, settings, interaction, stats, size } => {
                 self.views.open(client, (camera, camera_revision), (settings, interaction), size);
-                self.views.tell_stats(client, stats);
+                self.views.set_stats(client, stats);
                 self.presence_changed = true;
             }
             ClientRequest::Follow { leader, stats } => {
                 let followed = self.views.follow(client, leader);
                 if followed.is_ok() {
-                    self.views.tell_stats(client, stats);
+                    self.views.set_stats(client, stats);
                 }
                 self.note_view(client, followed);
             }
@@ -178,7 +181,7 @@ impl Room {
             ClientRequest::SetView { settings, stats, camera_revision } => {
                 let changed = self.views.set_settings(client, settings, camera_revision);
                 if let (Ok(()), Some(stats)) = (&changed, stats) {
-                    self.views.tell_stats(client, stats);
+                    self.views.set_stats(client, stats);
                 }
                 self.note_view(client, changed);
             }
@@ -186,7 +189,7 @@ impl Room {
             ClientRequest::Ack(frame) => self.views.acknowledge(client, frame),
             ClientRequest::RequestKeyFrame(frame) => self.views.request_key_frame(client, frame),
             ClientRequest::Step(step) => {
-                let answer = self.take_step(step, found, &principal, tick).await;
+                let answer = self.run_step(step, found, &principal, tick).await;
                 tick.send(Outgoing::Answer(client, answer));
             }
             ClientRequest::BeginGesture { gesture, light, base_seq } => {
@@ -220,8 +223,8 @@ impl Room {
         }
     }
 
-    fn snapshot(&mut self) -> Snapshot {
-        Snapshot {
+    fn snapshot(&mut self) -> SessionSnapshot {
+        SessionSnapshot {
             name: self.name.to_string(),
             epoch: self.epoch.clone(),
             seq: self.session.seq(),

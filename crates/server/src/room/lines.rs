@@ -14,15 +14,17 @@ use tokio::task::{Id, JoinError};
 use tokio_util::sync::CancellationToken;
 
 use super::Room;
-use super::clients::Client;
-use super::message::Message;
-use super::solving::{Found, Solved, Solves, ToSolve, solve};
+use super::clients::ConnectedClient;
+use super::message::RoomMessage;
+use super::solving::{FoundSolution, SolveState, SolveTask, SolvedCommand, solve};
 use super::tick::Tick;
 use crate::ServerError;
-use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK};
+use crate::charges::Payer;
+use crate::limits::{MAX_SOLVE_TRIES, MAX_TICK_MESSAGES};
 use crate::outboxes::ClientId;
-use crate::request::{Asked, AskedCommand, AskedEdit, ClientRequest, Step, needs_scene};
-use crate::turns::Payer;
+use crate::request::{
+    ClientRequest, RecordAction, RecordRequest, RequestedCommand, RequestedEdit, needs_scene,
+};
 
 impl Room {
     /// The solution of a client's request; as [`Self::solution`].
@@ -30,9 +32,9 @@ impl Room {
         &mut self,
         request: &ClientRequest,
         actor: &Actor,
-        solves: &mut Solves,
+        solves: &mut SolveState,
         tick: &Tick,
-    ) -> Poll<Found> {
+    ) -> Poll<FoundSolution> {
         match request {
             ClientRequest::Step(step) => self.solution_of_step(step, (actor, None), solves, tick),
             ClientRequest::UpdateGesture { gesture, command: Ok(command), .. }
@@ -47,11 +49,11 @@ impl Room {
     /// The solution of a step; as [`Self::solution`].
     pub(super) fn solution_of_step(
         &mut self,
-        step: &Step,
+        step: &RecordRequest,
         (actor, gone): (&Actor, Option<&CancellationToken>),
-        solves: &mut Solves,
+        solves: &mut SolveState,
         tick: &Tick,
-    ) -> Poll<Found> {
+    ) -> Poll<FoundSolution> {
         let Ok(asked) = &step.request else { return Poll::Ready(None) };
         // What came before is not carried out.
         if tick.earlier_outcome(&step.op_id, actor).is_some() {
@@ -59,14 +61,16 @@ impl Room {
         }
         let of_gesture;
         let command = match asked {
-            Asked::Edit(AskedEdit { command: AskedCommand::Command(command), .. }) => Some(command),
-            Asked::Group(edits) => return self.solution_of_group(edits, (actor, gone), solves),
-            Asked::Commit(id) => {
+            RecordAction::Edit(RequestedEdit { command: RequestedCommand::Command(command), .. }) => {
+                Some(command)
+            }
+            RecordAction::Group(edits) => return self.solution_of_group(edits, (actor, gone), solves),
+            RecordAction::Commit(id) => {
                 of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
                 // A light that is bent was solved for when it was: nothing is left out of the command.
                 of_gesture.as_ref().filter(|command| !matches!(command, Command::BendLight { .. }))
             }
-            Asked::Edit(_) | Asked::Undo(_) | Asked::Redo(_) => None,
+            RecordAction::Edit(_) | RecordAction::Undo(_) | RecordAction::Redo(_) => None,
         };
         match command {
             Some(command) => self.solution(command, (actor, gone), solves),
@@ -77,13 +81,13 @@ impl Room {
     /// The edits of a group with what the scene says of them; as [`Self::solution`].
     fn solution_of_group(
         &mut self,
-        edits: &[AskedEdit],
+        edits: &[RequestedEdit],
         asker: (&Actor, Option<&CancellationToken>),
-        solves: &mut Solves,
-    ) -> Poll<Found> {
-        let reach = self.scene.decoded.posed.reach();
-        match solves.found_of_group(edits, self.session.document(), reach) {
-            Poll::Pending => self.begin_solve(|| ToSolve::Group(edits.to_vec()), asker, solves),
+        solves: &mut SolveState,
+    ) -> Poll<FoundSolution> {
+        let reach = self.scene.decoded.posed.bounds();
+        match solves.take_group_solution(edits, self.session.document(), reach) {
+            Poll::Pending => self.begin_solve(|| SolveTask::Group(edits.to_vec()), asker, solves),
             found @ Poll::Ready(_) => found,
         }
     }
@@ -94,28 +98,28 @@ impl Room {
         &mut self,
         command: &Command,
         (actor, gone): (&Actor, Option<&CancellationToken>),
-        solves: &mut Solves,
-    ) -> Poll<Found> {
+        solves: &mut SolveState,
+    ) -> Poll<FoundSolution> {
         if !needs_scene(command) {
             return Poll::Ready(None);
         }
         let document = self.session.document();
-        if let Some(found) = solves.found(command, document) {
+        if let Some(found) = solves.take_solution(command, document) {
             return Poll::Ready(Some(found));
         }
-        self.begin_solve(|| ToSolve::Command(Box::new(command.clone())), (actor, gone), solves)
+        self.begin_solve(|| SolveTask::Command(Box::new(command.clone())), (actor, gone), solves)
     }
 
     /// Has something solved that is waited for, unless it was too often.
     fn begin_solve(
         &mut self,
-        what: impl FnOnce() -> ToSolve,
+        what: impl FnOnce() -> SolveTask,
         (actor, gone): (&Actor, Option<&CancellationToken>),
-        solves: &mut Solves,
-    ) -> Poll<Found> {
-        if !solves.may_begin() {
-            solves.stop_waiting();
-            return Poll::Ready(Some(Err(ServerError::KeepsChanging(MAX_SOLVE_TRIES))));
+        solves: &mut SolveState,
+    ) -> Poll<FoundSolution> {
+        if !solves.can_retry() {
+            solves.cancel();
+            return Poll::Ready(Some(Err(ServerError::TooManySolveRetries(MAX_SOLVE_TRIES))));
         }
         let (what, document) = (what(), self.session.document().clone());
         let (scene, solver) = (self.scene.decoded.clone(), self.backend.solver.clone());
@@ -124,68 +128,71 @@ impl Room {
         solves.begin(self.solving.spawn(async move {
             tokio::select! {
                 solved = solve(what, document, scene, (&solver, payer)) => solved,
-                () = gone.cancelled() => Err(ServerError::Fault),
+                () = gone.cancelled() => Err(ServerError::Internal),
             }
         }));
         Poll::Pending
     }
 
     /// Keeps what a solve has come to for whoever waits for it, who goes on in the next tick.
-    pub(super) fn take_solved(&mut self, ended: Result<(Id, Result<Vec<Solved>, ServerError>), JoinError>) {
+    pub(super) fn finish_solve(
+        &mut self,
+        ended: Result<(Id, Result<Vec<SolvedCommand>, ServerError>), JoinError>,
+    ) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let of_clients = self.clients.values_mut().map(|client| &mut client.solves);
         let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));
         // Who waited may have given it up.
-        let Some(solves) = all.find(|solves| solves.wait_for(task)) else { return };
-        solves.end(ended.map_or(Err(ServerError::Fault), |(_, solved)| solved));
+        let Some(solves) = all.find(|solves| solves.is_waiting_for(task)) else { return };
+        solves.end(ended.map_or(Err(ServerError::Internal), |(_, solved)| solved));
     }
 
     /// Gives back a client's message that can be carried out now. One that edits waits while others of that client do.
-    pub(super) fn next_in_line(&mut self, message: Message) -> Option<Message> {
-        let Some(client) = message.editor().and_then(|id| self.clients.get_mut(&id)) else {
+    pub(super) fn take_or_queue(&mut self, message: RoomMessage) -> Option<RoomMessage> {
+        let Some(client) = message.editing_client().and_then(|id| self.clients.get_mut(&id)) else {
             return Some(message);
         };
-        if matches!(message, Message::Leave(_)) {
-            client.give_up_uncommitted();
+        if matches!(message, RoomMessage::Leave(_)) {
+            client.discard_uncommitted();
         }
-        while let Some(last) = client.line.back()
-            && message.outruns(last)
+        while let Some(last) = client.queued.back()
+            && message.supersedes(last)
         {
-            if client.line.len() == 1 {
+            if client.queued.len() == 1 {
                 // The picture would stand still if no update ever came to its end.
                 if !message.ends_gesture() {
                     break;
                 }
-                client.solves.stop_waiting();
+                client.solves.cancel();
             }
-            client.line.pop_back();
+            client.queued.pop_back();
         }
-        if client.line.is_empty() {
+        if client.queued.is_empty() {
             return Some(message);
         }
-        client.line.push_back(message);
+        client.queued.push_back(message);
         None
     }
 
     /// A client's message that waits for a solve, and which others of that client now wait for.
-    pub(super) fn wait_in_line(
+    pub(super) fn requeue_first(
         &mut self,
         id: ClientId,
         request: ClientRequest,
         place: Option<OwnedSemaphorePermit>,
     ) {
         if let Some(client) = self.clients.get_mut(&id) {
-            client.line.push_front(Message::Client { client: id, request, place });
+            client.queued.push_front(RoomMessage::Client { client: id, request, queue_permit: place });
         }
     }
 
     /// What of the clients' lines goes on, a tick's worth: the messages whose drags were solved, and those behind them.
-    pub(super) fn released(&mut self) -> (Vec<Message>, Vec<Message>) {
+    pub(super) fn take_resumable(&mut self) -> (Vec<RoomMessage>, Vec<RoomMessage>) {
         let (mut first, mut behind) = (Vec::new(), Vec::new());
-        for client in self.clients.values_mut().filter(|client| client.is_released()) {
-            first.extend(client.line.pop_front());
-            behind.extend(client.line.drain(..));
-            if first.len() + behind.len() >= MAX_TICK {
+        for client in self.clients.values_mut().filter(|client| client.can_resume()) {
+            first.extend(client.queued.pop_front());
+            behind.extend(client.queued.drain(..));
+            if first.len() + behind.len() >= MAX_TICK_MESSAGES {
                 break;
             }
         }
@@ -193,13 +200,13 @@ impl Room {
     }
 
     /// Whether something can be carried out though no message has come.
-    pub(super) fn can_go_on(&self) -> bool {
-        self.batches.iter().any(|batch| !batch.solves.are_under_way())
-            || self.clients.values().any(Client::is_released)
+    pub(super) fn has_runnable_work(&self) -> bool {
+        self.batches.iter().any(|batch| !batch.solves.is_pending())
+            || self.clients.values().any(ConnectedClient::can_resume)
     }
 
     /// Whether there is anything to do but what messages may ask for.
-    pub(super) fn has_more_to_do(&self) -> bool {
-        self.clients.values().any(|client| !client.line.is_empty()) || !self.batches.is_empty()
+    pub(super) fn has_queued_work(&self) -> bool {
+        self.clients.values().any(|client| !client.queued.is_empty()) || !self.batches.is_empty()
     }
 }

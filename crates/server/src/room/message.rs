@@ -12,18 +12,18 @@ use crate::access::Principal;
 use crate::document_text::DocumentText;
 use crate::outbox::Outbox;
 use crate::outboxes::ClientId;
-use crate::renderer::Lease;
-use crate::request::{ClientRequest, Step};
-use crate::scenes::Decoded;
+use crate::renderer::RenderLease;
+use crate::request::{ClientRequest, RecordRequest};
+use crate::scenes::DecodedScene;
 
 /// Where the one answer to a request goes.
 pub type Reply<T> = oneshot::Sender<Result<T, ServerError>>;
 
 /// What a session's task is sent.
 #[derive(Debug)]
-pub enum Message {
+pub enum RoomMessage {
     /// A client has said hello.
-    Join(Box<Join>),
+    Join(Box<JoinRequest>),
     /// A client requests something.
     Client {
         /// Which.
@@ -31,7 +31,7 @@ pub enum Message {
         /// What.
         request: ClientRequest,
         /// Its place among the client's messages by which it edits, until it is carried out.
-        place: Option<OwnedSemaphorePermit>,
+        queue_permit: Option<OwnedSemaphorePermit>,
     },
     /// A client is gone.
     Leave(ClientId),
@@ -40,14 +40,14 @@ pub enum Message {
         /// On whose behalf.
         principal: Principal,
         /// In order.
-        steps: Vec<Step>,
+        steps: Vec<RecordRequest>,
         /// One result a step.
         reply: Reply<EditResults>,
         /// Cancelled when nobody waits for them any more.
-        gone: CancellationToken,
+        cancellation: CancellationToken,
     },
     /// A program wants to see the session.
-    Snapshot(Reply<Snapshot>),
+    Snapshot(Reply<SessionSnapshot>),
     /// What the list says of the session was changed.
     Changed {
         /// What people call it.
@@ -59,11 +59,11 @@ pub enum Message {
     Drain,
 }
 
-impl Message {
+impl RoomMessage {
     /// The client that edits by it, or goes: those are carried out in the order in which they come.
-    pub(super) fn editor(&self) -> Option<ClientId> {
+    pub(super) fn editing_client(&self) -> Option<ClientId> {
         match self {
-            Self::Client { client, request, .. } => request.edits().then_some(*client),
+            Self::Client { client, request, .. } => request.may_edit().then_some(*client),
             Self::Leave(client) => Some(*client),
             Self::Join(_) | Self::Edit { .. } | Self::Snapshot(_) | Self::Changed { .. } | Self::Drain => {
                 None
@@ -71,9 +71,9 @@ impl Message {
         }
     }
 
-    /// Whether it leaves nothing of `before`, the message by which its client edited last: an update of the drag of a feature,
+    /// Whether it leaves nothing of `from`, the message by which its client edited last: an update of the drag of a feature,
     /// which takes longer to solve than updates may come apart.
-    pub(super) fn outruns(&self, before: &Self) -> bool {
+    pub(super) fn supersedes(&self, before: &Self) -> bool {
         let Self::Client { request, .. } = before else { return false };
         let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request
         else {
@@ -100,7 +100,7 @@ impl Message {
 
 /// A client that comes. Where it is refused it is told so, and `joined` is dropped.
 #[derive(Debug)]
-pub struct Join {
+pub struct JoinRequest {
     /// Who.
     pub principal: Principal,
     /// The history that the client knows.
@@ -115,7 +115,7 @@ pub struct Join {
 
 /// A session as it stood after a record.
 #[derive(Clone, Debug)]
-pub struct Snapshot {
+pub struct SessionSnapshot {
     /// Its name.
     pub name: String,
     /// Names its history.
@@ -127,14 +127,14 @@ pub struct Snapshot {
     /// Its JSON, shared with all who want it.
     pub text: Arc<DocumentText>,
     /// Its scene.
-    pub scene: Decoded,
+    pub scene: DecodedScene,
     /// Keeps what the renderer has of it.
-    pub lease: Arc<Lease>,
+    pub lease: Arc<RenderLease>,
 }
 
 /// How the opening of a session goes.
 #[derive(Clone, Debug)]
-pub(super) enum Opening {
+pub(super) enum RoomOpening {
     /// Its log is replayed.
     UnderWay,
     /// It is there.
@@ -146,32 +146,32 @@ pub(super) enum Opening {
 /// Reaches a session's task. The session stays open while there is one besides the directory's.
 #[derive(Clone, Debug)]
 pub struct RoomHandle {
-    inbox: mpsc::Sender<Message>,
-    opening: watch::Receiver<Opening>,
+    inbox: mpsc::Sender<RoomMessage>,
+    opening: watch::Receiver<RoomOpening>,
 }
 
 impl RoomHandle {
-    pub(super) fn new(inbox: mpsc::Sender<Message>, opening: watch::Receiver<Opening>) -> Self {
+    pub(super) fn new(inbox: mpsc::Sender<RoomMessage>, opening: watch::Receiver<RoomOpening>) -> Self {
         Self { inbox, opening }
     }
 
     /// The same once the session is open.
     pub(super) async fn opened(mut self) -> Result<Self, ServerError> {
-        let opening = self.opening.wait_for(|opening| !matches!(opening, Opening::UnderWay)).await;
-        let failed = match &*opening.map_err(|_| ServerError::Fault)? {
-            Opening::Failed(error) => Some(Arc::clone(error)),
-            Opening::UnderWay | Opening::Open => None,
+        let opening = self.opening.wait_for(|opening| !matches!(opening, RoomOpening::UnderWay)).await;
+        let failed = match &*opening.map_err(|_| ServerError::Internal)? {
+            RoomOpening::Failed(error) => Some(Arc::clone(error)),
+            RoomOpening::UnderWay | RoomOpening::Open => None,
         };
         failed.map_or(Ok(self), |error| Err(ServerError::Opening(error)))
     }
 
     /// Sends it a message; waits while its queue is full.
-    pub async fn send(&self, message: Message) -> Result<(), ServerError> {
+    pub async fn send(&self, message: RoomMessage) -> Result<(), ServerError> {
         self.inbox.send(message).await.map_err(|_| ServerError::Draining)
     }
 
     /// Sends it a message that is answered, and waits for the answer.
-    pub async fn request<T>(&self, message: impl FnOnce(Reply<T>) -> Message) -> Result<T, ServerError> {
+    pub async fn request<T>(&self, message: impl FnOnce(Reply<T>) -> RoomMessage) -> Result<T, ServerError> {
         let (reply, answer) = oneshot::channel();
         self.send(message(reply)).await?;
         answer.await.map_err(|_| ServerError::Draining)?
@@ -183,7 +183,7 @@ impl RoomHandle {
     }
 
     /// Whether nobody else can reach it.
-    pub(super) fn is_only_one(&self) -> bool {
+    pub(super) fn is_unshared(&self) -> bool {
         self.inbox.strong_count() == 1
     }
 }

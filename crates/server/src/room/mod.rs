@@ -28,31 +28,33 @@ use axum::body::Bytes;
 use document::{Document, DocumentHash};
 use protocol::{Bounds, ServerMessage};
 use scene::Camera;
-use store::Opened;
+use store::OpenedSession;
 use tokio::sync::{mpsc, watch};
 use tokio::task::{JoinHandle, JoinSet, spawn_blocking};
 use tokio::time::{Instant, sleep_until};
 
 pub use directory::Rooms;
-pub use grouping::of_group;
-pub use message::{Join, Message, RoomHandle, Snapshot};
+pub use grouping::in_group_error;
+pub use message::{JoinRequest, RoomHandle, RoomMessage, SessionSnapshot};
 pub use steps::time_ms;
 
 use crate::ServerError;
-use crate::backend::Backend;
+use crate::backend::Services;
 use crate::document_text::DocumentText;
-use crate::limits::{IDLE_AT_MOST, LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, STALLED_CHECK_EVERY};
+use crate::limits::{
+    LEASE_CHECK_EVERY, PRESENCE_EVERY, RETRY_AFTER, SESSION_IDLE_TIMEOUT, STALLED_CHECK_EVERY,
+};
 use crate::outbox::Outbox;
 use crate::outboxes::{ClientId, Outboxes};
-use crate::renderer::Lease;
-use crate::scenes::{Decoded, Scenes};
-use crate::views::{Live, Views};
-use clients::Client;
+use crate::renderer::RenderLease;
+use crate::scenes::{DecodedScene, SceneCache};
+use crate::views::{LiveSession, Views};
+use clients::ConnectedClient;
 use directory::RoomStatus;
-use message::Opening;
+use message::RoomOpening;
 use probes::Probes;
-use solving::Solved;
-use tick::Batch;
+use solving::SolvedCommand;
+use tick::RequestBatch;
 
 /// What the task owns.
 struct Room {
@@ -60,20 +62,20 @@ struct Room {
     /// Names the room among all there ever were.
     number: u64,
     /// Keeps what the renderer has of its scenes.
-    lease: Arc<Lease>,
+    lease: Arc<RenderLease>,
     epoch: String,
-    backend: Backend,
+    backend: Services,
     session: edit::Session,
     /// The document's JSON, where somebody has it.
     text: Weak<DocumentText>,
     /// After which record that is, and of which document.
-    text_of: Option<(u64, DocumentHash)>,
+    text_version: Option<(u64, DocumentHash)>,
     /// What has been written since the session's checkpoint.
-    tail: store::Tail,
+    tail: store::RecordTail,
     /// Bytes of that checkpoint.
     checkpoint_bytes: u64,
     scene: OpenScene,
-    clients: BTreeMap<ClientId, Client>,
+    clients: BTreeMap<ClientId, ConnectedClient>,
     /// What waits to be sent to them.
     outboxes: Outboxes,
     /// What they look at.
@@ -81,10 +83,10 @@ struct Room {
     /// What they ask of pixels.
     probes: Probes,
     /// Commands of theirs that are being solved.
-    solving: JoinSet<Result<Vec<Solved>, ServerError>>,
+    solving: JoinSet<Result<Vec<SolvedCommand>, ServerError>>,
     last_client: ClientId,
     /// What programs have asked for and is not all carried out, next first.
-    batches: VecDeque<Batch>,
+    batches: VecDeque<RequestBatch>,
     /// For the directory to see.
     status: Arc<RoomStatus>,
     /// Counts what gestures show; frames carry it.
@@ -95,27 +97,27 @@ struct Room {
     leases_due: Instant,
     opened: Instant,
     /// When it was last sent anything.
-    used: Instant,
-    draining: bool,
+    last_used: Instant,
+    is_draining: bool,
 }
 
 /// The scene of the document as it is now, and what is known of it.
 #[derive(Clone)]
 struct OpenScene {
     /// As its bytes have it.
-    decoded: Decoded,
+    decoded: DecodedScene,
     bounds: Bounds,
     /// A camera that sees everything.
     framing: Camera,
 }
 
-/// Opens a session, says in `opening` how that went, and serves it until its inbox is closed. `before` is the task
+/// Opens a session, says in `opening` how that went, and serves it until its inbox is closed. `from` is the task
 /// that had the session before.
 async fn run(
-    mut inbox: mpsc::Receiver<Message>,
+    mut inbox: mpsc::Receiver<RoomMessage>,
     (name, number): (Arc<str>, u64),
-    (opening, status): (watch::Sender<Opening>, Arc<RoomStatus>),
-    (backend, rooms): (Backend, Rooms),
+    (opening, status): (watch::Sender<RoomOpening>, Arc<RoomStatus>),
+    (backend, rooms): (Services, Rooms),
     before: Option<JoinHandle<()>>,
 ) {
     if let Some(before) = before {
@@ -124,13 +126,13 @@ async fn run(
     }
     match Room::open((&name, number), status, backend.clone()).await {
         Ok(mut room) => {
-            opening.send_replace(Opening::Open);
+            opening.send_replace(RoomOpening::Open);
             backend.metrics.rooms.inc();
             room.keep_checkpoint().await;
             room.serve(&mut inbox, &rooms).await;
             backend.metrics.rooms.dec();
         }
-        Err(error) => drop(opening.send_replace(Opening::Failed(Arc::new(error)))),
+        Err(error) => drop(opening.send_replace(RoomOpening::Failed(Arc::new(error)))),
     }
 }
 
@@ -138,11 +140,11 @@ impl Room {
     async fn open(
         (name, number): (&Arc<str>, u64),
         status: Arc<RoomStatus>,
-        backend: Backend,
+        backend: Services,
     ) -> Result<Self, ServerError> {
         let session_name = Arc::clone(name);
         let opened = backend.storage.read(move |store| store.open_session(&session_name));
-        let Opened { row, session, tail, checkpoint_bytes, checkpoint_failed } = opened.await?;
+        let OpenedSession { row, session, tail, checkpoint_bytes, checkpoint_failed } = opened.await?;
         if checkpoint_failed {
             tracing::warn!(
                 "session {name} has a checkpoint that its log does not prove; all of the log was replayed"
@@ -157,7 +159,7 @@ impl Room {
             epoch: row.epoch,
             outboxes: Outboxes::new(backend.in_flight.clone()),
             text: Weak::new(),
-            text_of: None,
+            text_version: None,
             views: Views::new(backend.clone(), Arc::clone(name), Arc::clone(&lease)),
             lease,
             backend,
@@ -176,28 +178,28 @@ impl Room {
             presence_due: now,
             leases_due: now,
             opened: now,
-            used: now,
-            draining: false,
+            last_used: now,
+            is_draining: false,
         })
     }
 
-    async fn serve(&mut self, inbox: &mut mpsc::Receiver<Message>, rooms: &Rooms) {
+    async fn serve(&mut self, inbox: &mut mpsc::Receiver<RoomMessage>, rooms: &Rooms) {
         let mut more_may_come = true;
-        while more_may_come || self.has_more_to_do() {
-            let wake = self.do_what_is_due(rooms).await;
-            let can_go_on = self.can_go_on();
+        while more_may_come || self.has_queued_work() {
+            let wake = self.run_due_work(rooms).await;
+            let can_go_on = self.has_runnable_work();
             tokio::select! {
                 message = inbox.recv(), if more_may_come && !can_go_on => match message {
                     Some(message) => self.tick(Some(message), inbox).await,
                     None => more_may_come = false,
                 },
                 () = ready(()), if can_go_on => self.tick(None, inbox).await,
-                Some(ended) = self.solving.join_next_with_id() => self.take_solved(ended),
+                Some(ended) = self.solving.join_next_with_id() => self.finish_solve(ended),
                 Some(step) = self.views.next_step() => self.views.take_steps(step, &mut self.outboxes),
                 Some(ended) = self.probes.next() => self.take_probe(ended),
                 () = sleep_until(wake) => {}
             }
-            if self.draining {
+            if self.is_draining {
                 inbox.close();
             }
         }
@@ -206,13 +208,16 @@ impl Room {
     }
 
     /// Does what is due and says when to look again.
-    async fn do_what_is_due(&mut self, rooms: &Rooms) -> Instant {
+    async fn run_due_work(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
         self.catch_up_clients().await;
         self.views.configure(&mut self.outboxes);
-        let live =
-            Live { session: &self.session, scene: &self.scene.decoded.posed, revision: self.live_revision };
+        let live = LiveSession {
+            session: &self.session,
+            scene: &self.scene.decoded.posed,
+            revision: self.live_revision,
+        };
         let mut wake = Instant::from(self.views.update(now.into_std(), live, &mut self.outboxes));
         if self.outboxes.any(Outbox::is_behind) {
             wake = wake.min(now + STALLED_CHECK_EVERY);
@@ -233,11 +238,11 @@ impl Room {
             }
         }
         if self.clients.is_empty() {
-            if self.used + IDLE_AT_MOST <= now {
+            if self.last_used + SESSION_IDLE_TIMEOUT <= now {
                 rooms.idle(&self.name, self.number);
-                self.used = now;
+                self.last_used = now;
             }
-            wake = wake.min(self.used + IDLE_AT_MOST);
+            wake = wake.min(self.last_used + SESSION_IDLE_TIMEOUT);
         }
         wake
     }
@@ -246,10 +251,10 @@ impl Room {
     fn document_text(&mut self) -> Arc<DocumentText> {
         let document = self.session.document();
         let now = Some((self.session.seq(), document.hash()));
-        let known = self.text.upgrade().filter(|_| self.text_of == now);
+        let known = self.text.upgrade().filter(|_| self.text_version == now);
         known.unwrap_or_else(|| {
             let new = Arc::new(DocumentText::new(document.clone(), self.backend.in_flight.clone()));
-            (self.text, self.text_of) = (Arc::downgrade(&new), now);
+            (self.text, self.text_version) = (Arc::downgrade(&new), now);
             new
         })
     }
@@ -257,11 +262,11 @@ impl Room {
     /// Its JSON. Making that takes a while, in which the session's other work waits.
     async fn document_json(&mut self) -> Result<Bytes, ServerError> {
         let text = self.document_text();
-        spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Fault)
+        spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Internal)
     }
 
     fn drain(&mut self) {
-        self.draining = true;
+        self.is_draining = true;
         let retry_after_ms = RETRY_AFTER.as_millis() as u64;
         self.outboxes.send_all(&ServerMessage::Draining { retry_after_ms });
     }
@@ -272,8 +277,8 @@ impl Room {
     }
 
     /// It was sent something.
-    fn note_use(&mut self) {
-        self.used = Instant::now();
+    fn mark_used(&mut self) {
+        self.last_used = Instant::now();
         let used_ms = self.backend.started.elapsed().as_millis() as u64;
         self.status.used_ms.store(used_ms, Ordering::Relaxed);
     }
@@ -284,9 +289,9 @@ impl Room {
 }
 
 impl OpenScene {
-    async fn of(document: &Document, scenes: &Scenes) -> Result<Self, ServerError> {
+    async fn of(document: &Document, scenes: &SceneCache) -> Result<Self, ServerError> {
         let decoded = scenes.of(document).await?;
-        let framing = scene::framing_camera(&decoded.posed.subject(), scene::DEFAULT_ASPECT);
+        let framing = scene::framing_camera(&decoded.posed.subject_bounds(), scene::DEFAULT_ASPECT);
         Ok(Self { bounds: Bounds::of(&decoded.posed), framing, decoded })
     }
 }

@@ -3,8 +3,8 @@
 use std::cell::RefCell;
 use std::sync::Arc;
 
-use document::{Change, deed};
-use edit::{Action, FindRecord, Record, Request, Scope, Session, TakenBack};
+use document::{Change, describe_changes};
+use edit::{Action, EditRequest, FindRecord, Record, Reverted, Session, UndoScope};
 use protocol::{History, HistoryStep, HistorySteps, ServerMessage};
 
 use super::Room;
@@ -13,15 +13,15 @@ use crate::outboxes::ClientId;
 
 impl Room {
     /// What `request` of that actor takes back; `new` are the records that are not in the store yet.
-    pub(super) async fn taken_back(
+    pub(super) async fn find_reverted(
         &self,
-        request: &Request,
+        request: &EditRequest,
         actor_id: &str,
         new: &[Arc<Record>],
-    ) -> Result<Option<TakenBack>, ServerError> {
+    ) -> Result<Option<Reverted>, ServerError> {
         let (request, actor_id) = (request.clone(), actor_id.to_owned());
-        let found = self.look_back(new.to_vec(), move |session, find_record| {
-            session.taken_back(&request, &actor_id, find_record)
+        let found = self.with_past_records(new.to_vec(), move |session, find_record| {
+            session.find_revert(&request, &actor_id, find_record)
         });
         Ok(found.await??)
     }
@@ -31,13 +31,13 @@ impl Room {
         let Some(actor_id) = self.clients.get(&id).map(|client| client.principal.actor.id.clone()) else {
             return;
         };
-        let looked = self.look_back(Vec::new(), move |session, find_record| {
-            let step = |request| step(session, &request, &actor_id, find_record);
-            let both = |of: fn(Scope) -> Request| HistorySteps {
-                mine: step(of(Scope::Mine)),
-                session: step(of(Scope::Session)),
+        let looked = self.with_past_records(Vec::new(), move |session, find_record| {
+            let step = |request| history_step(session, &request, &actor_id, find_record);
+            let both = |of: fn(UndoScope) -> EditRequest| HistorySteps {
+                mine: step(of(UndoScope::Mine)),
+                session: step(of(UndoScope::Session)),
             };
-            History { seq: session.seq(), undo: both(Request::Undo), redo: both(Request::Redo) }
+            History { seq: session.seq(), undo: both(EditRequest::Undo), redo: both(EditRequest::Redo) }
         });
         match looked.await {
             Ok(history) => self.outboxes.send(id, &ServerMessage::History(Box::new(history))),
@@ -46,7 +46,7 @@ impl Room {
     }
 
     /// Asks something that needs records of the past. Where one cannot be had, that is what is wrong.
-    async fn look_back<T: Send + 'static>(
+    async fn with_past_records<T: Send + 'static>(
         &self,
         new: Vec<Arc<Record>>,
         question: impl FnOnce(&Session, FindRecord) -> T + Send + 'static,
@@ -73,16 +73,16 @@ impl Room {
     }
 }
 
-fn step(
+fn history_step(
     session: &Session,
-    request: &Request,
+    request: &EditRequest,
     actor_id: &str,
     find_record: FindRecord,
 ) -> Option<HistoryStep> {
-    let TakenBack { target, changes, passed, .. } =
-        session.taken_back(request, actor_id, find_record).ok().flatten()?;
+    let Reverted { target, changes, passed, .. } =
+        session.find_revert(request, actor_id, find_record).ok().flatten()?;
     let done: Vec<Change> = match request {
-        Request::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
+        EditRequest::Undo(_) => changes.iter().rev().map(Change::inverse).collect(),
         _ => changes,
     };
     let record = find_record(target)?;
@@ -90,5 +90,10 @@ fn step(
         Action::Undo { target: step, .. } => find_record(step)?.actor,
         _ => record.actor,
     };
-    Some(HistoryStep { seq: target, actor: (&by).into(), what: deed(&done, session.document()), passed })
+    Some(HistoryStep {
+        seq: target,
+        actor: (&by).into(),
+        what: describe_changes(&done, session.document()),
+        passed,
+    })
 }

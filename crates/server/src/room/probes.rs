@@ -8,7 +8,7 @@ use tokio::task::{Id, JoinError, JoinSet};
 use super::Room;
 use crate::ServerError;
 use crate::outboxes::ClientId;
-use crate::probe::{Probe, chosen_camera, probe};
+use crate::probe::{ProbeJob, chosen_camera, probe};
 use crate::request::ProbeQuestion;
 
 /// The probes of a session.
@@ -42,20 +42,22 @@ impl Room {
         }
         let name = question.probe.clone();
         let (log_seq, live_revision) = (self.session.seq(), self.live_revision);
-        match self.resolved(client, question) {
+        match self.resolve_probe(client, question) {
             Ok(asked) => {
                 let backend = self.backend.clone();
                 let probe_name = name.clone();
                 let task = self.probes.tasks.spawn(async move {
-                    answer(probe_name, log_seq, live_revision, probe(&backend, asked).await)
+                    probe_message(probe_name, log_seq, live_revision, probe(&backend, asked).await)
                 });
                 self.probes.askers.insert(task.id(), (client, name));
             }
-            Err(error) => self.outboxes.send(client, &answer(name, log_seq, live_revision, Err(error))),
+            Err(error) => {
+                self.outboxes.send(client, &probe_message(name, log_seq, live_revision, Err(error)));
+            }
         }
     }
 
-    /// Sends what [`Probes::next`] gave, and goes on with what its client has asked since.
+    /// Sends what [`Probes::acquire`] gave, and goes on with what its client has asked since.
     pub(super) fn take_probe(&mut self, ended: Result<(Id, ServerMessage), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let Some((client, name)) = self.probes.askers.remove(&task) else { return };
@@ -63,7 +65,7 @@ impl Room {
             Ok((_, message)) => message,
             Err(fault) => {
                 tracing::error!("a probe failed: {fault}");
-                answer(name, self.session.seq(), self.live_revision, Err(ServerError::Fault))
+                probe_message(name, self.session.seq(), self.live_revision, Err(ServerError::Internal))
             }
         };
         self.outboxes.send(client, &message);
@@ -73,10 +75,10 @@ impl Room {
     }
 
     /// What is asked, of the session as it is now: by default where the client looks, and of the lights that its view shows.
-    fn resolved(&self, client: ClientId, question: ProbeQuestion) -> Result<Probe, ServerError> {
-        let ProbeQuestion { camera, size, pixel, highlights, .. } = question;
+    fn resolve_probe(&self, client: ClientId, question: ProbeQuestion) -> Result<ProbeJob, ServerError> {
+        let ProbeQuestion { camera, size, pixel, wants_highlights: highlights, .. } = question;
         let document = self.session.live_document();
-        let view = self.views.seen_by(client);
+        let view = self.views.viewed_by(client);
         let no_view = || {
             let sentence = "you have no view to look into: open one, or name a camera and a size";
             ServerError::BadMessage(sentence.into())
@@ -86,14 +88,22 @@ impl Room {
             None => view.map(|(camera, ..)| camera.clone()).ok_or_else(no_view)?,
         };
         let size = size.or_else(|| view.map(|(.., size)| size)).ok_or_else(no_view)?;
-        let lights = document.instances();
-        let muted = view.map(|(_, settings, _)| settings.muted(&lights)).unwrap_or_default();
-        Ok(Probe { camera, size, pixel, highlights, lights, muted, scene: self.scene.decoded.clone() })
+        let lights = document.light_instances();
+        let muted = view.map(|(_, settings, _)| settings.hidden_lights(&lights)).unwrap_or_default();
+        Ok(ProbeJob {
+            camera,
+            size,
+            pixel,
+            wants_highlights: highlights,
+            lights,
+            muted,
+            scene: self.scene.decoded.clone(),
+        })
     }
 }
 
 /// What a client is told of its probe `name`.
-fn answer(
+fn probe_message(
     name: String,
     log_seq: u64,
     live_revision: u32,

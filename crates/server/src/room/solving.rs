@@ -4,23 +4,23 @@
 use std::cell::RefCell;
 use std::task::Poll;
 
-use document::{Command, Document, EditError, SolvedDrag, resolved, solve_drag_within};
-use drag::Work;
-use edit::{GroupedEdit, Refusal, Request};
-use light::Reach;
+use document::{Command, Document, EditError, SolvedDrag, fill_in_from_scene, solve_drag_budgeted};
+use drag::WorkBudget;
+use edit::{EditRefusal, EditRequest, GroupedEdit};
+use light::SceneBounds;
 use tokio::task::{AbortHandle, Id};
 
-use super::grouping::grouped;
+use super::grouping::resolve_group;
 use crate::ServerError;
+use crate::charges::Payer;
 use crate::limits::MAX_SOLVE_TRIES;
-use crate::request::{Asked, AskedEdit, needs_scene};
-use crate::scenes::Decoded;
-use crate::solver::{Solver, Turn};
-use crate::turns::Payer;
+use crate::request::{RecordAction, RequestedEdit, needs_scene};
+use crate::scenes::DecodedScene;
+use crate::solver::{SolveTurn, Solver};
 
 /// What the scene says of a command.
 #[derive(Clone)]
-pub(super) enum Solution {
+pub(super) enum CommandSolution {
     /// Where the drag of a feature leads.
     Drag(SolvedDrag),
     /// How a light is bent: the command with nothing left out.
@@ -30,68 +30,72 @@ pub(super) enum Solution {
 }
 
 /// What a command led to, and from where.
-pub(super) struct Solved {
+pub(super) struct SolvedCommand {
     command: Command,
     /// What it was solved for.
     document: Document,
-    result: Result<Solution, EditError>,
+    result: Result<CommandSolution, EditError>,
 }
 
 /// The solves of one who edits in order, a client or a program's request.
 #[derive(Default)]
-pub(super) struct Solves {
+pub(super) struct SolveState {
     /// The one that is waited for.
-    under_way: Option<AbortHandle>,
+    pending: Option<AbortHandle>,
     /// What was solved last, so that a commit need not solve again what the last update did; of a group one for each command that
     /// needs the scene.
-    last: Vec<Solved>,
+    last: Vec<SolvedCommand>,
     /// Why the latest could not be solved, until the step that waited for it is told.
     failed: Option<ServerError>,
     /// How many were begun for the step that is next.
-    begun: u32,
+    attempts: u32,
 }
 
 /// The solution of what a request asks for; `None` where that needs none.
-pub(super) type Found = Option<Result<Solution, ServerError>>;
+pub(super) type FoundSolution = Option<Result<CommandSolution, ServerError>>;
 
 /// A command as it is carried out, and where the drag in it leads.
 pub(super) fn with_solution(
     command: Command,
-    found: Found,
+    found: FoundSolution,
 ) -> Result<(Command, Option<SolvedDrag>), ServerError> {
     Ok(match found.transpose()? {
-        Some(Solution::Drag(solved)) => (command, Some(solved)),
-        Some(Solution::Bend(command)) => (command, None),
-        Some(Solution::Group(_)) | None => (command, None),
+        Some(CommandSolution::Drag(solved)) => (command, Some(solved)),
+        Some(CommandSolution::Bend(command)) => (command, None),
+        Some(CommandSolution::Group(_)) | None => (command, None),
     })
 }
 
 /// What is asked for as a request of a session with this document, and where the drag in it leads. Of a group what was found is the
 /// request.
-pub(super) fn request_of(
-    asked: Asked,
-    found: Found,
+pub(super) fn into_edit_request(
+    asked: RecordAction,
+    found: FoundSolution,
     document: &Document,
-) -> Result<(Request, Option<SolvedDrag>), ServerError> {
+) -> Result<(EditRequest, Option<SolvedDrag>), ServerError> {
     Ok(match (asked, found) {
-        (Asked::Edit(AskedEdit { base_seq, command }), found) => {
+        (RecordAction::Edit(RequestedEdit { base_seq, command }), found) => {
             let (command, solved) = with_solution(command.of(document)?, found)?;
-            (Request::Edit { base_seq, command }, solved)
+            (EditRequest::Edit { base_seq, command }, solved)
         }
-        (Asked::Group(_), Some(Ok(Solution::Group(edits)))) => (Request::Group(edits), None),
-        (Asked::Group(_), Some(Err(error))) => return Err(error),
-        (Asked::Group(_), _) => return Err(ServerError::Fault),
+        (RecordAction::Group(_), Some(Ok(CommandSolution::Group(edits)))) => {
+            (EditRequest::Group(edits), None)
+        }
+        (RecordAction::Group(_), Some(Err(error))) => return Err(error),
+        (RecordAction::Group(_), _) => return Err(ServerError::Internal),
         // What stands in its way now is said where the gesture ends.
-        (Asked::Commit(id), Some(Ok(Solution::Drag(solved)))) => (Request::Commit(id), Some(solved)),
-        (Asked::Commit(id), _) => (Request::Commit(id), None),
-        (Asked::Undo(scope), _) => (Request::Undo(scope), None),
-        (Asked::Redo(scope), _) => (Request::Redo(scope), None),
+        (RecordAction::Commit(id), Some(Ok(CommandSolution::Drag(solved)))) => {
+            (EditRequest::Commit(id), Some(solved))
+        }
+        (RecordAction::Commit(id), _) => (EditRequest::Commit(id), None),
+        (RecordAction::Undo(scope), _) => (EditRequest::Undo(scope), None),
+        (RecordAction::Redo(scope), _) => (EditRequest::Redo(scope), None),
     })
 }
 
-impl Solved {
+impl SolvedCommand {
     /// Whether the command would lead to the same from `document`.
-    fn answers(&self, command: &Command, document: &Document) -> bool {
+    fn is_valid_for(&self, command: &Command, document: &Document) -> bool {
         let (Command::DragFeature { light, .. } | Command::BendLight { light, .. }) = command else {
             return false;
         };
@@ -101,38 +105,43 @@ impl Solved {
             && self.document.pins_of(*light).eq(document.pins_of(*light))
     }
 
-    pub fn answer(&self) -> Result<Solution, ServerError> {
-        self.result.clone().map_err(|refused| Refusal::from(refused).into())
+    pub fn solution(&self) -> Result<CommandSolution, ServerError> {
+        self.result.clone().map_err(|refused| EditRefusal::from(refused).into())
     }
 }
 
-impl Solves {
+impl SolveState {
     /// Whether one is waited for.
-    pub fn are_under_way(&self) -> bool {
-        self.under_way.is_some()
+    pub fn is_pending(&self) -> bool {
+        self.pending.is_some()
     }
 
     /// What was found of the command last, if it would lead to the same from `document`.
-    pub fn found(&mut self, command: &Command, document: &Document) -> Found {
-        let found = self.failed.take().map(Err).or_else(|| self.known(command, document));
+    pub fn take_solution(&mut self, command: &Command, document: &Document) -> FoundSolution {
+        let found = self.failed.take().map(Err).or_else(|| self.cached_solution(command, document));
         if found.is_some() {
-            self.begun = 0;
+            self.attempts = 0;
         }
         found
     }
 
     /// The same of a group; pending where something of it has to be solved.
-    pub fn found_of_group(&mut self, edits: &[AskedEdit], document: &Document, reach: Reach) -> Poll<Found> {
+    pub fn take_group_solution(
+        &mut self,
+        edits: &[RequestedEdit],
+        document: &Document,
+        reach: SceneBounds,
+    ) -> Poll<FoundSolution> {
         if let Some(error) = self.failed.take() {
-            self.begun = 0;
+            self.attempts = 0;
             return Poll::Ready(Some(Err(error)));
         }
         let mut is_missing = false;
-        let known = grouped(edits, document, reach, |command, draft| {
+        let known = resolve_group(edits, document, reach, |command, draft| {
             let found = needs_scene(&command).then(|| {
-                self.known(&command, draft).unwrap_or_else(|| {
+                self.cached_solution(&command, draft).unwrap_or_else(|| {
                     is_missing = true;
-                    Err(ServerError::Fault)
+                    Err(ServerError::Internal)
                 })
             });
             with_solution(command, found)
@@ -140,33 +149,33 @@ impl Solves {
         if is_missing {
             return Poll::Pending;
         }
-        self.begun = 0;
-        Poll::Ready(Some(known.map(Solution::Group)))
+        self.attempts = 0;
+        Poll::Ready(Some(known.map(CommandSolution::Group)))
     }
 
-    fn known(&self, command: &Command, document: &Document) -> Found {
-        Some(self.last.iter().find(|last| last.answers(command, document))?.answer())
+    fn cached_solution(&self, command: &Command, document: &Document) -> FoundSolution {
+        Some(self.last.iter().find(|last| last.is_valid_for(command, document))?.solution())
     }
 
     /// Whether the step that is next may be solved once more.
-    pub fn may_begin(&self) -> bool {
-        self.begun < MAX_SOLVE_TRIES
+    pub fn can_retry(&self) -> bool {
+        self.attempts < MAX_SOLVE_TRIES
     }
 
     /// Waits for a solve from now on.
     pub fn begin(&mut self, task: AbortHandle) {
-        self.begun += 1;
-        self.under_way = Some(task);
+        self.attempts += 1;
+        self.pending = Some(task);
     }
 
     /// Whether it is this one that is waited for.
-    pub fn wait_for(&self, task: Id) -> bool {
-        self.under_way.as_ref().is_some_and(|under_way| under_way.id() == task)
+    pub fn is_waiting_for(&self, task: Id) -> bool {
+        self.pending.as_ref().is_some_and(|under_way| under_way.id() == task)
     }
 
     /// Keeps what the solve that was waited for has come to.
-    pub fn end(&mut self, solved: Result<Vec<Solved>, ServerError>) {
-        self.under_way = None;
+    pub fn end(&mut self, solved: Result<Vec<SolvedCommand>, ServerError>) {
+        self.pending = None;
         match solved {
             Ok(solved) => self.last = solved,
             Err(error) => self.failed = Some(error),
@@ -174,50 +183,50 @@ impl Solves {
     }
 
     /// Waits for none any more, and what comes of one under way is of no use. The next step is another.
-    pub fn stop_waiting(&mut self) {
-        (self.begun, self.failed) = (0, None);
-        if let Some(task) = self.under_way.take() {
+    pub fn cancel(&mut self) {
+        (self.attempts, self.failed) = (0, None);
+        if let Some(task) = self.pending.take() {
             task.abort();
         }
     }
 }
 
 /// What is to be solved: a command, or what needs it of a group.
-pub(super) enum ToSolve {
+pub(super) enum SolveTask {
     Command(Box<Command>),
-    Group(Vec<AskedEdit>),
+    Group(Vec<RequestedEdit>),
 }
 
 /// Solves it from `document` on, on a thread of its own and in turns with others.
 pub(super) async fn solve(
-    what: ToSolve,
+    what: SolveTask,
     document: Document,
-    scene: Decoded,
+    scene: DecodedScene,
     (solver, payer): (&Solver, Payer),
-) -> Result<Vec<Solved>, ServerError> {
-    let (bvh, reach) = (scene.bvh().await?, scene.posed.reach());
-    let solve = move |turn: &mut Turn| {
+) -> Result<Vec<SolvedCommand>, ServerError> {
+    let (bvh, reach) = (scene.bvh().await?, scene.posed.bounds());
+    let solve = move |turn: &mut SolveTurn| {
         let turn = RefCell::new(turn);
-        let goes_on = |steps| turn.borrow_mut().goes_on(steps);
+        let goes_on = |steps| turn.borrow_mut().may_continue(steps);
         let solved = |command: &Command, document: &Document| {
             let result = match command {
                 Command::DragFeature { light, drag } => {
-                    let work = Work::new(&goes_on);
-                    solve_drag_within(document, *light, drag, &bvh, &work).map(Solution::Drag)
+                    let work = WorkBudget::new(&goes_on);
+                    solve_drag_budgeted(document, *light, drag, &bvh, &work).map(CommandSolution::Drag)
                 }
-                other => Ok(Solution::Bend(resolved(other.clone(), document, &bvh))),
+                other => Ok(CommandSolution::Bend(fill_in_from_scene(other.clone(), document, &bvh))),
             };
-            Solved { command: command.clone(), document: document.clone(), result }
+            SolvedCommand { command: command.clone(), document: document.clone(), result }
         };
         match what {
-            ToSolve::Command(command) => vec![solved(&command, &document)],
-            ToSolve::Group(edits) => {
+            SolveTask::Command(command) => vec![solved(&command, &document)],
+            SolveTask::Group(edits) => {
                 let mut all = Vec::new();
                 // What is refused of it is found again where the group is carried out.
-                let _ = grouped(&edits, &document, reach, |command, draft| {
+                let _ = resolve_group(&edits, &document, reach, |command, draft| {
                     let found = needs_scene(&command).then(|| {
                         let solved = solved(&command, draft);
-                        let answer = solved.answer();
+                        let answer = solved.solution();
                         all.push(solved);
                         answer
                     });

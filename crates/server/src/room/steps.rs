@@ -4,24 +4,24 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use document::{Change, Command, Context, SceneContents, SolvedDrag};
-use edit::{Actor, Record, Request, Sources, TakenBack};
+use document::{Change, Command, CommandContext, SceneContents, SolvedDrag};
+use edit::{Actor, EditRequest, EditSources, Record, Reverted};
 use protocol::{EditResult, GestureStatus, Outcome, ServerMessage};
 use store::Rejection;
 
-use super::solving::{Found, request_of};
-use super::tick::{Answer, EarlierOutcomes, OperationKey, Outgoing, Tick, refused};
+use super::solving::{FoundSolution, into_edit_request};
+use super::tick::{EarlierOutcomes, OperationKey, Outgoing, RecordAnswer, Tick, refused};
 use super::{OpenScene, Room};
 use crate::ServerError;
 use crate::access::Principal;
-use crate::request::Step;
+use crate::request::RecordRequest;
 
 /// What a request needs of the store, found before it is carried out.
 #[derive(Default)]
-struct Sourced {
+struct RequestSources {
     /// What comes with the scene that it loads.
     loaded: Option<Arc<SceneContents>>,
-    taken_back: Option<TakenBack>,
+    reverted: Option<Reverted>,
 }
 
 impl Room {
@@ -45,24 +45,24 @@ impl Room {
 
     /// Carries out a request for a record, unless it came before; its answer, to be sent once the tick is committed.
     /// `found` is its solution.
-    pub(super) async fn take_step(
+    pub(super) async fn run_step(
         &mut self,
-        step: Step,
-        found: Found,
+        step: RecordRequest,
+        found: FoundSolution,
         principal: &Principal,
         tick: &mut Tick,
-    ) -> Answer {
-        let Step { op_id, request } = step;
-        let request = request.and_then(|asked| request_of(asked, found, self.session.document()));
+    ) -> RecordAnswer {
+        let RecordRequest { op_id, request } = step;
+        let request = request.and_then(|asked| into_edit_request(asked, found, self.session.document()));
         let (outcome, is_new) = self.outcome_of(&op_id, request, &principal.actor, tick).await;
-        Answer { result: EditResult { op_id, outcome }, is_new }
+        RecordAnswer { result: EditResult { op_id, outcome }, is_new }
     }
 
     /// What becomes of a request for a record, and whether that rests on this tick.
     async fn outcome_of(
         &mut self,
         op_id: &str,
-        request: Result<(Request, Option<SolvedDrag>), ServerError>,
+        request: Result<(EditRequest, Option<SolvedDrag>), ServerError>,
         actor: &Actor,
         tick: &mut Tick,
     ) -> (Outcome, bool) {
@@ -71,12 +71,12 @@ impl Room {
         }
         let key = (actor.id.clone(), op_id.to_owned());
         let carried_out = match request {
-            Ok(request) => self.carry_out(request, actor, op_id, tick).await,
+            Ok(request) => self.apply_request(request, actor, op_id, tick).await,
             Err(error) => Err(error),
         };
         let outcome = match carried_out {
             Ok(record) => Outcome::Committed((&record).into()),
-            Err(error) if error.is_of_the_moment() => return (refused(&error), true),
+            Err(error) if error.is_transient() => return (refused(&error), true),
             Err(error) => {
                 let (actor_id, op_id) = key.clone();
                 tick.rejections.push(Rejection { actor_id, op_id, problem: error.problem() });
@@ -87,28 +87,32 @@ impl Room {
         (outcome, true)
     }
 
-    async fn carry_out(
+    async fn apply_request(
         &mut self,
-        (request, solved): (Request, Option<SolvedDrag>),
+        (request, solved): (EditRequest, Option<SolvedDrag>),
         actor: &Actor,
         op_id: &str,
         tick: &mut Tick,
     ) -> Result<Record, ServerError> {
-        let Sourced { loaded, taken_back } = self.sources_of(&request, actor, tick).await?;
+        let RequestSources { loaded, reverted: taken_back } = self.sources_of(&request, actor, tick).await?;
         let held = match &request {
-            Request::Commit(id) => self.gesture_of(id, actor),
-            Request::Edit { .. } | Request::Group(_) | Request::Undo(_) | Request::Redo(_) => None,
+            EditRequest::Commit(id) => self.gesture_of(id, actor),
+            EditRequest::Edit { .. }
+            | EditRequest::Group(_)
+            | EditRequest::Undo(_)
+            | EditRequest::Redo(_) => None,
         };
         tick.before.get_or_insert_with(|| Box::new((self.session.clone(), self.scene.clone())));
-        let reach = self.scene.decoded.posed.reach();
-        let context = Context { reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
-        let sources = Sources { context, taken_back };
-        let committed = self.session.request(request, actor, op_id, time_ms(), sources);
+        let reach = self.scene.decoded.posed.bounds();
+        let context =
+            CommandContext { scene_bounds: reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
+        let sources = EditSources { context, reverted: taken_back };
+        let committed = self.session.execute_request(request, actor, op_id, time_ms(), sources);
         // A gesture whose commit is refused has ended all the same.
         let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
         let committed = committed.map_err(ServerError::from);
         if let Ok(record) = &committed {
-            self.log(record, tick).await;
+            self.add_to_tick(record, tick).await;
         }
         if let Some(gesture) = ended {
             let status = match &committed {
@@ -125,7 +129,7 @@ impl Room {
     }
 
     /// Takes a new record into the tick.
-    async fn log(&mut self, record: &Record, tick: &mut Tick) {
+    async fn add_to_tick(&mut self, record: &Record, tick: &mut Tick) {
         let document = self.session.document();
         let hash = document.hash().to_string();
         let (mut bounds, mut notes) = (None, None);
@@ -137,7 +141,7 @@ impl Room {
             bounds = Some(self.scene.bounds);
             notes = Some(self.scene.decoded.notes.to_vec());
         }
-        tick.shows |= record.changes.iter().any(Change::changes_picture);
+        tick.changes_pictures |= record.changes.iter().any(Change::changes_picture);
         let record_message = ServerMessage::Log { record: Box::new(record.into()), hash, bounds, notes };
         tick.send(Outgoing::Record(record_message));
         tick.records.push(Arc::new(record.clone()));
@@ -146,21 +150,21 @@ impl Room {
     /// The scenes that a request loads, decoded, and the record that it takes back.
     async fn sources_of(
         &self,
-        request: &Request,
+        request: &EditRequest,
         actor: &Actor,
         tick: &Tick,
-    ) -> Result<Sourced, ServerError> {
-        let mut found = Sourced::default();
-        if matches!(request, Request::Undo(_) | Request::Redo(_)) {
-            found.taken_back = self.taken_back(request, &actor.id, &tick.records).await?;
-            for change in found.taken_back.iter().flat_map(|taken| &taken.changes) {
+    ) -> Result<RequestSources, ServerError> {
+        let mut found = RequestSources::default();
+        if matches!(request, EditRequest::Undo(_) | EditRequest::Redo(_)) {
+            found.reverted = self.find_reverted(request, &actor.id, &tick.records).await?;
+            for change in found.reverted.iter().flat_map(|taken| &taken.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
                     // So that an undo is refused here where the scene cannot be had.
                     self.backend.scenes.load(scene.asset).await?;
                 }
             }
         }
-        if let Request::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
+        if let EditRequest::Edit { command: Command::LoadScene { asset, .. }, .. } = request {
             found.loaded = Some(self.backend.scenes.load(*asset).await?.contents);
         }
         Ok(found)

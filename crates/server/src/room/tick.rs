@@ -11,12 +11,12 @@ use tokio_util::sync::CancellationToken;
 
 use super::OpenScene;
 use super::message::Reply;
-use super::solving::Solves;
+use super::solving::SolveState;
 use crate::ServerError;
 use crate::access::Principal;
 use crate::limits::MAX_TICK_CHANGES;
 use crate::outboxes::ClientId;
-use crate::request::Step;
+use crate::request::RecordRequest;
 
 /// What has been done and is not committed yet.
 #[derive(Default)]
@@ -26,7 +26,7 @@ pub(super) struct Tick {
     pub records: Vec<Arc<Record>>,
     pub rejections: Vec<Rejection>,
     /// What became of this tick's operations in an earlier one, as the store knows it.
-    pub earlier: EarlierOutcomes,
+    pub earlier_outcomes: EarlierOutcomes,
     /// What became of operations in this one.
     pub outcomes: HashMap<OperationKey, Outcome>,
     /// What is sent once all is on disk, in order.
@@ -34,7 +34,7 @@ pub(super) struct Tick {
     /// Who wants to know what undo and redo would take back.
     pub history_requests: BTreeSet<ClientId>,
     /// Whether a picture can show any of it.
-    pub shows: bool,
+    pub changes_pictures: bool,
 }
 
 /// What is sent once all is on disk.
@@ -46,25 +46,25 @@ pub(super) enum Outgoing {
     /// To one client alone: why its gesture is not what it wants.
     GestureRefusal(ClientId, GestureState),
     /// To the client that sent the operation.
-    Answer(ClientId, Answer),
+    Answer(ClientId, RecordAnswer),
     /// What has been done of a program's request: its answer, or the rest is to be done later.
-    Batch(Batch),
+    Batch(RequestBatch),
 }
 
 /// A program's request for records.
-pub(super) struct Batch {
+pub(super) struct RequestBatch {
     pub principal: Principal,
     /// What is left, in order.
-    pub steps: vec::IntoIter<Step>,
+    pub steps: vec::IntoIter<RecordRequest>,
     /// What became of those before this tick.
     pub done: Vec<EditResult>,
     /// What became of those in this tick.
-    pub answers: Vec<Answer>,
+    pub answers: Vec<RecordAnswer>,
     /// Of what in it needs them.
-    pub solves: Solves,
+    pub solves: SolveState,
     pub reply: Reply<EditResults>,
     /// Cancelled when nobody waits for the answer any more.
-    pub gone: CancellationToken,
+    pub cancellation: CancellationToken,
 }
 
 /// An operation: its actor and that one's name for it.
@@ -74,7 +74,7 @@ pub(super) type OperationKey = (String, String);
 pub(super) struct EarlierOutcomes(pub Result<HashMap<OperationKey, Outcome>, ServerError>);
 
 /// The answer to a request for a record.
-pub(super) struct Answer {
+pub(super) struct RecordAnswer {
     pub result: EditResult,
     /// It rests on what this tick commits; others were given before.
     pub is_new: bool,
@@ -92,10 +92,12 @@ impl Tick {
         if let Some(outcome) = self.outcomes.get(&key) {
             return Some((outcome.clone(), true));
         }
-        match &self.earlier.0 {
+        match &self.earlier_outcomes.0 {
             Ok(outcomes) => Some((outcomes.get(&key)?.clone(), false)),
             // It may have been carried out before.
-            Err(error) => Some((refused(&ServerError::Store(StoreError::Unknown(error.to_string()))), false)),
+            Err(error) => {
+                Some((refused(&ServerError::Store(StoreError::UnknownOutcome(error.to_string()))), false))
+            }
         }
     }
 
@@ -105,29 +107,31 @@ impl Tick {
     }
 }
 
-impl Batch {
+impl RequestBatch {
     /// None of it is done yet.
     pub fn new(
         principal: Principal,
-        steps: Vec<Step>,
-        (reply, gone): (Reply<EditResults>, CancellationToken),
+        steps: Vec<RecordRequest>,
+        (reply, cancellation): (Reply<EditResults>, CancellationToken),
     ) -> Self {
         let (done, answers) = (Vec::with_capacity(steps.len()), Vec::new());
-        let solves = Solves::default();
-        Self { principal, steps: steps.into_iter(), done, answers, solves, reply, gone }
+        let solves = SolveState::default();
+        Self { principal, steps: steps.into_iter(), done, answers, solves, reply, cancellation }
     }
 
     /// Leaves out what is left from a step on that has to be solved, where nobody waits for the answer any more.
-    pub fn give_up_solves(&mut self) {
-        if self.gone.is_cancelled() && self.steps.as_slice().first().is_some_and(Step::needs_scene) {
+    pub fn drop_unawaited_solves(&mut self) {
+        if self.cancellation.is_cancelled()
+            && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene)
+        {
             self.steps = Vec::new().into_iter();
         }
     }
 
     /// The steps that a tick with room for `share` can come to: up to the next that waits to be solved then.
-    pub fn next_steps(&self, share: usize) -> &[Step] {
+    pub fn next_steps(&self, share: usize) -> &[RecordRequest] {
         let steps = self.steps.as_slice();
-        let next_solve = steps.iter().skip(1).position(Step::needs_scene);
+        let next_solve = steps.iter().skip(1).position(RecordRequest::needs_scene);
         let up_to_it = next_solve.map_or(steps.len(), |between| between + 2);
         &steps[..up_to_it.min(share)]
     }
@@ -139,7 +143,7 @@ impl Default for EarlierOutcomes {
     }
 }
 
-impl Answer {
+impl RecordAnswer {
     /// What it becomes where the tick is not committed.
     pub fn rolled_back(mut self, error: &ServerError) -> Self {
         if self.is_new {
@@ -151,5 +155,9 @@ impl Answer {
 
 /// What became of a request for a record that was not carried out.
 pub(super) fn refused(error: &ServerError) -> Outcome {
-    if error.is_unknown() { Outcome::Unknown(error.problem()) } else { Outcome::Rejected(error.problem()) }
+    if error.has_unknown_outcome() {
+        Outcome::Unknown(error.problem())
+    } else {
+        Outcome::Rejected(error.problem())
+    }
 }

@@ -11,17 +11,17 @@ use protocol::{Interaction, Reduction};
 use render::MapScale;
 
 /// What a moving picture may take.
-const TARGET: Duration = Duration::from_millis(33);
+const TARGET_TIME: Duration = Duration::from_millis(33);
 /// What a finer one has to be expected to take at most, of that: less, so that it is not taken back.
-const ROOM: f64 = 0.75;
+const HEADROOM: f64 = 0.75;
 /// How long a detail is kept at least.
-const CHANGE_AT_MOST_EVERY: Duration = Duration::from_secs(1);
+const MIN_CHANGE_INTERVAL: Duration = Duration::from_secs(1);
 /// Pictures that it is chosen by: the latest so many, whose median a slow one does not move.
-const LATEST: usize = 8;
+const MAX_SAMPLES: usize = 8;
 /// As many of one detail have to have been seen before another is chosen.
-const LEAST: usize = 3;
+const MIN_SAMPLES: usize = 3;
 /// After so long without one, what was learnt may be of another load.
-const FORGETS_AFTER: Duration = Duration::from_secs(1);
+const HISTORY_LIFETIME: Duration = Duration::from_secs(1);
 
 /// The sides of a moving picture, of those of its view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,7 +40,7 @@ pub struct Detail {
 
 /// A moving picture that was made.
 #[derive(Clone, Copy, Debug)]
-pub struct Made {
+pub struct TimedPicture {
     pub detail: Detail,
     /// Its render and its encoding.
     pub took: Duration,
@@ -56,20 +56,20 @@ pub struct DetailChoice {
     changed_at: Option<Instant>,
     /// The latest pictures of this detail: seconds, and whether a map was drawn.
     latest: VecDeque<(f64, bool)>,
-    noted_at: Option<Instant>,
+    last_recorded_at: Option<Instant>,
     /// What a picture takes at each of [`Detail::ALL`], of what it takes in full.
     ratios: [f64; Detail::ALL.len()],
     /// The detail before, and the seconds that a picture took then, until it is known what the change made of them.
-    before: Option<(Detail, f64)>,
+    previous: Option<(Detail, f64)>,
 }
 
 impl Resolution {
     /// `[width, height]` of the picture of a view of that size.
     pub fn of(self, size: [u32; 2]) -> [u32; 2] {
-        size.map(|side| ((f64::from(side) * self.share()).round() as u32).max(1))
+        size.map(|side| ((f64::from(side) * self.side_ratio()).round() as u32).max(1))
     }
 
-    fn share(self) -> f64 {
+    fn side_ratio(self) -> f64 {
         match self {
             Self::Full => 1.0,
             Self::ThreeQuarters => 0.75,
@@ -105,20 +105,20 @@ impl Detail {
     }
 
     /// The texels of maps, of those in full.
-    fn texels(self) -> f64 {
+    fn texel_ratio(self) -> f64 {
         let divisor = f64::from(self.shadow_map.divisor());
         1.0 / (divisor * divisor)
     }
 
     /// The pixels, of those in full.
-    fn pixels(self) -> f64 {
-        self.resolution.share() * self.resolution.share()
+    fn pixel_ratio(self) -> f64 {
+        self.resolution.side_ratio() * self.resolution.side_ratio()
     }
 
     /// What a picture is thought to take, of what it takes in full, before that was measured: half goes with its pixels, and a
     /// quarter of it with the texels of the maps.
-    fn expected(self) -> f64 {
-        (0.75 + 0.25 * self.texels()) * f64::midpoint(1.0, self.pixels())
+    fn expected_time_ratio(self) -> f64 {
+        (0.75 + 0.25 * self.texel_ratio()) * f64::midpoint(1.0, self.pixel_ratio())
     }
 }
 
@@ -130,9 +130,9 @@ impl DetailChoice {
             detail: Detail::FULL,
             changed_at: None,
             latest: VecDeque::new(),
-            noted_at: None,
-            ratios: Detail::ALL.map(Detail::expected),
-            before: None,
+            last_recorded_at: None,
+            ratios: Detail::ALL.map(Detail::expected_time_ratio),
+            previous: None,
         }
     }
 
@@ -147,46 +147,46 @@ impl DetailChoice {
     }
 
     /// A moving picture was made.
-    pub fn note(&mut self, made: Made, now: Instant) {
+    pub fn record_picture(&mut self, made: TimedPicture, now: Instant) {
         // One that was begun before the change.
         if made.detail != self.detail {
             return;
         }
-        if self.noted_at.is_some_and(|then| now.saturating_duration_since(then) > FORGETS_AFTER) {
-            self.forget();
+        if self.last_recorded_at.is_some_and(|then| now.saturating_duration_since(then) > HISTORY_LIFETIME) {
+            self.decay_ratios();
         }
-        self.noted_at = Some(now);
+        self.last_recorded_at = Some(now);
         self.latest.push_back((made.took.as_secs_f64(), made.drew_map));
-        if self.latest.len() > LATEST {
+        if self.latest.len() > MAX_SAMPLES {
             self.latest.pop_front();
         }
-        if self.latest.len() < LEAST {
+        if self.latest.len() < MIN_SAMPLES {
             return;
         }
         let seconds = median(self.latest.iter().map(|(seconds, _)| *seconds).collect());
-        self.learn(seconds);
-        if self.changed_at.is_some_and(|then| now.saturating_duration_since(then) < CHANGE_AT_MOST_EVERY) {
+        self.update_ratios(seconds);
+        if self.changed_at.is_some_and(|then| now.saturating_duration_since(then) < MIN_CHANGE_INTERVAL) {
             return;
         }
-        if let Some(detail) = self.better(seconds) {
-            self.before = Some((self.detail, seconds));
+        if let Some(detail) = self.next_detail(seconds) {
+            self.previous = Some((self.detail, seconds));
             (self.detail, self.changed_at) = (detail, Some(now));
             self.latest.clear();
         }
     }
 
     /// The detail to change to, where a picture of this one takes so many seconds.
-    fn better(&self, seconds: f64) -> Option<Detail> {
+    fn next_detail(&self, seconds: f64) -> Option<Detail> {
         let draws_maps = 2 * self.latest.iter().filter(|(_, drew_map)| *drew_map).count() > self.latest.len();
         let can_be = |detail: &Detail| {
             detail.is_allowed_by(self.interaction)
                 && (draws_maps || detail.shadow_map == self.detail.shadow_map)
         };
-        let (target, current) = (TARGET.as_secs_f64(), self.detail.index());
+        let (target, current) = (TARGET_TIME.as_secs_f64(), self.detail.index());
         let expected = |detail: Detail| seconds * self.ratios[detail.index()] / self.ratios[current];
         let (finer, coarser) = (&Detail::ALL[..current], &Detail::ALL[current + 1..]);
         if seconds <= target {
-            return finer.iter().copied().find(|d| can_be(d) && expected(*d) <= ROOM * target);
+            return finer.iter().copied().find(|d| can_be(d) && expected(*d) <= HEADROOM * target);
         }
         let quicker = |d: &Detail| can_be(d) && expected(*d) < seconds;
         let enough = coarser.iter().copied().find(|d| quicker(d) && expected(*d) <= target);
@@ -194,8 +194,8 @@ impl DetailChoice {
     }
 
     /// Takes down what the latest change has made of what a picture takes.
-    fn learn(&mut self, seconds: f64) {
-        let Some((before, took)) = self.before.take() else { return };
+    fn update_ratios(&mut self, seconds: f64) {
+        let Some((before, took)) = self.previous.take() else { return };
         let ratio = (seconds / took).clamp(0.01, 100.0);
         if self.detail == Detail::FULL {
             self.ratios[before.index()] = 1.0 / ratio;
@@ -205,11 +205,11 @@ impl DetailChoice {
     }
 
     /// Nothing has moved for a while: half of what was learnt is what is thought at first.
-    fn forget(&mut self) {
+    fn decay_ratios(&mut self) {
         self.latest.clear();
-        self.before = None;
+        self.previous = None;
         for (ratio, detail) in self.ratios.iter_mut().zip(Detail::ALL) {
-            *ratio = f64::midpoint(*ratio, detail.expected());
+            *ratio = f64::midpoint(*ratio, detail.expected_time_ratio());
         }
     }
 }

@@ -4,38 +4,40 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
-use protocol::{FrameQuality, FrameStats, PassRun, TraceLine, TraceWhat};
+use protocol::{FrameStats, PassRun, TraceLine, TraceWhat};
 use render::Pixels;
-use stream::{Codec, Content, Flags, FrameHeader, HEADER_BYTES, MOVING_QUALITY, Quality, Tile};
+use stream::{
+    Codec, FrameFlags, FrameHeader, FrameQuality, FrameTile, HEADER_BYTES, MOVING_QUALITY, ViewContent,
+};
 use tokio::task::spawn_blocking;
 
-use super::detail::{Detail, Made};
-use super::moving_pixels::Shortened;
+use super::detail::{Detail, TimedPicture};
+use super::moving_pixels::PictureScale;
 use crate::ServerError;
-use crate::backend::Backend;
+use crate::backend::Services;
 use crate::background;
+use crate::charges::Payer;
 use crate::limits::LARGE_ENCODE_PIXELS;
 use crate::outboxes::ClientId;
-use crate::picture_stats::{micros, on_the_wire};
-use crate::renderer::Request;
+use crate::picture_stats::{micros, wire_pass_runs};
+use crate::renderer::PictureRequest;
 use crate::trace::PictureTrace;
-use crate::turns::Payer;
 
 /// Samples a pixel of the picture of a still view: smooth edges for four times the work.
 const SETTLE_SAMPLES: u32 = 4;
 
 /// Sides of the tile that is sent where nothing differs, in pixels.
-const LEAST_TILE: u16 = 16;
+const MIN_TILE_SIDE: u16 = 16;
 
 /// An encoded picture and what it shows.
-pub struct Frame {
-    pub stamp: Stamp,
+pub struct EncodedFrame {
+    pub stamp: FrameStamp,
     /// Which of the pictures that were made; counts from 1.
     pub number: u64,
     /// The picture that its tiles go onto; `None` where they are all of it.
-    pub base: Option<Shown>,
+    pub base: Option<FrameId>,
     /// A message each.
-    tiles: Vec<(Tile, Vec<u8>)>,
+    tiles: Vec<(FrameTile, Vec<u8>)>,
     /// RGBA, rows from the top, for the next to be compared with.
     pixels: Vec<u8>,
     wait: Duration,
@@ -48,9 +50,9 @@ pub struct Frame {
 }
 
 /// What a picture shows.
-pub struct Stamp {
-    pub content: Content,
-    pub quality: Quality,
+pub struct FrameStamp {
+    pub content: ViewContent,
+    pub quality: FrameQuality,
     pub log_seq: u64,
     pub live_revision: u32,
     pub camera_revision: u32,
@@ -59,34 +61,34 @@ pub struct Stamp {
     /// Of its view, in pixels.
     pub view_size: [u32; 2],
     /// Beside what its detail makes of that.
-    pub shortened: Shortened,
+    pub picture_scale: PictureScale,
 }
 
 /// A picture of a view, told from all others of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shown {
+pub struct FrameId {
     revision: u64,
-    quality: Quality,
+    quality: FrameQuality,
     detail: Detail,
     size: [u32; 2],
 }
 
-impl Stamp {
+impl FrameStamp {
     /// Which picture it is.
-    pub fn shown(&self) -> Shown {
+    pub fn frame_id(&self) -> FrameId {
         let Self { content, quality, detail, .. } = *self;
-        Shown { revision: content.revision, quality, detail, size: self.size() }
+        FrameId { revision: content.revision, quality, detail, size: self.size() }
     }
 
     /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
-        self.shortened.size(self.detail.resolution.of(self.view_size))
+        self.picture_scale.size(self.detail.resolution.of(self.view_size))
     }
 }
 
 /// A picture that is drawn and not yet encoded.
-pub struct Drawing {
-    pub stamp: Stamp,
+pub struct DrawnFrame {
+    pub stamp: FrameStamp,
     /// RGBA, rows from the top.
     pixels: Vec<u8>,
     wait: Duration,
@@ -97,18 +99,18 @@ pub struct Drawing {
 }
 
 /// A step of a picture's way that is done.
-pub enum Step {
-    Drawn(Drawing),
-    Encoded(Frame),
+pub enum ViewStep {
+    Drawn(DrawnFrame),
+    Encoded(EncodedFrame),
 }
 
 /// What became of a step.
-pub type StepResult = Result<Step, ServerError>;
+pub type ViewStepResult = Result<ViewStep, ServerError>;
 
-impl Frame {
+impl EncodedFrame {
     /// What it took to make.
-    pub fn made(&self) -> Made {
-        Made { detail: self.stamp.detail, took: self.render + self.encode, drew_map: self.drew_map }
+    pub fn timed_picture(&self) -> TimedPicture {
+        TimedPicture { detail: self.stamp.detail, took: self.render + self.encode, drew_map: self.drew_map }
     }
 
     /// What it came to, for a client that was sent it as the frame of that number, in so many bytes. A picture that was held
@@ -123,7 +125,7 @@ impl Frame {
             tiles: self.tiles.len() as u32,
             size: self.stamp.size(),
             shadow_map_divisor: self.stamp.detail.shadow_map.divisor(),
-            quality: on_the_wire_quality(self.stamp.quality),
+            quality: wire_quality(self.stamp.quality),
             passes: if is_held { Vec::new() } else { self.passes.clone() },
         }
     }
@@ -136,15 +138,16 @@ impl Frame {
     /// The binary message of that index, for one client.
     pub fn message(&self, index: usize, frame: u64, key: bool) -> Bytes {
         let (tile, payload) = &self.tiles[index];
-        let Stamp { quality, log_seq, live_revision, camera_revision, detail, view_size, .. } = self.stamp;
+        let FrameStamp { quality, log_seq, live_revision, camera_revision, detail, view_size, .. } =
+            self.stamp;
         let [width, height] = self.stamp.size().map(|side| side as u16);
         let [view_width, view_height] = view_size.map(|side| side as u16);
         let header = FrameHeader {
             codec: codec(quality),
-            flags: Flags {
-                key,
-                settle: quality == Quality::Settled,
-                last_tile: index + 1 == self.tiles.len(),
+            flags: FrameFlags {
+                is_key: key,
+                is_settled: quality == FrameQuality::Settled,
+                is_last_tile: index + 1 == self.tiles.len(),
             },
             view: 0,
             frame,
@@ -172,76 +175,83 @@ impl Frame {
 /// Draws the picture that `request` describes and `stamp` says what it shows, in the view of a client of the session of that
 /// name.
 pub async fn draw_picture(
-    backend: Backend,
-    request: Request,
-    stamp: Stamp,
+    backend: Services,
+    request: PictureRequest,
+    stamp: FrameStamp,
     (session, client): (Arc<str>, ClientId),
-) -> StepResult {
+) -> ViewStepResult {
     let drawn = backend.renders.draw(request).await?;
     backend.metrics.frames_rendered.inc();
-    backend.metrics.render_seconds.observe(drawn.took.as_secs_f64());
-    let Pixels::Display { bytes: pixels, .. } = drawn.pixels else { return Err(ServerError::Fault) };
+    backend.metrics.render_seconds.observe(drawn.render_time.as_secs_f64());
+    let Pixels::Display { bytes: pixels, .. } = drawn.pixels else { return Err(ServerError::Internal) };
     let wait = drawn.started.saturating_duration_since(stamp.content.changed_at);
     backend.metrics.frame_wait_seconds.observe(wait.as_secs_f64());
-    let (render, drew_map, passes) = (drawn.took, drawn.drew_map, on_the_wire(&drawn.passes));
+    let (render, drew_map, passes) = (drawn.render_time, drawn.drew_map, wire_pass_runs(&drawn.passes));
     let trace = backend.trace.drawn(|| TraceLine {
         time: drawn.started.saturating_duration_since(backend.started).as_secs_f64(),
         session: session.to_string(),
         what: TraceWhat::View { client },
         size: stamp.size(),
-        quality: on_the_wire_quality(stamp.quality),
+        quality: wire_quality(stamp.quality),
         wait_us: micros(wait),
         render_us: micros(render),
         encode_us: None,
         passes: passes.clone(),
         left_out: 0,
     });
-    Ok(Step::Drawn(Drawing { stamp, pixels, wait, render, drew_map, passes, trace }))
+    Ok(ViewStep::Drawn(DrawnFrame { stamp, pixels, wait, render, drew_map, passes, trace }))
 }
 
 /// Encodes a picture, of a moving one only what differs from `base`, which has as many pixels; the next one may be drawn
 /// meanwhile.
 /// `payer` is charged.
 pub async fn encode_picture(
-    backend: Backend,
-    drawing: Drawing,
-    base: Option<Arc<Frame>>,
+    backend: Services,
+    drawing: DrawnFrame,
+    base: Option<Arc<EncodedFrame>>,
     payer: Payer,
-) -> StepResult {
+) -> ViewStepResult {
     let (quality, [width, height]) = (drawing.stamp.quality, drawing.stamp.size());
     let is_large = width * height > LARGE_ENCODE_PIXELS;
     let started = Instant::now();
     let work = move || encode(drawing, base.as_deref(), started);
     let frame = match quality {
         // A large one takes both cores of a small machine from whoever is drawn next to it.
-        Quality::Moving if is_large && backend.moving_pixels.is_shared() => background::run(work).await??,
-        Quality::Moving => spawn_blocking(work).await.map_err(|_| ServerError::Fault)??,
+        FrameQuality::Moving if is_large && backend.moving_pixels.is_shared() => {
+            background::run(work).await??
+        }
+        FrameQuality::Moving => spawn_blocking(work).await.map_err(|_| ServerError::Internal)??,
         // Without loss it takes several times as long, and nobody's hand waits for it.
-        Quality::Settled => background::run(work).await??,
+        FrameQuality::Settled => background::run(work).await??,
     };
     backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
     backend.metrics.encode_seconds.observe(frame.encode.as_secs_f64());
     backend.renders.charge(&payer, frame.encode);
-    Ok(Step::Encoded(frame))
+    Ok(ViewStep::Encoded(frame))
 }
 
-fn encode(drawing: Drawing, base: Option<&Frame>, started: Instant) -> Result<Frame, ServerError> {
-    let Drawing { stamp, pixels, wait, render, drew_map, passes, trace } = drawing;
+fn encode(
+    drawing: DrawnFrame,
+    base: Option<&EncodedFrame>,
+    started: Instant,
+) -> Result<EncodedFrame, ServerError> {
+    let DrawnFrame { stamp, pixels, wait, render, drew_map, passes, trace } = drawing;
     let [width, height] = stamp.size().map(|side| side as u16);
-    let whole = stream::whole(width, height);
+    let whole = stream::whole_tile(width, height);
     let (base, tiles) = match (stamp.quality, base) {
-        (Quality::Settled, _) => (None, stream::png_bands(&pixels, width, height)?),
-        (Quality::Moving, base) => {
-            let mut tiles =
-                base.map_or(Ok(vec![whole]), |base| stream::changed(&base.pixels, &pixels, width, height))?;
+        (FrameQuality::Settled, _) => (None, stream::png_bands(&pixels, width, height)?),
+        (FrameQuality::Moving, base) => {
+            let mut tiles = base.map_or(Ok(vec![whole]), |base| {
+                stream::changed_tiles(&base.pixels, &pixels, width, height)
+            })?;
             if tiles.is_empty() {
                 // What it shows is told all the same.
-                let side = |length: u16| length.min(LEAST_TILE);
-                tiles.push(Tile { x: 0, y: 0, width: side(width), height: side(height) });
+                let side = |length: u16| length.min(MIN_TILE_SIDE);
+                tiles.push(FrameTile { x: 0, y: 0, width: side(width), height: side(height) });
             }
-            let base = base.filter(|_| tiles != [whole]).map(|base| base.stamp.shown());
-            let jpeg = |tile: Tile| {
-                let part = stream::cut(&pixels, width, tile);
+            let base = base.filter(|_| tiles != [whole]).map(|base| base.stamp.frame_id());
+            let jpeg = |tile: FrameTile| {
+                let part = stream::crop(&pixels, width, tile);
                 Ok((tile, stream::jpeg(&part, tile.width, tile.height, MOVING_QUALITY)?))
             };
             (base, tiles.into_iter().map(jpeg).collect::<Result<_, ServerError>>()?)
@@ -249,28 +259,28 @@ fn encode(drawing: Drawing, base: Option<&Frame>, started: Instant) -> Result<Fr
     };
     let encode = started.elapsed();
     trace.encoded(encode);
-    Ok(Frame { stamp, number: 0, base, tiles, pixels, wait, render, encode, drew_map, passes })
+    Ok(EncodedFrame { stamp, number: 0, base, tiles, pixels, wait, render, encode, drew_map, passes })
 }
 
 /// How pictures of that quality are encoded.
-pub fn codec(quality: Quality) -> Codec {
+pub fn codec(quality: FrameQuality) -> Codec {
     match quality {
-        Quality::Moving => Codec::Jpeg,
-        Quality::Settled => Codec::Png,
+        FrameQuality::Moving => Codec::Jpeg,
+        FrameQuality::Settled => Codec::Png,
     }
 }
 
 /// Samples a pixel of pictures of that quality.
-pub fn samples(quality: Quality) -> u32 {
+pub fn samples(quality: FrameQuality) -> u32 {
     match quality {
-        Quality::Moving => 1,
-        Quality::Settled => SETTLE_SAMPLES,
+        FrameQuality::Moving => 1,
+        FrameQuality::Settled => SETTLE_SAMPLES,
     }
 }
 
-fn on_the_wire_quality(quality: Quality) -> FrameQuality {
+fn wire_quality(quality: FrameQuality) -> protocol::FrameQuality {
     match quality {
-        Quality::Moving => FrameQuality::Moving,
-        Quality::Settled => FrameQuality::Settled,
+        FrameQuality::Moving => protocol::FrameQuality::Moving,
+        FrameQuality::Settled => protocol::FrameQuality::Settled,
     }
 }

@@ -16,20 +16,20 @@ use std::time::Duration;
 
 use protocol::{Interaction, ServerMessage, ViewSource};
 use scene::{Camera, PosedScene};
-use stream::{Content, Pace};
+use stream::{FramePacer, ViewContent};
 use tokio::task::JoinSet;
 use tokio::time::Instant;
 
 use crate::ServerError;
-use crate::backend::Backend;
-use crate::limits::{HAND_FOR, STALE_FOR_EACH};
+use crate::backend::Services;
+use crate::charges::Payer;
+use crate::limits::{INTERACTIVE_FOR, STALE_TIME_PER_CLIENT};
 use crate::outboxes::{ClientId, Outboxes};
-use crate::renderer::Lease;
-use crate::turns::Payer;
-use frame::{Frame, Shown, StepResult};
+use crate::renderer::RenderLease;
+use frame::{EncodedFrame, FrameId, ViewStepResult};
 pub use moving_pixels::MovingPixels;
 pub use settings::ViewSettings;
-use view::{Source, View};
+use view::{ClientView, ViewTarget};
 
 /// What the clients of one session look at.
 pub struct Views {
@@ -37,19 +37,19 @@ pub struct Views {
     /// Counts what views show.
     content_revision: u64,
     /// Those that are being made.
-    pictures: JoinSet<StepResult>,
+    pictures: JoinSet<ViewStepResult>,
     /// Counts those that were made.
-    made: u64,
+    picture_count: u64,
     /// The session's name.
     name: Arc<str>,
     /// Keeps what the renderer has of the session's scenes.
-    session: Arc<Lease>,
-    backend: Backend,
+    session: Arc<RenderLease>,
+    backend: Services,
 }
 
 /// The session that views show, as it is now.
 #[derive(Clone, Copy)]
-pub struct Live<'a> {
+pub struct LiveSession<'a> {
     /// Its document, with the gestures under way.
     pub session: &'a edit::Session,
     /// Its scene, in place.
@@ -62,34 +62,34 @@ pub struct Live<'a> {
 struct Viewer {
     /// Who is charged for the pictures of its own view.
     payer: Payer,
-    source: Source,
+    source: ViewTarget,
     /// Whose view it is shown, and how large, as it was last sent.
     configured: Option<(ClientId, [u32; 2])>,
     /// When it gets its next frame.
-    pace: Pace,
+    pace: FramePacer,
     /// Number of its latest frame, and of the latest that goes onto no other.
     frame: u64,
-    whole_frame: u64,
+    last_key_frame: u64,
     /// Whether it is told what each frame came to.
-    stats: bool,
+    wants_stats: bool,
     /// Of the pictures that were made, which one it was sent last, or was the last when it began to look.
     latest_picture: u64,
     /// The picture that it was sent last, where it was sent all of it.
-    shows: Option<Shown>,
+    shown_frame: Option<FrameId>,
     /// What it is being sent.
-    sending: Option<Sending>,
+    sending: Option<OutgoingFrame>,
     /// When it last changed the document or its view.
-    acted_at: Option<Instant>,
+    last_interaction: Option<Instant>,
 }
 
 /// A picture on its way to a client, tile by tile.
-struct Sending {
-    picture: Arc<Frame>,
+struct OutgoingFrame {
+    picture: Arc<EncodedFrame>,
     /// The number of the frame.
     frame: u64,
-    key: bool,
+    is_key_frame: bool,
     /// Whether it was there before: nothing had to be drawn for this client.
-    is_held: bool,
+    is_reused: bool,
     /// The tiles that were sent, their bytes, and when the last was.
     sent: usize,
     bytes: usize,
@@ -97,35 +97,35 @@ struct Sending {
 }
 
 impl Viewer {
-    fn new(payer: Payer, source: Source, pace: Pace) -> Self {
-        let (configured, shows, sending, acted_at) = (None, None, None, None);
-        let (frame, whole_frame, stats, latest_picture) = (0, 0, false, 0);
+    fn new(payer: Payer, source: ViewTarget, pace: FramePacer) -> Self {
+        let (configured, shown_frame, sending, last_interaction) = (None, None, None, None);
+        let (frame, last_key_frame, wants_stats, latest_picture) = (0, 0, false, 0);
         Self {
             payer,
             source,
             configured,
             pace,
             frame,
-            whole_frame,
-            stats,
+            last_key_frame,
+            wants_stats,
             latest_picture,
-            shows,
+            shown_frame,
             sending,
-            acted_at,
+            last_interaction,
         }
     }
 }
 
 impl Views {
     /// Nobody is here yet. `name` is the session's, and `session` keeps what the renderer has of it.
-    pub fn new(backend: Backend, name: Arc<str>, session: Arc<Lease>) -> Self {
+    pub fn new(backend: Services, name: Arc<str>, session: Arc<RenderLease>) -> Self {
         let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
-        Self { viewers, content_revision: 0, pictures, made: 0, name, session, backend }
+        Self { viewers, content_revision: 0, pictures, picture_count: 0, name, session, backend }
     }
 
     /// A client comes, an actor of that id. It looks at nothing yet.
     pub fn insert(&mut self, id: ClientId, actor_id: &str) {
-        let (source, pace) = (Source::Nothing, Pace::new());
+        let (source, pace) = (ViewTarget::Nothing, FramePacer::new());
         self.viewers.insert(id, Viewer::new(Payer::new(&self.name, actor_id), source, pace));
     }
 
@@ -134,19 +134,19 @@ impl Views {
         let Some(Viewer { source, .. }) = self.viewers.remove(&gone) else { return };
         let content = self.new_content();
         for viewer in self.viewers.values_mut() {
-            if !matches!(viewer.source, Source::Follow(leader) if leader == gone) {
+            if !matches!(viewer.source, ViewTarget::Follow(leader) if leader == gone) {
                 continue;
             }
             viewer.source = match &source {
-                Source::Own(view) => {
+                ViewTarget::Own(view) => {
                     let (camera, lease) = (view.camera.clone(), self.backend.renders.lease());
                     let from = (camera, view.camera_revision);
-                    let how = (view.settings.clone(), view.moving.interaction());
-                    let view = View::new(from, how, view.size, content, lease);
-                    Source::Own(Box::new(view))
+                    let how = (view.settings.clone(), view.detail_choice.interaction());
+                    let view = ClientView::new(from, how, view.size, content, lease);
+                    ViewTarget::Own(Box::new(view))
                 }
-                Source::Follow(leader) => Source::Follow(*leader),
-                Source::Nothing => Source::Nothing,
+                ViewTarget::Follow(leader) => ViewTarget::Follow(*leader),
+                ViewTarget::Nothing => ViewTarget::Nothing,
             };
             viewer.configured = None;
         }
@@ -162,14 +162,14 @@ impl Views {
     ) {
         let (content, lease) = (self.new_content(), self.backend.renders.lease());
         let Some(viewer) = self.viewers.get_mut(&id) else { return };
-        let view = View::new(camera, how, size, content, lease);
-        viewer.source = Source::Own(Box::new(view));
+        let view = ClientView::new(camera, how, size, content, lease);
+        viewer.source = ViewTarget::Own(Box::new(view));
         viewer.configured = None;
     }
 
     /// Shows a client what another sees. Nobody follows in a circle.
     pub fn follow(&mut self, id: ClientId, leader: ClientId) -> Result<(), ServerError> {
-        if self.leads_to(leader, id) {
+        if self.follows_to(leader, id) {
             let sentence = "that view is your own, or follows it: open one with a camera of its own";
             return Err(ServerError::BadMessage(sentence.into()));
         }
@@ -178,7 +178,7 @@ impl Views {
             return Err(ServerError::NotFound { what: "view of client", name: leader.to_string(), remedy });
         }
         if let Some(viewer) = self.viewers.get_mut(&id) {
-            viewer.source = Source::Follow(leader);
+            viewer.source = ViewTarget::Follow(leader);
             viewer.configured = None;
         }
         Ok(())
@@ -194,7 +194,7 @@ impl Views {
         let content = self.new_content();
         let view = self.own_view(id).ok_or_else(no_view)?;
         (view.camera, view.camera_revision) = (camera, camera_revision);
-        view.touch(content, Duration::ZERO);
+        view.set_content(content, Duration::ZERO);
         Ok(())
     }
 
@@ -208,14 +208,14 @@ impl Views {
         let content = self.new_content();
         let view = self.own_view(id).ok_or_else(no_view)?;
         (view.settings, view.camera_revision) = (settings, camera_revision);
-        view.touch(content, Duration::ZERO);
+        view.set_content(content, Duration::ZERO);
         Ok(())
     }
 
     /// Says whether a client is told what each frame came to.
-    pub fn tell_stats(&mut self, id: ClientId, stats: bool) {
+    pub fn set_stats(&mut self, id: ClientId, stats: bool) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
-            viewer.stats = stats;
+            viewer.wants_stats = stats;
         }
     }
 
@@ -223,29 +223,30 @@ impl Views {
     pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
         let content = self.new_content();
         if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
-            (view.size, view.is_told_smaller) = (size, false);
-            view.touch(content, Duration::ZERO);
+            (view.size, view.was_warned_smaller) = (size, false);
+            view.set_content(content, Duration::ZERO);
         }
     }
 
     /// A client changes the document or its view: for a while what it sees is seen by a hand.
-    pub fn note_hand(&mut self, id: ClientId) {
+    pub fn mark_interactive(&mut self, id: ClientId) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
-            viewer.acted_at = Some(Instant::now());
+            viewer.last_interaction = Some(Instant::now());
         }
     }
 
     /// Something changed that every picture can show.
-    pub fn touch(&mut self) {
+    pub fn invalidate_all(&mut self) {
         let content = self.new_content();
-        let watched_for = STALE_FOR_EACH * self.viewers.len() as u32;
-        let acts = |viewer: &Viewer| viewer.acted_at.is_some_and(|then| then.elapsed() < HAND_FOR);
+        let watched_for = STALE_TIME_PER_CLIENT * self.viewers.len() as u32;
+        let acts =
+            |viewer: &Viewer| viewer.last_interaction.is_some_and(|then| then.elapsed() < INTERACTIVE_FOR);
         let hands = self.viewers.iter().filter(|(_, viewer)| acts(viewer));
         let of_hands: BTreeSet<ClientId> = hands.filter_map(|(id, _)| self.owner_of(*id)).collect();
         for (id, viewer) in &mut self.viewers {
             let keeps_for = if of_hands.contains(id) { Duration::ZERO } else { watched_for };
             if let Some(view) = viewer.source.own() {
-                view.touch(content, keeps_for);
+                view.set_content(content, keeps_for);
             }
         }
     }
@@ -253,24 +254,24 @@ impl Views {
     /// Whom a client follows, if anybody.
     pub fn leader_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
-            Source::Follow(leader) => Some(leader),
-            Source::Nothing | Source::Own(_) => None,
+            ViewTarget::Follow(leader) => Some(leader),
+            ViewTarget::Nothing | ViewTarget::Own(_) => None,
         }
     }
 
     /// The camera of a client's own view and how that is, if it has one.
     pub fn view_of(&self, id: ClientId) -> Option<(&Camera, &ViewSettings)> {
         match &self.viewers.get(&id)?.source {
-            Source::Own(view) => Some((&view.camera, &view.settings)),
-            Source::Nothing | Source::Follow(_) => None,
+            ViewTarget::Own(view) => Some((&view.camera, &view.settings)),
+            ViewTarget::Nothing | ViewTarget::Follow(_) => None,
         }
     }
 
     /// What a client sees, in a view of its own or another's: from where, how, and how large.
-    pub fn seen_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
+    pub fn viewed_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
         match &self.viewers.get(&self.owner_of(id)?)?.source {
-            Source::Own(view) => Some((&view.camera, &view.settings, view.size)),
-            Source::Nothing | Source::Follow(_) => None,
+            ViewTarget::Own(view) => Some((&view.camera, &view.settings, view.size)),
+            ViewTarget::Nothing | ViewTarget::Follow(_) => None,
         }
     }
 
@@ -285,14 +286,14 @@ impl Views {
                 continue;
             }
             if viewer.configured.map(|(owner, _)| owner) != owner {
-                (viewer.pace, viewer.shows, viewer.sending) = (Pace::new(), None, None);
-                viewer.latest_picture = self.made;
+                (viewer.pace, viewer.shown_frame, viewer.sending) = (FramePacer::new(), None, None);
+                viewer.latest_picture = self.picture_count;
             }
             viewer.configured = configured;
             let source = match &viewer.source {
-                Source::Nothing => continue,
-                Source::Own(view) => ViewSource::Own((&view.camera).into()),
-                Source::Follow(leader) => ViewSource::Follow(*leader),
+                ViewTarget::Nothing => continue,
+                ViewTarget::Own(view) => ViewSource::Own((&view.camera).into()),
+                ViewTarget::Follow(leader) => ViewSource::Follow(*leader),
             };
             if let Some((_, [width, height])) = configured {
                 outboxes.send(id, &ServerMessage::ViewConfig { width, height, source });
@@ -303,14 +304,14 @@ impl Views {
     /// The client whose own view `id` sees in the end.
     fn owner_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
-            Source::Nothing => None,
-            Source::Own(_) => Some(id),
-            Source::Follow(leader) => self.owner_of(leader),
+            ViewTarget::Nothing => None,
+            ViewTarget::Own(_) => Some(id),
+            ViewTarget::Follow(leader) => self.owner_of(leader),
         }
     }
 
     /// Whether who follows `from` sees, directly or by others, what `to` looks at.
-    fn leads_to(&self, from: ClientId, to: ClientId) -> bool {
+    fn follows_to(&self, from: ClientId, to: ClientId) -> bool {
         std::iter::successors(Some(from), |id| self.leader_of(*id)).any(|id| id == to)
     }
 
@@ -319,13 +320,13 @@ impl Views {
         self.viewers.keys().copied().filter(|&id| self.owner_of(id) == Some(owner)).collect()
     }
 
-    fn own_view(&mut self, id: ClientId) -> Option<&mut View> {
+    fn own_view(&mut self, id: ClientId) -> Option<&mut ClientView> {
         self.viewers.get_mut(&id)?.source.own()
     }
 
-    fn new_content(&mut self) -> Content {
+    fn new_content(&mut self) -> ViewContent {
         self.content_revision += 1;
-        Content { revision: self.content_revision, changed_at: now() }
+        ViewContent { revision: self.content_revision, changed_at: now() }
     }
 }
 

@@ -7,19 +7,21 @@ use std::time::Instant;
 use axum::body::Bytes;
 use protocol::ServerMessage;
 use render::{RenderError, View as RenderView};
-use stream::{Content, Next, Quality};
+use stream::{FrameQuality, NextFrame, ViewContent};
 use tokio::task::{Id, JoinError};
 
 use super::detail::Detail;
-use super::frame::{Frame, Shown, Stamp, Step, StepResult, codec, draw_picture, encode_picture, samples};
-use super::moving_pixels::Shortened;
-use super::view::{Source, UnderWay};
-use super::{Live, Sending, Viewer, Views, now};
+use super::frame::{
+    EncodedFrame, FrameId, FrameStamp, ViewStep, ViewStepResult, codec, draw_picture, encode_picture, samples,
+};
+use super::moving_pixels::PictureScale;
+use super::view::{PendingPicture, ViewTarget};
+use super::{LiveSession, OutgoingFrame, Viewer, Views, now};
 use crate::ServerError;
-use crate::limits::{HAND_FOR, IDLE_AT_MOST, STALLED_CHECK_EVERY, TILES_CHECK_EVERY};
+use crate::limits::{INTERACTIVE_FOR, SESSION_IDLE_TIMEOUT, STALLED_CHECK_EVERY, TILES_CHECK_EVERY};
 use crate::outbox::{SocketMessage, text};
 use crate::outboxes::{ClientId, Outboxes};
-use crate::renderer::{Output, Place, Request, Urgency};
+use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, Urgency};
 
 impl Views {
     /// A client has shown a frame.
@@ -34,16 +36,16 @@ impl Views {
     /// for is on its way where a whole one was begun since.
     pub fn request_key_frame(&mut self, id: ClientId, frame: u64) {
         if let Some(viewer) = self.viewers.get_mut(&id)
-            && (viewer.whole_frame..=viewer.frame).contains(&frame)
+            && (viewer.last_key_frame..=viewer.frame).contains(&frame)
         {
             viewer.pace.start_anew();
-            (viewer.shows, viewer.sending) = (None, None);
+            (viewer.shown_frame, viewer.sending) = (None, None);
         }
     }
 
     /// Sends what there is to who lacks it and starts what is needed. Returns when to look again.
-    pub fn update(&mut self, now: Instant, live: Live, outboxes: &mut Outboxes) -> Instant {
-        let mut wake = now + IDLE_AT_MOST;
+    pub fn update(&mut self, now: Instant, live: LiveSession, outboxes: &mut Outboxes) -> Instant {
+        let mut wake = now + SESSION_IDLE_TIMEOUT;
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
         // Once for all of them: a session may have as many views as clients.
         let mut watchers: BTreeMap<ClientId, Vec<ClientId>> = BTreeMap::new();
@@ -60,11 +62,13 @@ impl Views {
             }
             let mut wanted = None;
             for &id in &watchers {
-                match self.next_of(id, content, now, outboxes) {
-                    Next::WaitUntil(time) => wake = wake.min(time),
-                    Next::Moving if self.has_room_for_more(id, owner) => wanted = Some(Quality::Moving),
-                    Next::Moving | Next::Nothing => {}
-                    Next::Settle => wanted = wanted.or(Some(Quality::Settled)),
+                match self.next_frame_for(id, content, now, outboxes) {
+                    NextFrame::WaitUntil(time) => wake = wake.min(time),
+                    NextFrame::Moving if self.has_room_for_more(id, owner) => {
+                        wanted = Some(FrameQuality::Moving);
+                    }
+                    NextFrame::Moving | NextFrame::Nothing => {}
+                    NextFrame::Settle => wanted = wanted.or(Some(FrameQuality::Settled)),
                 }
             }
             if let Some(quality) = wanted {
@@ -79,12 +83,12 @@ impl Views {
     }
 
     /// The next picture that is drawn or encoded, or will never be; `None` where none is under way.
-    pub async fn next_step(&mut self) -> Option<Result<(Id, StepResult), JoinError>> {
+    pub async fn next_step(&mut self) -> Option<Result<(Id, ViewStepResult), JoinError>> {
         self.pictures.join_next_with_id().await
     }
 
     /// Takes what [`Self::next_step`] gave, and what else is ready: each change gives up as many pictures as there are views.
-    pub fn take_steps(&mut self, first: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
+    pub fn take_steps(&mut self, first: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let mut next = Some(first);
         while let Some(step) = next {
             self.take_step(step, outboxes);
@@ -93,9 +97,9 @@ impl Views {
     }
 
     /// Has encoded what is drawn, and sends what is encoded to who wants it.
-    fn take_step(&mut self, step: Result<(Id, StepResult), JoinError>, outboxes: &mut Outboxes) {
+    fn take_step(&mut self, step: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
-        let is_it = |job: &mut UnderWay| job.task.id() == task;
+        let is_it = |job: &mut PendingPicture| job.task.id() == task;
         let mut own_views =
             self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own()?)));
         // One that was given up belongs to no view.
@@ -107,12 +111,12 @@ impl Views {
         };
         let content = view.content;
         match step {
-            Ok((_, Ok(Step::Drawn(drawing)))) => view.drawn = Some(drawing),
-            Ok((_, Ok(Step::Encoded(mut frame)))) => {
-                self.made += 1;
-                frame.number = self.made;
-                if frame.stamp.quality == Quality::Moving {
-                    view.moving.note(frame.made(), now());
+            Ok((_, Ok(ViewStep::Drawn(drawing)))) => view.drawn = Some(drawing),
+            Ok((_, Ok(ViewStep::Encoded(mut frame)))) => {
+                self.picture_count += 1;
+                frame.number = self.picture_count;
+                if frame.stamp.quality == FrameQuality::Moving {
+                    view.detail_choice.record_picture(frame.timed_picture(), now());
                 }
                 let frame = Arc::new(frame);
                 view.latest = Some(Arc::clone(&frame));
@@ -137,30 +141,33 @@ impl Views {
     fn start_encoding(&mut self, owner: ClientId, outboxes: &Outboxes) {
         let Some(view) = self.own_view(owner).filter(|view| view.encoding.is_none()) else { return };
         let Some(drawing) = view.drawn.take() else { return };
-        let is_as_large = |latest: &Arc<Frame>| latest.stamp.size() == drawing.stamp.size();
+        let is_as_large = |latest: &Arc<EncodedFrame>| latest.stamp.size() == drawing.stamp.size();
         let (content, base) = (view.content, view.latest.clone().filter(is_as_large));
         let now = now();
         let mut want = self.watchers_of(owner);
-        want.retain(|id| self.next_of(*id, content, now, outboxes) == Next::Moving);
-        let base = base.filter(|base| want.iter().all(|id| self.has_base_of(*id, Some(base.stamp.shown()))));
+        want.retain(|id| self.next_frame_for(*id, content, now, outboxes) == NextFrame::Moving);
+        let base =
+            base.filter(|base| want.iter().all(|id| self.has_base_of(*id, Some(base.stamp.frame_id()))));
         let (quality, revision) = (drawing.stamp.quality, drawing.stamp.content.revision);
         let Some(payer) = self.viewers.get(&owner).map(|viewer| viewer.payer.clone()) else { return };
         let task = self.pictures.spawn(encode_picture(self.backend.clone(), drawing, base, payer));
         if let Some(view) = self.own_view(owner) {
-            view.encoding = Some(UnderWay { quality, revision, place: None, asked_at: now, task });
+            view.encoding = Some(PendingPicture { quality, revision, ticket: None, asked_at: now, task });
         }
     }
 
     /// Whether a client takes another picture of the view of `owner` besides those that are drawn and not yet sent.
     fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
         let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
-        let pending = if let Some(Source::Own(view)) = source { view.in_encoding() } else { 0 };
-        self.viewers.get(&id).is_some_and(|viewer| viewer.pace.room() > pending)
+        let pending = if let Some(ViewTarget::Own(view)) = source { view.encoding_count() } else { 0 };
+        self.viewers.get(&id).is_some_and(|viewer| viewer.pace.free_slots() > pending)
     }
 
     /// Whether one of those who see a view edits, or moves it.
-    fn has_a_hand(&self, watchers: &[ClientId]) -> bool {
-        let acts = |id: &ClientId| self.viewers.get(id)?.acted_at.map(|then| then.elapsed() < HAND_FOR);
+    fn has_interactive_viewer(&self, watchers: &[ClientId]) -> bool {
+        let acts = |id: &ClientId| {
+            self.viewers.get(id)?.last_interaction.map(|then| then.elapsed() < INTERACTIVE_FOR)
+        };
         watchers.iter().any(|id| acts(id).unwrap_or(false))
     }
 
@@ -168,19 +175,19 @@ impl Views {
     fn deliver(
         &mut self,
         watchers: &[ClientId],
-        frame: &Arc<Frame>,
-        content: Content,
+        frame: &Arc<EncodedFrame>,
+        content: ViewContent,
         outboxes: &mut Outboxes,
     ) {
         let now = now();
         for &id in watchers {
-            let wants = match self.next_of(id, content, now, outboxes) {
-                Next::Moving => self.has_base_of(id, frame.base),
-                Next::Settle => frame.stamp.quality == Quality::Settled,
-                Next::Nothing | Next::WaitUntil(_) => false,
+            let wants = match self.next_frame_for(id, content, now, outboxes) {
+                NextFrame::Moving => self.has_base_of(id, frame.base),
+                NextFrame::Settle => frame.stamp.quality == FrameQuality::Settled,
+                NextFrame::Nothing | NextFrame::WaitUntil(_) => false,
             };
             if wants && let Some(viewer) = self.viewers.get_mut(&id) {
-                viewer.begin(Arc::clone(frame), now);
+                viewer.start_sending(Arc::clone(frame), now);
                 self.backend.metrics.frames_sent.get_or_create(&codec(frame.stamp.quality).into()).inc();
                 self.send_tiles(id, outboxes);
             }
@@ -193,57 +200,65 @@ impl Views {
         let (viewer, now) = (self.viewers.get_mut(&id)?, now());
         // The rest of a lossless picture of the past is of no use, also while there is no other.
         viewer.sending.take_if(|sending| {
-            let Stamp { quality, content: of, .. } = sending.picture.stamp;
-            quality == Quality::Settled && Some(of) != content
+            let FrameStamp { quality, content: of, .. } = sending.picture.stamp;
+            quality == FrameQuality::Settled && Some(of) != content
         });
         let sending = viewer.sending.as_mut()?;
         let count = sending.picture.message_count();
         // A moving picture goes as a whole. Of a lossless one a tile goes when the last is taken, so that an edit leaves the
         // others out.
         let to = match sending.picture.stamp.quality {
-            Quality::Moving => count,
-            Quality::Settled if outboxes.has_taken_frames(id) => sending.sent + 1,
+            FrameQuality::Moving => count,
+            FrameQuality::Settled if outboxes.has_empty_frame_queue(id) => sending.sent + 1,
             // Who has not taken one for so long has stalled.
-            Quality::Settled if now.saturating_duration_since(sending.sent_at) < STALLED_CHECK_EVERY => {
+            FrameQuality::Settled if now.saturating_duration_since(sending.sent_at) < STALLED_CHECK_EVERY => {
                 return Some(now + TILES_CHECK_EVERY);
             }
-            Quality::Settled => return Some(now + STALLED_CHECK_EVERY),
+            FrameQuality::Settled => return Some(now + STALLED_CHECK_EVERY),
         };
         let tiles = sending.sent..to.min(count);
         let tiles: Vec<Bytes> =
-            tiles.map(|tile| sending.picture.message(tile, sending.frame, sending.key)).collect();
+            tiles.map(|tile| sending.picture.message(tile, sending.frame, sending.is_key_frame)).collect();
         let bytes: usize = tiles.iter().map(Bytes::len).sum();
         let mut messages: Vec<SocketMessage> = tiles.into_iter().map(SocketMessage::Binary).collect();
         self.backend.metrics.frame_bytes_sent.inc_by(bytes as u64);
         sending.bytes += bytes;
-        if viewer.stats && to == count {
+        if viewer.wants_stats && to == count {
             // With the frame and behind it: what has no room goes with it, and no picture waits for it.
-            let stats = sending.picture.stats(sending.frame, sending.bytes, sending.is_held);
+            let stats = sending.picture.stats(sending.frame, sending.bytes, sending.is_reused);
             messages.push(SocketMessage::Text(text(&ServerMessage::Stats(Box::new(stats)))));
         }
         outboxes.send_frame(id, messages);
         (sending.sent, sending.sent_at) = (to, now);
         let is_left = to < count;
         if !is_left {
-            viewer.shows = viewer.sending.take().map(|sending| sending.picture.stamp.shown());
+            viewer.shown_frame = viewer.sending.take().map(|sending| sending.picture.stamp.frame_id());
         }
         is_left.then_some(now + TILES_CHECK_EVERY)
     }
 
     /// Whether a client was last sent what a picture goes onto.
-    fn has_base_of(&self, id: ClientId, base: Option<Shown>) -> bool {
+    fn has_base_of(&self, id: ClientId, base: Option<FrameId>) -> bool {
         let has = |base| {
-            self.viewers.get(&id).is_some_and(|viewer| viewer.shows == Some(base) && !viewer.pace.owes_key())
+            self.viewers
+                .get(&id)
+                .is_some_and(|viewer| viewer.shown_frame == Some(base) && !viewer.pace.needs_key_frame())
         };
         base.is_none_or(has)
     }
 
     /// What a client needs of its view.
-    fn next_of(&self, id: ClientId, content: Content, now: Instant, outboxes: &Outboxes) -> Next {
-        let Some(viewer) = self.viewers.get(&id) else { return Next::Nothing };
-        if !outboxes.takes_frame(id) {
+    fn next_frame_for(
+        &self,
+        id: ClientId,
+        content: ViewContent,
+        now: Instant,
+        outboxes: &Outboxes,
+    ) -> NextFrame {
+        let Some(viewer) = self.viewers.get(&id) else { return NextFrame::Nothing };
+        if !outboxes.can_take_frame(id) {
             // The socket has stalled. What it is sent when it goes on is what there is then.
-            return Next::WaitUntil(now + STALLED_CHECK_EVERY);
+            return NextFrame::WaitUntil(now + STALLED_CHECK_EVERY);
         }
         viewer.pace.next(content, now)
     }
@@ -252,41 +267,49 @@ impl Views {
     fn start_picture(
         &mut self,
         (owner, watchers): (ClientId, &[ClientId]),
-        quality: Quality,
-        live: Live,
+        quality: FrameQuality,
+        live: LiveSession,
         outboxes: &mut Outboxes,
     ) {
         let (log_seq, live_revision) = (live.session.seq(), live.revision);
         let session = Arc::clone(&self.session);
         let urgency = match quality {
-            Quality::Moving if self.has_a_hand(watchers) => Urgency::Moving,
-            Quality::Moving => Urgency::Watched,
-            Quality::Settled => Urgency::Settling,
+            FrameQuality::Moving if self.has_interactive_viewer(watchers) => Urgency::Moving,
+            FrameQuality::Moving => Urgency::Watched,
+            FrameQuality::Settled => Urgency::Settling,
         };
         let Some(viewer) = self.viewers.get_mut(&owner) else { return };
         let payer = viewer.payer.clone();
         let Some(view) = viewer.source.own() else { return };
-        if view.has_asked_for(quality) {
+        if view.is_pending_or_failed(quality) {
             return;
         }
-        let place = Place::since(view.waits_since.take().unwrap_or_else(Instant::now));
-        let lights = view.settings.shown(live.session.live_document().instances());
+        let place = PictureTicket::since(view.waits_since.take().unwrap_or_else(Instant::now));
+        let lights = view.settings.visible_lights(live.session.live_document().light_instances());
         let (view_size, camera_revision, content) = (view.size, view.camera_revision, view.content);
         let detail = match quality {
-            Quality::Moving => view.moving.detail(),
-            Quality::Settled => Detail::FULL,
+            FrameQuality::Moving => view.detail_choice.detail(),
+            FrameQuality::Settled => Detail::FULL,
         };
-        let actor_id = payer.actor_id().filter(|_| quality == Quality::Moving);
-        let shortened = actor_id.map_or(Shortened::NOT, |actor_id| {
+        let actor_id = payer.actor_id().filter(|_| quality == FrameQuality::Moving);
+        let shortened = actor_id.map_or(PictureScale::FULL, |actor_id| {
             let size = detail.resolution.of(view_size);
             let seen = (view.lease.slot(), urgency == Urgency::Moving);
-            self.backend.moving_pixels.note(actor_id, seen, size, Instant::now())
+            self.backend.moving_pixels.record_picture(actor_id, seen, size, Instant::now())
         });
-        let is_news = shortened != Shortened::NOT && !view.is_told_smaller;
-        view.is_told_smaller |= is_news;
-        let stamp =
-            Stamp { content, quality, log_seq, live_revision, camera_revision, detail, view_size, shortened };
-        let request = Request {
+        let is_news = shortened != PictureScale::FULL && !view.was_warned_smaller;
+        view.was_warned_smaller |= is_news;
+        let stamp = FrameStamp {
+            content,
+            quality,
+            log_seq,
+            live_revision,
+            camera_revision,
+            detail,
+            view_size,
+            picture_scale: shortened,
+        };
+        let request = PictureRequest {
             session,
             viewer: Arc::clone(&view.lease),
             payer,
@@ -299,15 +322,15 @@ impl Views {
                 ..RenderView::beauty(view.camera.clone(), stamp.size())
             },
             lights,
-            output: Output::Display,
+            output: PictureFormat::Display,
             urgency,
-            place: place.clone(),
+            ticket: place.clone(),
         };
         let left_out = match quality {
-            Quality::Moving => None,
-            Quality::Settled => {
-                Some(live.scene.reach().left_out(request.lights.iter().map(|instance| &*instance.light)))
-            }
+            FrameQuality::Moving => None,
+            FrameQuality::Settled => Some(
+                live.scene.bounds().undrawable_of(request.lights.iter().map(|instance| &*instance.light)),
+            ),
         };
         let news = left_out.filter(|left_out| *left_out != view.left_out);
         if let Some(left_out) = &news {
@@ -316,7 +339,7 @@ impl Views {
         let whose = (Arc::clone(&self.name), owner);
         let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
         let (revision, place, asked_at) = (content.revision, Some(place), Instant::now());
-        view.drawing = Some(UnderWay { quality, revision, place, asked_at, task });
+        view.drawing = Some(PendingPicture { quality, revision, ticket: place, asked_at, task });
         // Said once, to all who see it.
         if is_news {
             for &id in watchers {
@@ -334,16 +357,24 @@ impl Views {
 
 impl Viewer {
     /// From now on it is sent this picture. What it has not been sent of the one before, it never is.
-    fn begin(&mut self, picture: Arc<Frame>, now: Instant) {
+    fn start_sending(&mut self, picture: Arc<EncodedFrame>, now: Instant) {
         self.frame += 1;
-        let (frame, key) = (self.frame, self.pace.owes_key());
+        let (frame, key) = (self.frame, self.pace.needs_key_frame());
         self.pace.sent(frame, picture.stamp.content.revision, picture.stamp.quality, now);
-        self.shows = None;
+        self.shown_frame = None;
         if picture.base.is_none() {
-            self.whole_frame = frame;
+            self.last_key_frame = frame;
         }
         let is_held = picture.number <= self.latest_picture;
         self.latest_picture = picture.number;
-        self.sending = Some(Sending { picture, frame, key, is_held, sent: 0, bytes: 0, sent_at: now });
+        self.sending = Some(OutgoingFrame {
+            picture,
+            frame,
+            is_key_frame: key,
+            is_reused: is_held,
+            sent: 0,
+            bytes: 0,
+            sent_at: now,
+        });
     }
 }

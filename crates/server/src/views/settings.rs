@@ -11,7 +11,7 @@ use crate::ServerError;
 /// How a view is; in no document, and others see their own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewSettings {
-    /// Stops, within [`scene::View::EXPOSURE`].
+    /// Stops, within [`scene::View::EXPOSURE_RANGE`].
     pub exposure: f64,
     /// The lights that shine alone; all where none of them is there.
     pub solo: BTreeSet<LightId>,
@@ -19,7 +19,7 @@ pub struct ViewSettings {
 
 impl ViewSettings {
     /// Which of the document's lights the view shows.
-    pub fn shown(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
+    pub fn visible_lights(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
         if lights.iter().any(|instance| self.solo.contains(&instance.id)) {
             lights.retain(|instance| self.solo.contains(&instance.id));
         }
@@ -27,9 +27,9 @@ impl ViewSettings {
     }
 
     /// Which of the document's lights the view does not show.
-    pub fn muted(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
+    pub fn hidden_lights(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
         let shown: BTreeSet<LightId> =
-            self.shown(lights.to_vec()).iter().map(|instance| instance.id).collect();
+            self.visible_lights(lights.to_vec()).iter().map(|instance| instance.id).collect();
         lights.iter().map(|instance| instance.id).filter(|id| !shown.contains(id)).collect()
     }
 }

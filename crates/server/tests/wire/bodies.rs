@@ -7,28 +7,31 @@ use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use crate::client::{Answer, bearer, get, post};
-use crate::server::{Door, Own};
+use crate::client::{HttpAnswer, bearer, get, post};
+use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
 /// What a body of 8 MiB counts for, and how many have room: half of the account.
 const COST: usize = 4 * 8 * MIB;
 const ROOM: usize = 320 / 2 * MIB / COST;
 
-async fn on_thread(door: &Door, ask: impl FnOnce(&Door) -> Answer + Send + 'static) -> Answer {
+async fn on_thread(
+    door: &ServerDoor,
+    ask: impl FnOnce(&ServerDoor) -> HttpAnswer + Send + 'static,
+) -> HttpAnswer {
     let door = door.clone();
     spawn_blocking(move || ask(&door)).await.unwrap()
 }
 
 /// What the account holds.
-async fn held(door: &Door) -> usize {
+async fn held(door: &ServerDoor) -> usize {
     let metrics = on_thread(door, |door| get(door, "/metrics")).await;
     let line = metrics.text().lines().find_map(|line| line.strip_prefix("bendylights_bytes_in_flight "));
     line.expect("a count").parse().expect("a number")
 }
 
 /// Waits until the account holds what is wanted.
-async fn holds(door: &Door, wanted: impl Fn(usize) -> bool) {
+async fn holds(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
     let mut tries = 0..1_000;
     while !wanted(held(door).await) {
         tries.next().expect("the account changes at once");
@@ -37,7 +40,7 @@ async fn holds(door: &Door, wanted: impl Fn(usize) -> bool) {
 }
 
 /// Begins to send a body: its head, with the header that says how it comes, and some of it.
-async fn begin(door: &Door, how: &str, part: &[u8]) -> TcpStream {
+async fn begin(door: &ServerDoor, how: &str, part: &[u8]) -> TcpStream {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let head = format!(
         "POST /sessions HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\nConnection: close\r\n{how}\r\n\r\n",
@@ -57,7 +60,7 @@ fn session_of(name: &str, bytes: usize) -> String {
 /// Rules: HTTP-26
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn bodies_that_are_cut_off_give_back_what_they_held() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = &own.door;
     assert_eq!(held(door).await, 0);
     let said = format!("Content-Length: {}", 8 * MIB);
@@ -98,7 +101,7 @@ async fn bodies_that_are_cut_off_give_back_what_they_held() {
 /// Rules: HTTP-14, HTTP-26
 #[tokio::test]
 async fn a_large_body_comes_within_two_minutes() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let mut slow = begin(&own.door, &format!("Content-Length: {}", 8 * MIB), b"{").await;
     slow.write_all(&vec![b' '; 128 << 10]).await.unwrap();
     holds(&own.door, |held| held == COST).await;

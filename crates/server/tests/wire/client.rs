@@ -12,11 +12,11 @@ use tokio_tungstenite::{MaybeTlsStream, WebSocketStream, client_async, connect_a
 use ureq::http::HeaderMap;
 
 use crate::documented::check;
-use crate::server::Door;
+use crate::server::ServerDoor;
 
 /// What came over a socket.
 #[derive(Debug)]
-pub enum Came {
+pub enum ReceivedMessage {
     Control(ServerMessage),
     /// The last tile of a frame; the others are passed over.
     Frame(FrameHeader),
@@ -25,7 +25,7 @@ pub enum Came {
 }
 
 /// A connection for which the client's system keeps little that is not read, and says soon when some of it is.
-pub async fn connect_narrowly(door: &Door) -> TcpStream {
+pub async fn connect_with_small_buffers(door: &ServerDoor) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();
     socket.set_recv_buffer_size(16 << 10).unwrap();
     socket.connect(door.address).await.unwrap()
@@ -35,32 +35,32 @@ pub async fn connect_narrowly(door: &Door) -> TcpStream {
 pub struct Client(WebSocketStream<MaybeTlsStream<TcpStream>>);
 
 impl Client {
-    pub async fn connect(door: &Door) -> Self {
+    pub async fn connect(door: &ServerDoor) -> Self {
         Self(connect_async(socket_request(door)).await.unwrap().0)
     }
 
     /// Connects and says hello.
-    pub async fn join(door: &Door, session: &str, name: &str) -> (Self, Welcome) {
+    pub async fn join(door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
         Self::connect(door).await.welcomed(door, session, name).await
     }
 
     /// As [`Self::join`], by a socket for which the system keeps little that is not read.
-    pub async fn join_narrowly(door: &Door, session: &str, name: &str) -> (Self, Welcome) {
-        Self::connect_narrowly(door).await.welcomed(door, session, name).await
+    pub async fn join_with_small_buffers(door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
+        Self::connect_with_small_buffers(door).await.welcomed(door, session, name).await
     }
 
     /// As [`Self::connect`], by such a socket.
-    pub async fn connect_narrowly(door: &Door) -> Self {
-        let stream = MaybeTlsStream::Plain(connect_narrowly(door).await);
+    pub async fn connect_with_small_buffers(door: &ServerDoor) -> Self {
+        let stream = MaybeTlsStream::Plain(connect_with_small_buffers(door).await);
         Self(client_async(socket_request(door), stream).await.unwrap().0)
     }
 
     /// Connects and says hello; the welcome, where that is the answer.
-    pub async fn greeted(door: &Door, session: &str, name: &str) -> Option<Welcome> {
+    pub async fn greeted(door: &ServerDoor, session: &str, name: &str) -> Option<Welcome> {
         let mut client = Self::connect(door).await;
         client.say(&hello(&door.token, session, name)).await;
         match client.next().await {
-            Came::Control(ServerMessage::Welcome(welcome)) => Some(*welcome),
+            ReceivedMessage::Control(ServerMessage::Welcome(welcome)) => Some(*welcome),
             _ => None,
         }
     }
@@ -70,11 +70,11 @@ impl Client {
         self.0.into_inner()
     }
 
-    async fn welcomed(self, door: &Door, session: &str, name: &str) -> (Self, Welcome) {
+    async fn welcomed(self, door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
         let mut client = self;
         client.say(&hello(&door.token, session, name)).await;
         match client.next().await {
-            Came::Control(ServerMessage::Welcome(welcome)) => (client, *welcome),
+            ReceivedMessage::Control(ServerMessage::Welcome(welcome)) => (client, *welcome),
             other => panic!("no welcome but {other:?}"),
         }
     }
@@ -92,27 +92,29 @@ impl Client {
     }
 
     /// The next control message, frame or end.
-    pub async fn next(&mut self) -> Came {
+    pub async fn next(&mut self) -> ReceivedMessage {
         loop {
             match self.0.next().await {
-                Some(Ok(Message::Text(text))) => return Came::Control(ServerMessage::parse(&text).unwrap()),
+                Some(Ok(Message::Text(text))) => {
+                    return ReceivedMessage::Control(ServerMessage::parse(&text).unwrap());
+                }
                 Some(Ok(Message::Binary(bytes))) => {
                     let header = FrameHeader::from_bytes(&bytes).unwrap();
-                    if header.flags.last_tile {
-                        return Came::Frame(header);
+                    if header.flags.is_last_tile {
+                        return ReceivedMessage::Frame(header);
                     }
                 }
-                Some(Ok(Message::Close(_)) | Err(_)) | None => return Came::End,
+                Some(Ok(Message::Close(_)) | Err(_)) | None => return ReceivedMessage::End,
                 Some(Ok(_)) => {}
             }
         }
     }
 
     /// Passes over what comes until `wanted` takes something.
-    pub async fn until<T>(&mut self, mut wanted: impl FnMut(Came) -> Option<T>) -> T {
+    pub async fn until<T>(&mut self, mut wanted: impl FnMut(ReceivedMessage) -> Option<T>) -> T {
         loop {
             let came = self.next().await;
-            assert!(!matches!(came, Came::End), "the server has closed");
+            assert!(!matches!(came, ReceivedMessage::End), "the server has closed");
             if let Some(found) = wanted(came) {
                 return found;
             }
@@ -134,8 +136,8 @@ impl Client {
     pub async fn frame(&mut self) -> FrameHeader {
         let header = self
             .until(|came| match came {
-                Came::Frame(header) => Some(header),
-                Came::Control(_) | Came::End => None,
+                ReceivedMessage::Frame(header) => Some(header),
+                ReceivedMessage::Control(_) | ReceivedMessage::End => None,
             })
             .await;
         self.say(&ClientMessage::Ack { frame: header.frame }).await;
@@ -154,12 +156,12 @@ pub fn hello(token: &str, session: &str, name: &str) -> ClientMessage {
     }
 }
 
-fn socket_request(door: &Door) -> Request<()> {
+fn socket_request(door: &ServerDoor) -> Request<()> {
     format!("ws://{}/socket", door.address).into_client_request().unwrap()
 }
 
 /// The status that a socket with these headers is refused with; `None` where it is let in.
-pub async fn socket_with(door: &Door, headers: &[(&'static str, &str)]) -> Option<u16> {
+pub async fn socket_with(door: &ServerDoor, headers: &[(&'static str, &str)]) -> Option<u16> {
     let mut request = socket_request(door);
     for (name, value) in headers {
         request.headers_mut().insert(*name, value.parse().unwrap());
@@ -173,14 +175,14 @@ pub async fn socket_with(door: &Door, headers: &[(&'static str, &str)]) -> Optio
 
 /// An answer over HTTP.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct HttpAnswer {
     pub status: u16,
     pub kind: String,
     pub headers: HeaderMap,
     pub body: Vec<u8>,
 }
 
-impl Answer {
+impl HttpAnswer {
     pub fn text(&self) -> &str {
         std::str::from_utf8(&self.body).unwrap()
     }
@@ -199,7 +201,13 @@ impl Answer {
 }
 
 /// Sends a request with the headers given and nothing else; the answer is one that `/openapi.json` names.
-pub fn send(door: &Door, method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Answer {
+pub fn send(
+    door: &ServerDoor,
+    method: &str,
+    path: &str,
+    headers: &[(&str, &str)],
+    body: &[u8],
+) -> HttpAnswer {
     let config = ureq::Agent::config_builder().http_status_as_error(false).allow_non_standard_methods(true);
     let agent: ureq::Agent = config.build().into();
     let request = Request::builder().method(method).uri(format!("http://{}{path}", door.address));
@@ -212,7 +220,7 @@ pub fn send(door: &Door, method: &str, path: &str, headers: &[(&str, &str)], bod
     let headers = response.headers().clone();
     let kind = headers.get("content-type").map_or("", |kind| kind.to_str().unwrap()).to_owned();
     let body = response.body_mut().with_config().limit(1 << 30).read_to_vec().unwrap();
-    let answer = Answer { status: response.status().as_u16(), kind, headers, body };
+    let answer = HttpAnswer { status: response.status().as_u16(), kind, headers, body };
     if let Err(why) = check(method, path, &answer) {
         panic!("{method} {path}: {why}, by /openapi.json");
     }
@@ -220,17 +228,17 @@ pub fn send(door: &Door, method: &str, path: &str, headers: &[(&str, &str)], bod
 }
 
 /// Asks with the headers given and nothing else. `body` makes it a POST.
-pub fn ask_with(door: &Door, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> Answer {
+pub fn ask_with(door: &ServerDoor, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> HttpAnswer {
     send(door, if body.is_some() { "POST" } else { "GET" }, path, headers, body.unwrap_or_default())
 }
 
 /// Asks with the token.
-pub fn get(door: &Door, path: &str) -> Answer {
+pub fn get(door: &ServerDoor, path: &str) -> HttpAnswer {
     ask_with(door, path, &[("authorization", &bearer(door))], None)
 }
 
 /// Sends JSON with the token.
-pub fn post(door: &Door, path: &str, body: &str) -> Answer {
+pub fn post(door: &ServerDoor, path: &str, body: &str) -> HttpAnswer {
     let headers = [("authorization", bearer(door)), ("content-type", "application/json".into())];
     ask_with(
         door,
@@ -241,12 +249,12 @@ pub fn post(door: &Door, path: &str, body: &str) -> Answer {
 }
 
 /// The value of the header that shows the token.
-pub fn bearer(door: &Door) -> String {
+pub fn bearer(door: &ServerDoor) -> String {
     format!("Bearer {}", door.token)
 }
 
 /// A new session of the demo scene, under a name that only its test uses.
-pub fn new_session(door: &Door, name: &str) {
+pub fn new_session(door: &ServerDoor, name: &str) {
     let made = post(door, "/sessions", &format!(r#"{{"name": "{name}", "scene": "demo:vases"}}"#));
     assert_eq!(made.status, 201, "{}", made.text());
 }

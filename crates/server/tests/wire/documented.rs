@@ -4,11 +4,11 @@ use std::sync::LazyLock;
 
 use serde_json::{Value, json};
 
-use crate::client::{Answer, get, post};
+use crate::client::{HttpAnswer, get, post};
 use crate::server::SHARED;
 
 /// Whether an answer is one that the document names for its operation: its status, and its kind or its code.
-pub fn check(method: &str, path: &str, answer: &Answer) -> Result<(), String> {
+pub fn check(method: &str, path: &str, answer: &HttpAnswer) -> Result<(), String> {
     static DOCUMENT: LazyLock<Value> = LazyLock::new(protocol::openapi);
     let path = path.split('?').next().unwrap_or_default();
     let operation = |(template, methods): (&String, &'static Value)| {
@@ -53,9 +53,12 @@ fn an_answer_that_the_document_does_not_name_is_caught() {
     let answer = get(&SHARED, "/sessions/nowhere");
     assert_eq!(check("GET", "/sessions/nowhere", &answer), Ok(()));
     let planted = [
-        Answer { status: 409, ..answer.clone() },
-        Answer { kind: "text/plain".into(), ..answer.clone() },
-        Answer { body: json!({"error": {"code": "exists", "message": "x"}}).to_string().into(), ..answer },
+        HttpAnswer { status: 409, ..answer.clone() },
+        HttpAnswer { kind: "text/plain".into(), ..answer.clone() },
+        HttpAnswer {
+            body: json!({"error": {"code": "exists", "message": "x"}}).to_string().into(),
+            ..answer
+        },
     ];
     for answer in planted {
         assert!(check("GET", "/sessions/nowhere", &answer).is_err(), "{answer:?}");

@@ -9,13 +9,13 @@ use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep};
 
-use crate::client::{Came, Client, get, post};
-use crate::server::Own;
+use crate::client::{Client, ReceivedMessage, get, post};
+use crate::server::OwnServer;
 
 /// Rules: SOCK-9, HTTP-9
 #[tokio::test]
 async fn a_server_that_stops_finishes_what_it_has_accepted() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
     for step in 0..10 {
         let parameter = CONE_ANGLE.to(20.0 + f64::from(step)).into();
@@ -24,7 +24,8 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
             .say(&ClientMessage::Edit { op_id: format!("edit {step}"), base_seq: welcome.seq, command })
             .await;
     }
-    let answered = |came| matches!(came, Came::Control(ServerMessage::EditResult(_))).then_some(());
+    let answered =
+        |came| matches!(came, ReceivedMessage::Control(ServerMessage::EditResult(_))).then_some(());
     client.until(answered).await;
     let token = own.door.token.clone();
     let (folder, served) = own.stop();
@@ -32,21 +33,21 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     let (mut committed, mut told) = (1, false);
     loop {
         match client.next().await {
-            Came::Control(ServerMessage::EditResult(result)) if result.outcome.seq().is_some() => {
+            ReceivedMessage::Control(ServerMessage::EditResult(result)) if result.outcome.seq().is_some() => {
                 committed += 1;
             }
-            Came::Control(ServerMessage::Draining { retry_after_ms }) => {
+            ReceivedMessage::Control(ServerMessage::Draining { retry_after_ms }) => {
                 told = retry_after_ms > 0;
             }
-            Came::Control(_) | Came::Frame(_) => {}
-            Came::End => break,
+            ReceivedMessage::Control(_) | ReceivedMessage::Frame(_) => {}
+            ReceivedMessage::End => break,
         }
     }
     assert!(told, "the client was not told");
     served.await.unwrap().unwrap();
 
     // The folder is free again, pages stay signed in, and what was acknowledged is there.
-    let again = Own::start_in(folder).await;
+    let again = OwnServer::start_in(folder).await;
     assert_eq!(again.door.token, token);
     let (again, session) = spawn_blocking(move || {
         let session = get(&again.door, "/sessions/main").json();
@@ -61,7 +62,7 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
 /// Rules: SOCK-9
 #[tokio::test]
 async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let mut silent = Vec::new();
     for begun in ["", "GET /hea", "GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n"] {
         let mut stream = TcpStream::connect(own.door.address).await.unwrap();
@@ -81,7 +82,7 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
 /// Rules: HTTP-9
 #[tokio::test]
 async fn who_asks_while_it_drains_is_told_so() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     // A request whose body is still to come is waited for.
     let mut slow = TcpStream::connect(own.door.address).await.unwrap();
     let (token, body) = (&own.door.token, r#"{"name": "late"}"#);
@@ -121,7 +122,7 @@ async fn who_asks_while_it_drains_is_told_so() {
 /// Rules: SOCK-9, HTTP-9
 #[tokio::test]
 async fn a_picture_that_a_stop_cuts_short_is_refused_as_draining() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = own.door.clone();
     let picture = spawn_blocking(move || get(&door, "/sessions/main/render?size=4096x4096&samples=64"));
     sleep(Duration::from_millis(500)).await;

@@ -48,7 +48,7 @@ async fn pages_of_other_places_are_refused() {
 ///
 /// Rules: HTTP-2, HTTP-13
 #[tokio::test]
-async fn names_that_strangers_can_have_do_not_lead_in() {
+async fn foreign_host_names_are_refused() {
     let port = SHARED.address.port();
     let rebound = format!("evil.example:{port}");
     for host in [rebound.as_str(), "localhost.evil.example", "127.0.0.1.evil.example"] {
@@ -91,7 +91,7 @@ fn the_scheme_of_the_token_is_understood_in_any_case() {
 
 /// Rules: HTTP-13
 #[test]
-fn browsers_are_told_to_guess_nothing_and_to_keep_the_page_to_itself() {
+fn answers_have_security_headers() {
     for path in ["/", "/healthz", "/sessions", "/sessions/main", "/nowhere"] {
         let answer = get(&SHARED, path);
         assert_eq!(answer.headers["x-content-type-options"], "nosniff", "{path}");

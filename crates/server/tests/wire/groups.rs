@@ -2,10 +2,10 @@
 
 use serde_json::{Value, json};
 
-use crate::client::{Answer, get, new_session, post};
+use crate::client::{HttpAnswer, get, new_session, post};
 use crate::server::SHARED;
 
-fn atomic(session: &str, op_id: &str, commands: &Value) -> Answer {
+fn atomic(session: &str, op_id: &str, commands: &Value) -> HttpAnswer {
     let edits: Vec<Value> =
         commands.as_array().expect("commands").iter().map(|command| json!({"command": command})).collect();
     let body = json!({"atomic": true, "opId": op_id, "edits": edits});
@@ -13,7 +13,7 @@ fn atomic(session: &str, op_id: &str, commands: &Value) -> Answer {
 }
 
 /// The one result of edits that are one step.
-fn result(answer: &Answer) -> Value {
+fn result(answer: &HttpAnswer) -> Value {
     assert_eq!(answer.status, 200, "{}", answer.text());
     let results = answer.json()["results"].clone();
     assert_eq!(results.as_array().map(Vec::len), Some(1), "{results}");

@@ -2,16 +2,17 @@
 
 use protocol::{ClientMessage, GestureStatus, ServerMessage};
 
-use crate::client::{Came, Client, hello};
-use crate::server::{Own, SHARED};
+use crate::client::{Client, ReceivedMessage, hello};
+use crate::server::{OwnServer, SHARED};
 
 /// The code of a fatal error, after which the socket is closed.
 async fn fatal(client: &mut Client) -> String {
-    let Came::Control(ServerMessage::Error { code, fatal: true, message }) = client.next().await else {
+    let ReceivedMessage::Control(ServerMessage::Error { code, fatal: true, message }) = client.next().await
+    else {
         panic!("no fatal error")
     };
     assert!(message.len() > 20, "{message}");
-    assert!(matches!(client.next().await, Came::End), "the socket stays open");
+    assert!(matches!(client.next().await, ReceivedMessage::End), "the socket stays open");
     code.name().into()
 }
 
@@ -43,13 +44,13 @@ async fn a_hello_that_does_not_fit_is_answered_and_the_socket_closed() {
 /// Rules: SOCK-1, GEST-3
 #[tokio::test]
 async fn hello_and_gestures_have_their_time() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut client, welcome) = Client::join(&own.door, "main", "Ada").await;
     let mut silent = Client::connect(&own.door).await;
     let begin = ClientMessage::GestureBegin { gesture: "g".into(), light: 1, base_seq: welcome.seq };
     client.say(&begin).await;
     let status = |came| match came {
-        Came::Control(ServerMessage::GestureState(state)) => Some(state.status),
+        ReceivedMessage::Control(ServerMessage::GestureState(state)) => Some(state.status),
         _ => None,
     };
     assert_eq!(client.until(status).await, GestureStatus::Held { refused: None });
@@ -80,14 +81,15 @@ async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
     client.say_bytes(vec![1, 2, 3]).await;
     assert_eq!(client.until(complaint).await.0, "badMessage");
     client.say(&ClientMessage::Ping { sent: 7.5 }).await;
-    let pong = |came| matches!(came, Came::Control(ServerMessage::Pong { sent: 7.5, .. })).then_some(());
+    let pong =
+        |came| matches!(came, ReceivedMessage::Control(ServerMessage::Pong { sent: 7.5, .. })).then_some(());
     client.until(pong).await;
 }
 
 /// The code and the sentence of an error that is not fatal.
-pub fn complaint(came: Came) -> Option<(String, String)> {
+pub fn complaint(came: ReceivedMessage) -> Option<(String, String)> {
     match came {
-        Came::Control(ServerMessage::Error { code, message, fatal: false }) => {
+        ReceivedMessage::Control(ServerMessage::Error { code, message, fatal: false }) => {
             Some((code.name().into(), message))
         }
         _ => None,

@@ -7,14 +7,14 @@ use serde_json::json;
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use crate::client::{Came, Client, get, hello, new_session, post};
+use crate::client::{Client, ReceivedMessage, get, hello, new_session, post};
 use crate::hello::complaint;
-use crate::server::{Own, SHARED};
+use crate::server::{OwnServer, SHARED};
 
 /// Rules: HTTP-11
 #[test]
 fn what_is_too_large_is_refused_with_the_limit() {
-    let too_large = |answer: crate::client::Answer, limit: &str| {
+    let too_large = |answer: crate::client::HttpAnswer, limit: &str| {
         assert_eq!(answer.refusal(), (413, "tooLarge".into()));
         assert!(answer.text().contains(limit), "{} does not name {limit}", answer.text());
     };
@@ -76,7 +76,7 @@ fn sessions_that_nobody_is_in_make_room() {
 /// Rules: HTTP-12
 #[tokio::test]
 async fn sessions_with_somebody_in_them_stay_open() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let mut people = Vec::new();
     for number in 0..64 {
         let (door, name) = (own.door.clone(), format!("attended-{number}"));
@@ -112,7 +112,7 @@ async fn a_session_has_room_for_so_many_and_says_when_it_is_full() {
     let mut late = Client::connect(&SHARED).await;
     late.say(&hello(&SHARED.token, "crowd", "Late")).await;
     match late.next().await {
-        Came::Control(ServerMessage::Error { code, message, fatal: true }) => {
+        ReceivedMessage::Control(ServerMessage::Error { code, message, fatal: true }) => {
             assert!(code == ErrorCode::TooMany && message.contains("64"), "{code}: {message}");
         }
         other => panic!("not refused but {other:?}"),

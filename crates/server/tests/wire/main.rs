@@ -1,5 +1,6 @@
 //! The server as clients and programs meet it: real sockets, real HTTP, a real store.
 
+mod anonymous;
 mod bodies;
 mod client;
 mod documented;
@@ -21,6 +22,5 @@ mod server;
 mod session_list;
 mod sessions;
 mod slow;
-mod strangers;
 mod unread;
 mod uploads;

@@ -3,10 +3,10 @@
 use tokio::task::spawn_blocking;
 
 use crate::client::{ask_with, get, post};
-use crate::server::{Door, Own};
+use crate::server::{OwnServer, ServerDoor};
 
 /// The number that stands behind `name`, which has its labels.
-fn count(door: &Door, name: &str) -> Option<f64> {
+fn count(door: &ServerDoor, name: &str) -> Option<f64> {
     let text = get(door, "/metrics").text().to_owned();
     text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok())
 }
@@ -14,7 +14,7 @@ fn count(door: &Door, name: &str) -> Option<f64> {
 /// Rules: HTTP-9
 #[tokio::test]
 async fn requests_refusals_and_latency_are_counted_by_route() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = own.door.clone();
     let asked = spawn_blocking(move || {
         let requests = |label: &str| count(&door, &format!("bendylights_requests_total{{{label}}}"));
@@ -52,7 +52,7 @@ async fn requests_refusals_and_latency_are_counted_by_route() {
 #[cfg(target_os = "linux")]
 #[tokio::test]
 async fn the_process_is_told_of_as_prometheus_clients_do() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = own.door.clone();
     let asked = spawn_blocking(move || {
         let process =

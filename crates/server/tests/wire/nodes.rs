@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 
 use crate::client::{ask_with, bearer, get, post};
-use crate::server::{Door, SHARED};
+use crate::server::{SHARED, ServerDoor};
 
 /// A triangle that three nodes have, two of one name under another; and a node of which nothing is drawn.
 fn scene() -> Vec<u8> {
@@ -18,7 +18,7 @@ fn scene() -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-fn edited(door: &Door, session: &str, edit: &Value) -> Value {
+fn edited(door: &ServerDoor, session: &str, edit: &Value) -> Value {
     let answer = post(door, &format!("/sessions/{session}/edits"), &json!({"edits": [edit]}).to_string());
     assert_eq!(answer.status, 200, "{}", answer.text());
     answer.json()["results"][0].take()

@@ -8,10 +8,10 @@ use rusqlite::{Connection, TransactionBehavior};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use crate::client::{Came, Client, get, new_session, post};
-use crate::server::{Door, Own, SHARED};
+use crate::client::{Client, ReceivedMessage, get, new_session, post};
+use crate::server::{OwnServer, SHARED, ServerDoor};
 
-fn edits(door: &Door, session: &str, edits: &Value) -> Value {
+fn edits(door: &ServerDoor, session: &str, edits: &Value) -> Value {
     let body = json!({"actor": {"id": "ada", "name": "Ada"}, "edits": edits}).to_string();
     let answer = post(door, &format!("/sessions/{session}/edits"), &body);
     assert_eq!(answer.status, 200, "{}", answer.text());
@@ -23,7 +23,7 @@ fn cone_angle(degrees: f64) -> Command {
 }
 
 /// Stops a server and gives its folder.
-async fn stopped(own: Own) -> TempDir {
+async fn stopped(own: OwnServer) -> TempDir {
     let (folder, served) = own.stop();
     served.await.expect("it ends").expect("well");
     folder
@@ -31,7 +31,9 @@ async fn stopped(own: Own) -> TempDir {
 
 async fn result(client: &mut Client, op_id: &str) -> Outcome {
     let answer = |came| match came {
-        Came::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => Some(result.outcome),
+        ReceivedMessage::Control(ServerMessage::EditResult(result)) if result.op_id == op_id => {
+            Some(result.outcome)
+        }
         _ => None,
     };
     client.until(answer).await
@@ -53,7 +55,7 @@ fn has_ended(state: &GestureState) -> bool {
 /// Rules: REC-4, SOCK-5
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_operation_that_comes_again_gets_its_first_answer() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
     let known = welcome.seq;
@@ -70,7 +72,7 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let first = [rebased, folded, undone];
 
     let folder = stopped(own).await;
-    let own = Own::start_in(folder).await;
+    let own = OwnServer::start_in(folder).await;
     let (mut ada, _) = Client::join(&own.door, "main", "Ada").await;
     // The same names, for what would be carried out now.
     for (op_id, expected) in ["x", "y", "z"].into_iter().zip(first) {
@@ -86,14 +88,14 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
 /// Rules: WHO-1, UNDO-1
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_is_mine_is_what_the_named_actor_did_under_the_token() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     assert_eq!(edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await, committed(welcome.seq + 1));
-    let undo = |door: &Door, actor: Value| {
+    let undo = |door: &ServerDoor, actor: Value| {
         let body = json!({"actor": actor, "edits": [{"undo": "mine"}]}).to_string();
         post(door, "/sessions/main/edits", &body)
     };
-    let stranger = Door { token: "0".repeat(32), ..own.door.clone() };
+    let stranger = ServerDoor { token: "0".repeat(32), ..own.door.clone() };
     let the_same = json!({"id": "ada", "name": "Ada's script"});
     assert_eq!(undo(&stranger, the_same.clone()).refusal(), (401, "unauthorized".into()));
     let by_ben = undo(&own.door, json!({"id": "ben", "name": "Ada"})).json();
@@ -152,8 +154,8 @@ fn what_a_limit_refused_may_be_sent_again() {
 /// Rules: HTTP-6
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn large_edits_of_one_request_are_committed_in_parts() {
-    let own = Own::start().await;
-    let commits = |door: &Door| -> u64 {
+    let own = OwnServer::start().await;
+    let commits = |door: &ServerDoor| -> u64 {
         let text = get(door, "/metrics").text().to_owned();
         let count = text.lines().find_map(|line| line.strip_prefix("bendylights_commit_seconds_count "));
         count.expect("it is counted").parse().expect("a number")
@@ -175,8 +177,8 @@ async fn large_edits_of_one_request_are_committed_in_parts() {
 /// Rules: UNDO-1, UNDO-4, LOG-5
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn undo_reaches_past_a_checkpoint_and_a_restart() {
-    let own = Own::start().await;
-    let hash = |door: &Door| get(door, "/sessions/main").json()["hash"].as_str().map(str::to_owned);
+    let own = OwnServer::start().await;
+    let hash = |door: &ServerDoor| get(door, "/sessions/main").json()["hash"].as_str().map(str::to_owned);
     let before = hash(&own.door);
     let step = |n: u32| json!({"command": {"type": "setLight", "light": 1, "parameter": {"coneAngle": 20.0 + f64::from(n % 30)}}});
     for part in 0..2 {
@@ -190,7 +192,7 @@ async fn undo_reaches_past_a_checkpoint_and_a_restart() {
     assert!((1_000..1_201).contains(&seq), "{seq}");
     drop(database);
 
-    let own = Own::start_in(folder).await;
+    let own = OwnServer::start_in(folder).await;
     let undo: Vec<Value> = (0..600).map(|_| json!({"undo": "mine"})).collect();
     for _ in 0..2 {
         let answer = edits(&own.door, "main", &undo.clone().into());
@@ -207,15 +209,15 @@ async fn undo_reaches_past_a_checkpoint_and_a_restart() {
 /// Rules: GEST-6, SOCK-4, REC-4
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_drag_that_the_disk_refuses_frees_its_light() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     let (mut ben, _) = Client::join(&own.door, "main", "Ben").await;
     let base_seq = welcome.seq;
     let gesture = || "drag".to_owned();
     ada.say(&ClientMessage::GestureBegin { gesture: gesture(), light: 1, base_seq }).await;
     ada.say(&ClientMessage::GestureUpdate { gesture: gesture(), update: 1, command: cone_angle(40.0) }).await;
-    let state = |came: Came| match came {
-        Came::Control(ServerMessage::GestureState(state)) if state.update == 1 => Some(state),
+    let state = |came: ReceivedMessage| match came {
+        ReceivedMessage::Control(ServerMessage::GestureState(state)) if state.update == 1 => Some(state),
         _ => None,
     };
     let dragged: GestureState = ben.until(state).await;
@@ -248,7 +250,7 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
 /// Rules: SOCK-4, REC-4
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn an_operation_that_may_have_come_before_is_not_called_refused() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut ada, welcome) = Client::join(&own.door, "main", "Ada").await;
     let first = edit(&mut ada, "x", welcome.seq, cone_angle(30.0)).await;
     assert_eq!(first, committed(welcome.seq + 1));
@@ -269,14 +271,14 @@ async fn an_operation_that_may_have_come_before_is_not_called_refused() {
 /// Rules: HTTP-3, LOG-3
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_damaged_asset_is_not_called_absent() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let folder = stopped(own).await;
     let assets = std::fs::read_dir(folder.path().join("assets")).expect("a folder");
     let asset = assets.map(|file| file.expect("a file").path()).next().expect("the demo's");
     let bytes = std::fs::read(&asset).expect("bytes");
     std::fs::write(&asset, b"damaged").expect("a planted fault");
-    let own = Own::start_in(folder).await;
-    let refusal = |door: &Door| get(door, "/sessions/main").refusal();
+    let own = OwnServer::start_in(folder).await;
+    let refusal = |door: &ServerDoor| get(door, "/sessions/main").refusal();
     assert_eq!(refusal(&own.door), (500, "damagedAsset".into()));
     std::fs::remove_file(&asset).expect("removed");
     assert_eq!(refusal(&own.door), (404, "unknownAsset".into()));

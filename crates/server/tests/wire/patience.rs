@@ -8,20 +8,20 @@ use tokio::net::{TcpSocket, TcpStream};
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep, timeout};
 
-use crate::client::{Answer, Client, ask_with, get, post};
-use crate::server::{Door, Own};
+use crate::client::{Client, HttpAnswer, ask_with, get, post};
+use crate::server::{OwnServer, ServerDoor};
 
 const SCENE: &[u8] = br#"{"asset": {"version": "2.0"}}"#;
 
 /// A request's head, with the token.
-fn head(door: &Door, request: &str, length: usize) -> String {
-    let Door { address, token } = door;
+fn head(door: &ServerDoor, request: &str, length: usize) -> String {
+    let ServerDoor { address, token } = door;
     format!(
         "{request} HTTP/1.1\r\nHost: {address}\r\nAuthorization: Bearer {token}\r\nContent-Length: {length}\r\n\r\n"
     )
 }
 
-async fn send(door: &Door, text: &str) -> TcpStream {
+async fn send(door: &ServerDoor, text: &str) -> TcpStream {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     stream.write_all(text.as_bytes()).await.unwrap();
     stream
@@ -37,19 +37,22 @@ async fn rest(stream: &mut TcpStream) -> (String, Duration) {
 }
 
 /// Asks on a thread of its own, as the server runs on this one.
-async fn on_thread(door: &Door, ask: impl FnOnce(&Door) -> Answer + Send + 'static) -> Answer {
+async fn on_thread(
+    door: &ServerDoor,
+    ask: impl FnOnce(&ServerDoor) -> HttpAnswer + Send + 'static,
+) -> HttpAnswer {
     let door = door.clone();
     spawn_blocking(move || ask(&door)).await.unwrap()
 }
 
-fn upload(door: &Door) -> Answer {
+fn upload(door: &ServerDoor) -> HttpAnswer {
     ask_with(door, "/assets", &[("authorization", &format!("Bearer {}", door.token))], Some(SCENE))
 }
 
 /// Rules: HTTP-14
 #[tokio::test]
 async fn stalled_requests_keep_nobody_out_and_are_cut_off() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = &own.door;
     let mut stalled = Vec::new();
     for _ in 0..3 {
@@ -81,7 +84,7 @@ async fn stalled_requests_keep_nobody_out_and_are_cut_off() {
 /// Rules: HTTP-14, HTTP-10
 #[tokio::test]
 async fn a_slow_upload_finishes() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = &own.door;
     let mut slow = send(door, &head(door, "POST /assets", SCENE.len())).await;
     pause();
@@ -99,7 +102,7 @@ async fn a_slow_upload_finishes() {
 /// Rules: HTTP-14, SOCK-10
 #[tokio::test]
 async fn who_takes_nothing_is_cut_off() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = &own.door;
     // Records of 40 kB, by digits: 16 MB are more than the system keeps for this connection.
     let third = 1.0 / 3.0;
@@ -113,7 +116,7 @@ async fn who_takes_nothing_is_cut_off() {
     }
     let made = on_thread(door, |door| post(door, "/sessions", r#"{"name": "long"}"#));
     assert_eq!(made.await.status, 201);
-    let (client, _) = Client::join_narrowly(door, "long", "Ada").await;
+    let (client, _) = Client::join_with_small_buffers(door, "long", "Ada").await;
     let edited = on_thread(door, move |door| {
         post(door, "/sessions/long/edits", &json!({ "edits": edits }).to_string())
     });
@@ -146,7 +149,7 @@ async fn who_takes_nothing_is_cut_off() {
 /// Rules: HTTP-14, SOCK-1
 #[tokio::test]
 async fn silent_connections_keep_nobody_out() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (mut sockets, mut silent) = (Vec::new(), Vec::new());
     for _ in 0..260 {
         sockets.push(Client::connect(&own.door).await);

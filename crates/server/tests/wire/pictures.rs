@@ -3,7 +3,7 @@
 use light::parameters::{CONE_ANGLE, EXPOSURE, NAME};
 use protocol::{ClientMessage, Command, Interaction, Reduction, ViewSource};
 use serde_json::json;
-use stream::{Codec, Tile};
+use stream::{Codec, FrameTile};
 
 use crate::client::{Client, get, new_session, post};
 use crate::server::SHARED;
@@ -66,7 +66,7 @@ async fn who_follows_sees_the_same_frames() {
     ada.say(&view(ViewSource::Own(welcome.camera.clone()))).await;
     let (moving, settled) = (ada.frame().await, ada.frame().await);
     assert_eq!((moving.codec, settled.codec), (Codec::Jpeg, Codec::Png));
-    assert!(settled.flags.settle && moving.flags.key && !settled.flags.key);
+    assert!(settled.flags.is_settled && moving.flags.is_key && !settled.flags.is_key);
     assert_eq!((settled.log_seq, settled.camera_revision, settled.frame), (1, 7, 2));
 
     // What is there already is not made again: its timings are those of the same picture.
@@ -116,9 +116,9 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
     };
     ada.say(&view).await;
     let moving = ada.frame().await;
-    assert_eq!((moving.codec, moving.flags.last_tile), (Codec::Jpeg, true));
+    assert_eq!((moving.codec, moving.flags.is_last_tile), (Codec::Jpeg, true));
     let first = ada.tile().await;
-    assert!(first.flags.settle && !first.flags.last_tile, "a lossless frame has many tiles");
+    assert!(first.flags.is_settled && !first.flags.is_last_tile, "a lossless frame has many tiles");
 
     let parameter = EXPOSURE.to(-1.0).into();
     let command = Command::SetLight { light: 1, parameter };
@@ -128,13 +128,13 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
         if tile.frame != first.frame {
             break tile;
         }
-        assert!(!tile.flags.last_tile, "the lossless frame of what is gone went on to its end");
+        assert!(!tile.flags.is_last_tile, "the lossless frame of what is gone went on to its end");
     };
-    let Tile { x, y, width, height } = next.tile;
-    assert_eq!((next.codec, next.log_seq, next.flags.last_tile), (Codec::Jpeg, 2, true));
+    let FrameTile { x, y, width, height } = next.tile;
+    assert_eq!((next.codec, next.log_seq, next.flags.is_last_tile), (Codec::Jpeg, 2, true));
     assert_eq!((x, y, width, height), (0, 0, next.width, next.height), "it is whole");
     // Its acknowledgement counts for the one that never was complete: the next lossless frame comes, all of it.
     ada.say(&ClientMessage::Ack { frame: next.frame }).await;
     let settled = ada.frame().await;
-    assert!(settled.flags.settle && settled.log_seq == 2);
+    assert!(settled.flags.is_settled && settled.log_seq == 2);
 }

@@ -9,19 +9,19 @@ use protocol::{
 };
 use serde_json::{Value, json};
 
-use crate::client::{Answer, Came, Client, get, new_session, post};
-use crate::server::{Door, SHARED};
+use crate::client::{Client, HttpAnswer, ReceivedMessage, get, new_session, post};
+use crate::server::{SHARED, ServerDoor};
 
 /// In the demo's own picture of 640 x 360: the shadow of the blue vase's neck on the table, and a lit place of that.
 const SHADOW: [f64; 2] = [430.5, 265.5];
 const LIT: [f64; 2] = [430.5, 310.5];
 const SIZE: [u32; 2] = [640, 360];
 
-fn ask(door: &Door, session: &str, body: &Value) -> Answer {
+fn ask(door: &ServerDoor, session: &str, body: &Value) -> HttpAnswer {
     post(door, &format!("/sessions/{session}/probe"), &body.to_string())
 }
 
-fn found(door: &Door, session: &str, pixel: [f64; 2]) -> Probed {
+fn found(door: &ServerDoor, session: &str, pixel: [f64; 2]) -> Probed {
     let answer = ask(door, session, &json!({"size": SIZE, "pixel": pixel}));
     assert_eq!(answer.status, 200, "{}", answer.text());
     protocol::parse_body(answer.text()).expect("what was found")
@@ -96,7 +96,7 @@ fn probe(name: &str, pixel: [f64; 2]) -> ClientMessage {
 async fn answer_to(client: &mut Client, name: &str) -> ProbeAnswer {
     client
         .until(|came| match came {
-            Came::Control(ServerMessage::Probed(answer)) if answer.probe == name => Some(*answer),
+            ReceivedMessage::Control(ServerMessage::Probed(answer)) if answer.probe == name => Some(*answer),
             _ => None,
         })
         .await
@@ -215,13 +215,13 @@ async fn the_latest_of_many_probes_is_answered() {
     let last = (MANY - 1).to_string();
     while !answered.contains_key(&last) || pinged.is_none() {
         match ada.next().await {
-            Came::Control(ServerMessage::Probed(answer)) => {
+            ReceivedMessage::Control(ServerMessage::Probed(answer)) => {
                 let number: usize = answer.probe.parse().expect("a number");
                 assert!(answered.values().all(|before| *before < number), "in order");
                 answered.insert(answer.probe, number);
             }
-            Came::Control(ServerMessage::Pong { .. }) => pinged = Some(began.elapsed()),
-            Came::End => panic!("the server has closed"),
+            ReceivedMessage::Control(ServerMessage::Pong { .. }) => pinged = Some(began.elapsed()),
+            ReceivedMessage::End => panic!("the server has closed"),
             _ => {}
         }
     }

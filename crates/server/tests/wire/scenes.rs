@@ -6,8 +6,8 @@ use document::AssetHash;
 use protocol::{ClientMessage, Command, Scope, ServerMessage};
 use serde_json::{Value, json};
 
-use crate::client::{Answer, Came, Client, ask_with, bearer, get, post};
-use crate::server::{Door, Own, SHARED};
+use crate::client::{Client, HttpAnswer, ReceivedMessage, ask_with, bearer, get, post};
+use crate::server::{OwnServer, SHARED, ServerDoor};
 
 /// A scene's file that no other test sends: `mark` is in it.
 fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
@@ -27,12 +27,12 @@ fn file_with_notes(mark: &str) -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-fn send(door: &Door, query: &str, file: &[u8]) -> Answer {
+fn send(door: &ServerDoor, query: &str, file: &[u8]) -> HttpAnswer {
     ask_with(door, &format!("/assets{query}"), &[("authorization", &bearer(door))], Some(file))
 }
 
 /// What a document calls the asset that it loads, and the session's notes.
-fn loaded(door: &Door, session: &str, scene: &Value) -> (Value, Value) {
+fn loaded(door: &ServerDoor, session: &str, scene: &Value) -> (Value, Value) {
     let made = post(door, "/sessions", &json!({"name": session, "scene": scene}).to_string());
     assert_eq!(made.status, 201, "{}", made.text());
     let shown = get(door, &format!("/sessions/{session}")).json();
@@ -106,7 +106,7 @@ fn what_is_no_name_is_refused_with_a_sentence() {
 /// Rules: HTTP-10
 #[tokio::test(flavor = "multi_thread")]
 async fn names_and_notes_survive_restarts_and_old_folders_have_some() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let (named, noted) = (file("kept", Some("Scene")), file_with_notes("kept"));
     let sent = send(&own.door, "?name=Kitchen", &named).json()["asset"].clone();
     loaded(&own.door, "before", &sent);
@@ -118,7 +118,7 @@ async fn names_and_notes_survive_restarts_and_old_folders_have_some() {
     let (folder, served) = own.stop();
     served.await.unwrap().unwrap();
 
-    let own = Own::start_in(folder).await;
+    let own = OwnServer::start_in(folder).await;
     assert_eq!(loaded(&own.door, "after", &sent).0, "Kitchen");
     assert_eq!(get(&own.door, "/sessions/before").json()["document"]["scene"]["name"], "Kitchen");
     assert_eq!(get(&own.door, "/sessions/noted").json()["notes"], notes);
@@ -143,7 +143,7 @@ async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
     let command = Command::LoadScene { scene, name: None };
     ada.say(&ClientMessage::Edit { op_id: "load".into(), base_seq: welcome.seq, command }).await;
     let logged = |came| match came {
-        Came::Control(ServerMessage::Log { bounds, notes, record, .. }) => {
+        ReceivedMessage::Control(ServerMessage::Log { bounds, notes, record, .. }) => {
             Some((bounds.is_some(), notes, record.seq))
         }
         _ => None,
@@ -154,7 +154,7 @@ async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
     assert_eq!(welcome.notes, expected);
 
     let picture = |query: &str| get(&SHARED, &format!("/sessions/main/render?size=16x9{query}"));
-    let headers = |answer: &Answer| {
+    let headers = |answer: &HttpAnswer| {
         let values = answer.headers.get_all("x-bendylights-note").iter();
         values.map(|value| value.to_str().unwrap().to_owned()).collect::<Vec<_>>()
     };

@@ -6,7 +6,7 @@ use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, read};
 use exr::prelude::{ReadChannels, ReadLayers};
 use serde_json::{Value, json};
 
-use crate::client::{Answer, ask_with, bearer, get, new_session, post};
+use crate::client::{HttpAnswer, ask_with, bearer, get, new_session, post};
 use crate::server::SHARED;
 
 /// Percent-encoded for a query, as `curl --data-urlencode` does it.
@@ -42,7 +42,7 @@ fn camera(name: &str) -> Value {
         "projection": {"perspective": {"yfov": 0.7, "znear": 0.1}}})
 }
 
-fn picture(session: &str, query: &str) -> Answer {
+fn picture(session: &str, query: &str) -> HttpAnswer {
     get(&SHARED, &format!("/sessions/{session}/render?size=64x36{query}"))
 }
 
@@ -261,7 +261,7 @@ fn what_a_program_has_is_neither_sent_nor_drawn_again() {
             None,
         )
     };
-    let tag = |answer: &Answer| answer.headers["etag"].to_str().expect("text").to_owned();
+    let tag = |answer: &HttpAnswer| answer.headers["etag"].to_str().expect("text").to_owned();
     let render = "/render?size=64x36";
     let (state, shot) = (asked("", "\"\""), asked(render, "\"\""));
     assert_eq!((state.status, shot.status), (200, 200));

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use std::time::Duration;
 use std::{fs, thread};
 
-use server::{Config, Server, ServerError};
+use server::{Server, ServerConfig, ServerError};
 use tempfile::TempDir;
 use tokio::net::TcpListener;
 use tokio::runtime::{Handle, Runtime};
@@ -16,14 +16,14 @@ use tokio::task::{JoinHandle, spawn_blocking};
 
 /// Where a server is and what lets one in.
 #[derive(Clone)]
-pub struct Door {
+pub struct ServerDoor {
     pub address: SocketAddr,
     pub token: String,
 }
 
 /// A server of one test's own.
-pub struct Own {
-    pub door: Door,
+pub struct OwnServer {
+    pub door: ServerDoor,
     pub folder: TempDir,
     stop: oneshot::Sender<()>,
     served: JoinHandle<Result<(), ServerError>>,
@@ -31,7 +31,7 @@ pub struct Own {
 
 /// The server that tests share; each uses sessions of its own. It ends with the process, and so it is warm before it is
 /// used: a process that ends while its driver compiles may crash.
-pub static SHARED: LazyLock<Door> = LazyLock::new(|| {
+pub static SHARED: LazyLock<ServerDoor> = LazyLock::new(|| {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("shared-server");
     // What an earlier run has left.
     let _ = fs::remove_dir_all(&folder);
@@ -62,7 +62,7 @@ pub fn is_ready(address: SocketAddr) -> bool {
     answer.starts_with("HTTP/1.1 200 ")
 }
 
-impl Own {
+impl OwnServer {
     pub async fn start() -> Self {
         Self::start_in(TempDir::new().unwrap()).await
     }
@@ -81,8 +81,8 @@ impl Own {
     }
 }
 
-async fn open(folder: &Path) -> (Door, Server, TcpListener) {
-    let config = Config {
+async fn open(folder: &Path) -> (ServerDoor, Server, TcpListener) {
+    let config = ServerConfig {
         data: folder.into(),
         session: "main".into(),
         scene: None,
@@ -94,5 +94,5 @@ async fn open(folder: &Path) -> (Door, Server, TcpListener) {
     let server = spawn_blocking(move || Server::open(&config).unwrap()).await.unwrap();
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
-    (Door { address, token: server.token().digits().to_owned() }, server, listener)
+    (ServerDoor { address, token: server.token().digits().to_owned() }, server, listener)
 }

@@ -4,33 +4,33 @@ use protocol::ServerMessage;
 use serde_json::{Value, json};
 use tokio::task::spawn_blocking;
 
-use crate::client::{Answer, Came, Client, bearer, get, hello, new_session, post, send};
-use crate::server::{Door, Own, SHARED};
+use crate::client::{Client, HttpAnswer, ReceivedMessage, bearer, get, hello, new_session, post, send};
+use crate::server::{OwnServer, SHARED, ServerDoor};
 
 /// What the list says of a session; `None` where it leaves it out.
-fn entry(door: &Door, query: &str, name: &str) -> Option<Value> {
+fn entry(door: &ServerDoor, query: &str, name: &str) -> Option<Value> {
     let list = get(door, &format!("/sessions{query}")).json();
     let sessions = list["sessions"].as_array().expect("a list");
     sessions.iter().find(|session| session["name"] == name).cloned()
 }
 
-fn patch(door: &Door, name: &str, body: &Value) -> Answer {
+fn patch(door: &ServerDoor, name: &str, body: &Value) -> HttpAnswer {
     let headers = [("authorization", bearer(door)), ("content-type", "application/json".into())];
     let headers = headers.each_ref().map(|(name, value)| (*name, value.as_str()));
     send(door, "PATCH", &format!("/sessions/{name}"), &headers, body.to_string().as_bytes())
 }
 
-fn delete(door: &Door, name: &str) -> Answer {
+fn delete(door: &ServerDoor, name: &str) -> HttpAnswer {
     send(door, "DELETE", &format!("/sessions/{name}"), &[("authorization", &bearer(door))], b"")
 }
 
-fn widen(door: &Door, session: &str, degrees: u32) -> Answer {
+fn widen(door: &ServerDoor, session: &str, degrees: u32) -> HttpAnswer {
     let set = json!({"type": "set", "target": "/lights/1/coneAngle", "value": degrees});
     let edits = json!({"actor": {"id": "bob", "name": "Bob"}, "edits": [{"command": set}]});
     post(door, &format!("/sessions/{session}/edits"), &edits.to_string())
 }
 
-fn gauge(door: &Door, name: &str) -> f64 {
+fn gauge(door: &ServerDoor, name: &str) -> f64 {
     let text = get(door, "/metrics").text().to_owned();
     let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok());
     value.unwrap_or_else(|| panic!("no {name}"))
@@ -85,7 +85,7 @@ async fn the_list_says_what_changed_last_and_who_is_there() {
 /// Rules: HTTP-32, HTTP-12
 #[tokio::test]
 async fn a_hundred_sessions_are_listed_and_none_is_opened() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let door = own.door.clone();
     let asked = spawn_blocking(move || {
         for number in 1..100 {
@@ -113,7 +113,9 @@ async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     assert_eq!((answer.status, &answer.json()["title"]), (200, &json!("Küche, abends")));
     assert_eq!(answer.json()["people"], json!(["Ada"]));
     let told = |came| match came {
-        Came::Control(ServerMessage::SessionChanged { title, archived }) => Some((title, archived)),
+        ReceivedMessage::Control(ServerMessage::SessionChanged { title, archived }) => {
+            Some((title, archived))
+        }
         _ => None,
     };
     assert_eq!(ada.until(told).await, ("Küche, abends".into(), false));
@@ -130,7 +132,7 @@ async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     // Its link opens it, and who is there goes on.
     assert_eq!(widen(&SHARED, "titled", 21).status, 200);
     let logged = |came| match came {
-        Came::Control(ServerMessage::Log { record, .. }) => Some(record.seq),
+        ReceivedMessage::Control(ServerMessage::Log { record, .. }) => Some(record.seq),
         _ => None,
     };
     assert_eq!(ada.until(logged).await, welcome.seq + 1);
@@ -204,7 +206,7 @@ async fn only_an_archived_session_that_nobody_is_in_is_deleted() {
     assert_eq!(delete(&SHARED, "deleted").refusal(), (404, "notFound".into()));
     let mut late = Client::connect(&SHARED).await;
     late.say(&hello(&SHARED.token, "deleted", "Ada")).await;
-    let Came::Control(ServerMessage::Error { code, fatal, .. }) = late.next().await else {
+    let ReceivedMessage::Control(ServerMessage::Error { code, fatal, .. }) = late.next().await else {
         panic!("no error")
     };
     assert_eq!((code.name(), fatal), ("notFound", true));

@@ -6,7 +6,7 @@ use std::os::unix::fs::PermissionsExt;
 use serde_json::{Value, json};
 
 use crate::client::{Client, ask_with, get, new_session, post};
-use crate::server::{Own, SHARED};
+use crate::server::{OwnServer, SHARED};
 
 fn edit(session: &str, body: &Value) -> Value {
     let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string());
@@ -84,7 +84,7 @@ fn edits_are_answered_one_by_one_and_logged() {
 /// Rules: HTTP-15
 #[tokio::test]
 async fn what_is_kept_is_its_owners_alone() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let mut folders = vec![own.folder.path().to_owned()];
     let mut seen = Vec::new();
     while let Some(folder) = folders.pop() {

@@ -5,7 +5,7 @@ use protocol::{ClientMessage, Command, Document, ServerMessage};
 use serde_json::{Value, json};
 use tokio::task::{JoinHandle, spawn, spawn_blocking};
 
-use crate::client::{Came, Client, get, post};
+use crate::client::{Client, ReceivedMessage, get, post};
 use crate::server::SHARED;
 
 /// A session that needs no scene, with one light.
@@ -30,14 +30,14 @@ fn cone_angles(count: u32) -> Vec<Value> {
 }
 
 /// What a client knows of a session's history, as its messages tell it.
-struct Known {
+struct MirroredDocument {
     seq: u64,
     hash: String,
     resyncs: usize,
 }
 
-impl Known {
-    fn hear(&mut self, message: &ServerMessage) {
+impl MirroredDocument {
+    fn apply_message(&mut self, message: &ServerMessage) {
         match message {
             ServerMessage::Log { record, hash, .. } => {
                 assert_eq!(record.seq, self.seq + 1, "each record comes once and in order");
@@ -59,13 +59,13 @@ fn hash_of(document: Document) -> String {
 }
 
 /// Reads on until record `last` is known.
-fn watch(mut client: Client, mut known: Known, last: u64) -> JoinHandle<Known> {
+fn watch(mut client: Client, mut known: MirroredDocument, last: u64) -> JoinHandle<MirroredDocument> {
     spawn(async move {
         while known.seq < last {
             match client.next().await {
-                Came::Control(message) => known.hear(&message),
-                Came::Frame(_) => {}
-                Came::End => panic!("closed at record {}", known.seq),
+                ReceivedMessage::Control(message) => known.apply_message(&message),
+                ReceivedMessage::Frame(_) => {}
+                ReceivedMessage::End => panic!("closed at record {}", known.seq),
             }
         }
         known
@@ -80,7 +80,7 @@ async fn who_reads_is_not_closed_however_much_happens() {
     let mut viewers = Vec::new();
     for number in 0..3 {
         let (client, welcome) = Client::join(&SHARED, "busy", &format!("viewer {number}")).await;
-        let known = Known { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
+        let known = MirroredDocument { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
         viewers.push(watch(client, known, 1 + 4 * u64::from(BATCH)));
     }
     let send = || spawn_blocking(|| batch("busy", &cone_angles(BATCH)));
@@ -102,7 +102,7 @@ async fn a_long_request_does_not_make_others_wait_for_its_end() {
     spawn_blocking(|| lit_session("shared", &json!({"type": "spot"}))).await.unwrap();
     let (mut ada, _) = Client::join(&SHARED, "shared", "Ada").await;
     let long = spawn_blocking(|| batch("shared", &cone_angles(1_000)));
-    let record = |came| matches!(came, Came::Control(ServerMessage::Log { .. })).then_some(());
+    let record = |came| matches!(came, ReceivedMessage::Control(ServerMessage::Log { .. })).then_some(());
     ada.until(record).await;
     let parameter = NAME.to("lamp".into()).into();
     let command = Command::SetLight { light: 1, parameter };
@@ -121,7 +121,7 @@ async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers()
     let (colors, numbers) = ([[third; 3]; 200].to_vec(), [third; 200].to_vec());
     let light = json!({"type": "bendy", "points": points, "radii": numbers, "colors": colors, "intensities": numbers});
     spawn_blocking(move || lit_session("late", &light)).await.unwrap();
-    let (mut ada, welcome) = Client::join_narrowly(&SHARED, "late", "Ada").await;
+    let (mut ada, welcome) = Client::join_with_small_buffers(&SHARED, "late", "Ada").await;
     let insert_and_remove = || {
         let pair = [
             json!({"type": "insertPoint", "light": 1, "point": 100}),
@@ -134,15 +134,15 @@ async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers()
     let parameter = NAME.to("lamp".into()).into();
     let command = Command::SetLight { light: 1, parameter };
     ada.say(&ClientMessage::Edit { op_id: "late".into(), base_seq: 1, command }).await;
-    let mut known = Known { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
+    let mut known = MirroredDocument { seq: welcome.seq, hash: welcome.hash, resyncs: 0 };
     let answer = ada
         .until(|came| match came {
-            Came::Control(ServerMessage::EditResult(result)) => Some(result),
-            Came::Control(message) => {
-                known.hear(&message);
+            ReceivedMessage::Control(ServerMessage::EditResult(result)) => Some(result),
+            ReceivedMessage::Control(message) => {
+                known.apply_message(&message);
                 None
             }
-            Came::Frame(_) | Came::End => None,
+            ReceivedMessage::Frame(_) | ReceivedMessage::End => None,
         })
         .await;
     assert_eq!(answer.outcome.seq(), Some(602));
@@ -151,9 +151,9 @@ async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers()
     assert_eq!(known.hash, hash.as_str().unwrap());
 }
 
-fn result(came: Came) -> Option<protocol::EditResult> {
+fn result(came: ReceivedMessage) -> Option<protocol::EditResult> {
     match came {
-        Came::Control(ServerMessage::EditResult(result)) => Some(result),
+        ReceivedMessage::Control(ServerMessage::EditResult(result)) => Some(result),
         _ => None,
     }
 }

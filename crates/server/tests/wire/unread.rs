@@ -13,8 +13,8 @@ use tokio::net::TcpStream;
 use tokio::task::spawn_blocking;
 use tokio::time::{Instant, pause, sleep};
 
-use crate::client::{Came, Client, bearer, connect_narrowly, get, hello, post};
-use crate::server::{Door, Own, is_ready};
+use crate::client::{Client, ReceivedMessage, bearer, connect_with_small_buffers, get, hello, post};
+use crate::server::{OwnServer, ServerDoor, is_ready};
 
 const MIB: u64 = 1 << 20;
 
@@ -22,21 +22,21 @@ const MIB: u64 = 1 << 20;
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 #[ignore = "the child of the test below, which starts it"]
 async fn child_that_serves_until_its_input_ends() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     println!("door {} {}", own.door.address, own.door.token);
     spawn_blocking(|| io::stdin().read_to_end(&mut Vec::new())).await.unwrap().unwrap();
     own.stop().1.await.unwrap().unwrap();
 }
 
 /// A server in a process of its own.
-struct Apart {
-    door: Door,
+struct ChildServer {
+    door: ServerDoor,
     child: Child,
     /// It ends with this.
     _input: ChildStdin,
 }
 
-impl Apart {
+impl ChildServer {
     fn start() -> Self {
         let child = ["--exact", "unread::child_that_serves_until_its_input_ends", "--ignored", "--nocapture"];
         let mut command = Command::new(env::current_exe().unwrap());
@@ -46,7 +46,7 @@ impl Apart {
         let lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let door = lines.map_while(Result::ok).find_map(|line| {
             let (address, token) = line.split_once("door ")?.1.split_once(' ')?;
-            Some(Door { address: address.parse().unwrap(), token: token.to_owned() })
+            Some(ServerDoor { address: address.parse().unwrap(), token: token.to_owned() })
         });
         Self { door: door.expect("it serves"), child, _input: input }
     }
@@ -59,21 +59,21 @@ impl Apart {
     }
 }
 
-impl Drop for Apart {
+impl Drop for ChildServer {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-fn edit(door: &Door, command: &serde_json::Value) {
+fn edit(door: &ServerDoor, command: &serde_json::Value) {
     let body = json!({"edits": [{ "command": command }]}).to_string();
     let answer = post(door, "/sessions/large/edits", &body);
     assert!(answer.status == 200 && answer.text().contains("committed"), "{}", answer.text());
 }
 
 /// A session whose document has more than 16 MiB.
-fn large_session(door: &Door) {
+fn large_session(door: &ServerDoor) {
     assert_eq!(post(door, "/sessions", r#"{"name": "large"}"#).status, 201);
     let paths: Vec<String> = (0..256).map(|n| format!("{n:0>250}")).collect();
     let links = json!({ "include": paths });
@@ -84,12 +84,12 @@ fn large_session(door: &Door) {
     assert!(get(door, "/sessions/large").body.len() as u64 > 16 * MIB);
 }
 
-fn asks_for_document(door: &Door) -> String {
+fn asks_for_document(door: &ServerDoor) -> String {
     format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door))
 }
 
 /// A socket that says hello and a request for the document, neither of which reads what comes.
-async fn reads_nothing(door: &Door, number: usize) -> (Client, TcpStream) {
+async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) {
     let mut socket = Client::connect(door).await;
     socket.say(&hello(&door.token, "large", &format!("client {number}"))).await;
     let mut http = TcpStream::connect(door.address).await.unwrap();
@@ -104,7 +104,7 @@ async fn reads_nothing(door: &Door, number: usize) -> (Client, TcpStream) {
 /// Rules: SOCK-10, SOCK-13, HTTP-26
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn a_document_is_held_once_however_many_read_nothing_of_it() {
-    let server = spawn_blocking(Apart::start).await.unwrap();
+    let server = spawn_blocking(ChildServer::start).await.unwrap();
     let door = server.door.clone();
     while !is_ready(door.address) {
         sleep(Duration::from_millis(50)).await;
@@ -142,7 +142,7 @@ async fn a_document_is_held_once_however_many_read_nothing_of_it() {
     late.say(&hello(&door.token, "large", "Late")).await;
     assert!(matches!(
         late.next().await,
-        Came::Control(ServerMessage::Error { code: ErrorCode::Busy, fatal: true, .. })
+        ReceivedMessage::Control(ServerMessage::Error { code: ErrorCode::Busy, fatal: true, .. })
     ));
     drop(readers);
     let mut tries = 0..1_000;
@@ -163,13 +163,13 @@ async fn take_slowly(mut stream: impl AsyncRead + Unpin) -> Duration {
 
 /// Rules: SOCK-10, HTTP-26
 #[tokio::test]
-async fn what_is_taken_too_slowly_is_cut_off() {
-    let own = Own::start().await;
+async fn slow_readers_are_disconnected() {
+    let own = OwnServer::start().await;
     let door = own.door.clone();
     spawn_blocking(move || large_session(&door)).await.unwrap();
-    let mut http = connect_narrowly(&own.door).await;
+    let mut http = connect_with_small_buffers(&own.door).await;
     http.write_all(asks_for_document(&own.door).as_bytes()).await.unwrap();
-    let mut client = Client::connect_narrowly(&own.door).await;
+    let mut client = Client::connect_with_small_buffers(&own.door).await;
     client.say(&hello(&own.door.token, "large", "Ada")).await;
     let mut client = client.into_stream();
     for stream in [&mut http as &mut (dyn AsyncRead + Unpin), &mut client] {

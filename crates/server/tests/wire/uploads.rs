@@ -11,14 +11,14 @@ use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
 use crate::client::{ask_with, bearer};
-use crate::server::{Door, Own};
+use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
 /// More than the server lets on their way at once.
 const MANY: usize = 40;
 
 /// Begins to send a scene whose head says that it has so many bytes.
-async fn begin(door: &Door, bytes: usize, part: &[u8]) -> TcpStream {
+async fn begin(door: &ServerDoor, bytes: usize, part: &[u8]) -> TcpStream {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let head = format!(
         "POST /assets?name=large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\nContent-Length: {bytes}\r\n\r\n",
@@ -70,7 +70,7 @@ async fn until(what: &str, holds: impl Fn() -> bool) {
 /// Rules: HTTP-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn what_is_cut_off_leaves_nothing() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let folder = own.folder.path().canonicalize().unwrap();
     let before = named(&folder);
     let part = vec![b' '; 8 * MIB];
@@ -96,7 +96,7 @@ async fn what_is_cut_off_leaves_nothing() {
 /// Rules: HTTP-11
 #[tokio::test]
 async fn what_is_too_large_is_refused_at_once() {
-    let own = Own::start().await;
+    let own = OwnServer::start().await;
     let mut sending = begin(&own.door, 769 * MIB, b"glTF").await;
     let mut answer = vec![0; 1024];
     let length = sending.read(&mut answer).await.unwrap();

@@ -12,12 +12,12 @@ use std::process::{Command, Stdio};
 use std::{env, fs};
 
 use document::{CameraId, CameraParameter};
-use edit::{Actor, Request, Session, Sources};
+use edit::{Actor, EditRequest, EditSources, Session};
 use scene::{Camera, Projection};
 use tempfile::TempDir;
 
 use crate::records::insert_batch;
-use crate::{Batch, Store, StoreError};
+use crate::{CommitBatch, Store, StoreError};
 
 const CHILD: &str = "sqlite::durability::child_that_appends_and_acknowledges";
 const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
@@ -28,7 +28,7 @@ const NO_COMMIT: &str = "no commit";
 /// Commits without waiting for the disk.
 const NO_SYNC: &str = "no sync";
 /// Leaves the write-ahead log as a failed commit left it.
-const NO_SETTLING: &str = "no settling";
+const NO_LOG_CLEANUP: &str = "no settling";
 
 #[test]
 #[ignore = "the child of the tests below, which they start"]
@@ -48,15 +48,15 @@ fn child_that_appends_and_acknowledges() {
         let before = session.clone();
         let record = next_record(&mut session);
         let (seq, hash) = (record.seq, session.document().hash());
-        let batch = Batch { session: "main", records: &[record], rejections: &[], hash };
+        let batch = CommitBatch { session: "main", records: &[record], rejections: &[], hash };
         let outcome = match &*fault {
             NO_COMMIT => Ok(()),
-            NO_SETTLING => append_without_settling(&mut store, &batch),
+            NO_LOG_CLEANUP => append_without_settling(&mut store, &batch),
             _ => store.append(&[batch]).map(drop),
         };
         let said = match outcome {
             Ok(()) => "ack",
-            Err(StoreError::Unknown(_)) => "unknown",
+            Err(StoreError::UnknownOutcome(_)) => "unknown",
             Err(_) => "refused",
         };
         writeln!(std::io::stdout(), "{said} {seq}").expect("a reader");
@@ -69,7 +69,7 @@ fn child_that_appends_and_acknowledges() {
     std::process::exit(0);
 }
 
-fn append_without_settling(store: &mut Store, batch: &Batch) -> Result<(), StoreError> {
+fn append_without_settling(store: &mut Store, batch: &CommitBatch) -> Result<(), StoreError> {
     let writer = store.database.begin()?;
     insert_batch(&writer, &writer.find(batch.session)?, batch)?;
     Ok(writer.commit()?)
@@ -88,9 +88,9 @@ fn next_record(session: &mut Session) -> edit::Record {
         document::Command::SetCamera { camera: CameraId(1), parameter }
     };
     let actor = Actor { id: "a".into(), name: "Ada".into() };
-    let request = Request::Edit { base_seq: None, command };
-    let sources = Sources::default();
-    session.request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
+    let request = EditRequest::Edit { base_seq: None, command };
+    let sources = EditSources::default();
+    session.execute_request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
 }
 
 /// The child, ready to be started, by itself or as arguments of `tracer`.
@@ -203,14 +203,14 @@ fn traced(fault: &str) -> (usize, usize) {
 }
 
 /// What a child says that it did while its disk failed, and what its log holds then.
-struct Failed {
+struct FaultRun {
     /// Each word that it said with the record's sequence.
-    said: Vec<(String, u64)>,
+    acknowledgements: Vec<(String, u64)>,
     /// The latest record that is found afterwards.
     found: u64,
 }
 
-impl Failed {
+impl FaultRun {
     /// `faults` says which system calls fail how and when, each as strace's `inject` does.
     fn run(faults: &[&str], fault: &str) -> Self {
         let folder = TempDir::new().expect("a folder");
@@ -225,20 +225,21 @@ impl Failed {
             let (word, seq) = line.split_once(' ')?;
             Some((word.to_owned(), seq.parse().ok()?))
         });
-        let said = said.filter(|(word, _)| ["ack", "refused", "unknown"].contains(&&**word)).collect();
+        let acknowledgements =
+            said.filter(|(word, _)| ["ack", "refused", "unknown"].contains(&&**word)).collect();
         let found = Store::open(folder.path()).expect("a store").session("main").expect("a session").seq;
-        Self { said, found }
+        Self { acknowledgements, found }
     }
 
     fn count(&self, word: &str) -> usize {
-        self.said.iter().filter(|(said, _)| said == word).count()
+        self.acknowledgements.iter().filter(|(said, _)| said == word).count()
     }
 
     /// Whether the log holds what it was said to hold.
-    fn is_honest(&self) -> bool {
+    fn matches_log(&self) -> bool {
         let acknowledged = 1 + self.count("ack") as u64;
         // What was refused last would stand behind what was acknowledged last; nothing else can have come since.
-        let may_be_more = self.said.last().is_some_and(|(word, _)| word == "unknown");
+        let may_be_more = self.acknowledgements.last().is_some_and(|(word, _)| word == "unknown");
         self.found == acknowledged || may_be_more && self.found == acknowledged + 1
     }
 }
@@ -253,15 +254,20 @@ fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
     let (mut refused, mut unknown) = (0, 0);
     for sync in 1..12 {
         for when in [format!("{sync}"), format!("{sync}+")] {
-            let run = Failed::run(&[&syncs_fail(&when)], "");
-            assert!(run.is_honest(), "sync {when} fails: {:?}, and {} are found", run.said, run.found);
+            let run = FaultRun::run(&[&syncs_fail(&when)], "");
+            assert!(
+                run.matches_log(),
+                "sync {when} fails: {:?}, and {} are found",
+                run.acknowledgements,
+                run.found
+            );
             refused += run.count("refused");
             unknown += run.count("unknown");
         }
     }
     assert!(refused > 0 && unknown > 0, "{refused} and {unknown}: both were tried");
-    let planted = (1..12).map(|sync| Failed::run(&[&syncs_fail(&sync.to_string())], NO_SETTLING));
-    let resurrected = planted.filter(|run| !run.is_honest()).count();
+    let planted = (1..12).map(|sync| FaultRun::run(&[&syncs_fail(&sync.to_string())], NO_LOG_CLEANUP));
+    let resurrected = planted.filter(|run| !run.matches_log()).count();
     assert!(resurrected > 0, "a store that does not settle a failed commit is caught");
 }
 
@@ -274,8 +280,13 @@ fn what_is_refused_when_it_is_sent_again_is_not_in_the_log_either() {
     let (mut refused, mut unknown) = (0, 0);
     for write in 4..24 {
         let full = format!("pwrite64:error=ENOSPC:when={write}+");
-        let run = Failed::run(&[&syncs_fail("2+"), &full], "");
-        assert!(run.is_honest(), "write {write} fails: {:?}, and {} are found", run.said, run.found);
+        let run = FaultRun::run(&[&syncs_fail("2+"), &full], "");
+        assert!(
+            run.matches_log(),
+            "write {write} fails: {:?}, and {} are found",
+            run.acknowledgements,
+            run.found
+        );
         refused += run.count("refused");
         unknown += run.count("unknown");
     }

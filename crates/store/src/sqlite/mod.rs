@@ -20,11 +20,11 @@ use rusqlite::{Connection, ErrorCode, Transaction, TransactionBehavior, params};
 
 use crate::StoreError;
 use crate::disk::sync_folder;
-pub use snapshot::Snapshot;
+pub use snapshot::DatabaseSnapshot;
 pub use write::Writer;
 
 /// The database's name in the data folder.
-pub const DATABASE: &str = "bendylights.sqlite";
+pub const DATABASE_FILE: &str = "bendylights.sqlite";
 /// The database's `user_version`.
 const SCHEMA_VERSION: u32 = 4;
 /// How long to wait for another program that is writing.
@@ -37,13 +37,13 @@ pub struct Database {
     connection: Connection,
     write_ahead_log: PathBuf,
     /// The write-ahead log may hold a commit that failed ([`Database::failed_commit`]).
-    is_unsettled: bool,
+    may_hold_failed_commit: bool,
 }
 
 impl Database {
     /// Opens the database in `folder`, and makes what is missing.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(DATABASE);
+        let path = folder.join(DATABASE_FILE);
         // SQLite gives the files beside its database the rights of that, and would let everybody read it.
         let made = File::options().create(true).append(true).mode(0o600).open(&path);
         let synced = made.and_then(|_| sync_folder(folder));
@@ -53,7 +53,7 @@ impl Database {
 
     /// Opens the database in `folder`, which must be there.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(DATABASE);
+        let path = folder.join(DATABASE_FILE);
         if !path.is_file() {
             return Err(StoreError::NoData(folder.into()));
         }
@@ -61,7 +61,7 @@ impl Database {
     }
 
     /// Does `work` in one transaction: all of it is on the disk when this returns. On an error none is, but for
-    /// [`StoreError::Unknown`].
+    /// [`StoreError::UnknownOutcome`].
     pub fn write<T>(&mut self, work: impl FnOnce(&Writer) -> Result<T, StoreError>) -> Result<T, StoreError> {
         let writer = self.begin()?;
         let done = work(&writer)?;
@@ -85,10 +85,10 @@ impl Database {
         match schema_version(&connection)? {
             0..SCHEMA_VERSION => upgrade_schema(&mut connection)?,
             SCHEMA_VERSION => {}
-            found => return Err(StoreError::Newer { path, found }),
+            found => return Err(StoreError::NewerDatabase { path, found }),
         }
         let write_ahead_log = path.with_extension("sqlite-wal");
-        Ok(Self { connection, write_ahead_log, is_unsettled: false })
+        Ok(Self { connection, write_ahead_log, may_hold_failed_commit: false })
     }
 
     /// What a commit that failed comes to.
@@ -99,8 +99,12 @@ impl Database {
     fn failed_commit(&mut self, reason: rusqlite::Error) -> StoreError {
         // A log that did not fit on the disk ends before the page that commits.
         let is_full = reason.sqlite_error_code() == Some(ErrorCode::DiskFull);
-        self.is_unsettled = !is_full && self.empty_log().is_err();
-        if self.is_unsettled { StoreError::Unknown(reason.to_string()) } else { reason.into() }
+        self.may_hold_failed_commit = !is_full && self.truncate_write_ahead_log().is_err();
+        if self.may_hold_failed_commit {
+            StoreError::UnknownOutcome(reason.to_string())
+        } else {
+            reason.into()
+        }
     }
 
     /// A transaction that writes, alone in doing so from its start.
@@ -108,24 +112,25 @@ impl Database {
     /// What an earlier commit may have left in the write-ahead log is gone before: it may be the same operation that
     /// is now sent again, and a refusal would be a lie.
     fn begin(&mut self) -> Result<Writer<'_>, StoreError> {
-        if self.is_unsettled {
-            self.empty_log().map_err(|reason| StoreError::Unknown(reason.to_string()))?;
-            self.is_unsettled = false;
+        if self.may_hold_failed_commit {
+            self.truncate_write_ahead_log()
+                .map_err(|reason| StoreError::UnknownOutcome(reason.to_string()))?;
+            self.may_hold_failed_commit = false;
         }
         Ok(Writer(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?))
     }
 
     /// Empties the write-ahead log, in which what was deleted stands as it was. Where somebody is reading, as a backup
     /// does for long, later commits do so: none waits for it.
-    pub fn forget(&self) -> Result<(), StoreError> {
+    pub fn purge_deleted(&self) -> Result<(), StoreError> {
         self.connection.busy_timeout(Duration::ZERO)?;
         // What was deleted is so in any case.
-        let _ = self.empty_log();
+        let _ = self.truncate_write_ahead_log();
         Ok(self.connection.busy_timeout(BUSY_TIMEOUT)?)
     }
 
     /// Moves what is committed from the write-ahead log into the database, and empties the log, on the disk too.
-    fn empty_log(&self) -> Result<(), StoreError> {
+    fn truncate_write_ahead_log(&self) -> Result<(), StoreError> {
         let query = "PRAGMA wal_checkpoint(TRUNCATE)";
         let is_busy: bool = self.connection.query_row(query, [], |row| row.get(0))?;
         let synced = if is_busy {

@@ -9,7 +9,7 @@ use rusqlite::{CachedStatement, Connection, OptionalExtension, Row, named_params
 use super::Database;
 use crate::StoreError;
 use crate::stored::{
-    Found, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord,
+    FoundSession, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord,
 };
 
 /// A session with its latest record.
@@ -39,7 +39,7 @@ impl Database {
     }
 
     /// The session of that name.
-    pub fn find(&self, name: &str) -> Result<Found, StoreError> {
+    pub fn find(&self, name: &str) -> Result<FoundSession, StoreError> {
         find(&self.connection, name)
     }
 
@@ -120,12 +120,12 @@ pub(super) fn visit_records(
 }
 
 /// The session of that name.
-pub(super) fn find(connection: &Connection, name: &str) -> Result<Found, StoreError> {
+pub(super) fn find(connection: &Connection, name: &str) -> Result<FoundSession, StoreError> {
     let mut statement = connection.prepare_cached(SESSION)?;
     let empty = Document::default().hash().to_string();
     let params = named_params! {":name": name, ":empty": empty};
     let found = statement
-        .query_row(params, |row| Ok(Found { key: SessionKey(row.get("id")?), row: session_row(row)? }))
+        .query_row(params, |row| Ok(FoundSession { key: SessionKey(row.get("id")?), row: session_row(row)? }))
         .optional()?;
     found.ok_or_else(|| StoreError::NoSession(name.into()))
 }

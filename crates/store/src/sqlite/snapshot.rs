@@ -7,15 +7,15 @@ use std::path::Path;
 use rusqlite::backup::{Backup, StepResult};
 use rusqlite::{Connection, OpenFlags};
 
-use super::{BUSY_TIMEOUT, DATABASE, SCHEMA_VERSION, schema_version};
+use super::{BUSY_TIMEOUT, DATABASE_FILE, SCHEMA_VERSION, schema_version};
 use crate::StoreError;
 
 /// Pages copied between two words on how far it is: 1 MiB or so.
-const PAGES_A_STEP: i32 = 256;
+const PAGES_PER_STEP: i32 = 256;
 
 /// Holds the moment: what is committed later is not in it, and who commits does not wait.
 #[derive(Debug)]
-pub struct Snapshot {
+pub struct DatabaseSnapshot {
     connection: Connection,
     /// Sessions and records.
     pub counts: [u64; 2],
@@ -23,10 +23,10 @@ pub struct Snapshot {
     pub bytes: u64,
 }
 
-impl Snapshot {
+impl DatabaseSnapshot {
     /// The database in `folder` now. It stays in its version's form, whatever this program's is.
     pub fn take(folder: &Path) -> Result<Self, StoreError> {
-        let path = folder.join(DATABASE);
+        let path = folder.join(DATABASE_FILE);
         if !path.is_file() {
             return Err(StoreError::NoData(folder.into()));
         }
@@ -39,7 +39,7 @@ impl Snapshot {
             // A first start that was cut off has made no tables.
             0 => return Err(StoreError::NoData(folder.into())),
             1..=SCHEMA_VERSION => {}
-            found => return Err(StoreError::Newer { path, found }),
+            found => return Err(StoreError::NewerDatabase { path, found }),
         }
         let number = |query: &str| connection.query_row(query, [], |row| row.get::<_, u64>(0));
         let bytes = number("PRAGMA page_count")? * number("PRAGMA page_size")?;
@@ -50,14 +50,14 @@ impl Snapshot {
     /// Writes it as the database of another folder, which has none. It is on the disk when this returns. `copied` is told of the
     /// bytes of each step.
     pub fn copy_to(self, folder: &Path, copied: &mut dyn FnMut(u64)) -> Result<(), StoreError> {
-        let path = folder.join(DATABASE);
+        let path = folder.join(DATABASE_FILE);
         let made = File::options().create_new(true).write(true).mode(0o600).open(&path);
         made.map_err(|reason| StoreError::Io { path: path.clone(), reason })?;
         let mut copy = Connection::open(&path)?;
         let backup = Backup::new(&self.connection, &mut copy)?;
         let mut done = 0;
         loop {
-            let step = backup.step(PAGES_A_STEP)?;
+            let step = backup.step(PAGES_PER_STEP)?;
             let progress = backup.progress();
             let pages = u64::try_from(progress.pagecount).unwrap_or(0);
             let left = u64::try_from(progress.remaining).unwrap_or(0);

@@ -2,13 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use protocol::Place;
+use protocol::LogPosition;
 use rusqlite::{ErrorCode, OptionalExtension, Row, Transaction, params};
 
 use super::read::{find, find_summary, visit_records};
 use crate::StoreError;
 use crate::limits::{MAX_ALL_REJECTIONS, MAX_REJECTIONS};
-use crate::stored::{Found, NewRecord, Rejection, SessionKey, SessionSummary, StoredRecord};
+use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, SessionSummary, StoredRecord};
 
 /// A transaction that writes. What it has written stays only if [`super::Database::write`] commits it.
 pub struct Writer<'a>(pub(super) Transaction<'a>);
@@ -20,7 +20,7 @@ impl Writer<'_> {
     }
 
     /// The session of that name.
-    pub fn find(&self, name: &str) -> Result<Found, StoreError> {
+    pub fn find(&self, name: &str) -> Result<FoundSession, StoreError> {
         find(&self.0, name)
     }
 
@@ -103,20 +103,20 @@ impl Writer<'_> {
     }
 
     /// Where the log holds the long value of that hash.
-    pub fn place_of(&self, key: SessionKey, hash: &str) -> Result<Option<Place>, StoreError> {
+    pub fn position_of_value(&self, key: SessionKey, hash: &str) -> Result<Option<LogPosition>, StoreError> {
         let select = "SELECT record, at FROM held_value WHERE session = ? AND hash = ?";
         let mut statement = self.0.prepare_cached(select)?;
-        let place = |row: &Row<'_>| Ok(Place { record: row.get("record")?, at: row.get("at")? });
+        let place = |row: &Row<'_>| Ok(LogPosition { record: row.get("record")?, at: row.get("at")? });
         Ok(statement.query_row(params![key.0, hash], place).optional()?)
     }
 
     /// Adds the next record to a log. Refuses one that does not follow, and an operation that is in it.
     pub fn insert_record(&self, key: SessionKey, record: &NewRecord) -> Result<(), StoreError> {
-        let NewRecord { seq, time_ms, actor_id, actor_name, op_id, line, first_holds } = record;
+        let NewRecord { seq, time_ms, actor_id, actor_name, op_id, line, new_values: first_holds } = record;
         let insert = "INSERT INTO record (session, seq, actor, op_id, json) VALUES (?, ?, ?, ?, ?)";
         let row = params![key.0, seq, actor_id, op_id, line];
         self.0.prepare_cached(insert)?.execute(row).map_err(|error| match error.sqlite_error_code() {
-            Some(ErrorCode::ConstraintViolation) => StoreError::OutOfStep(*seq),
+            Some(ErrorCode::ConstraintViolation) => StoreError::ConcurrentWrite(*seq),
             _ => error.into(),
         })?;
         let change = "UPDATE session SET changed_ms = ?, changed_by = ? WHERE id = ?";

@@ -33,11 +33,11 @@ fn an_asset_is_called_what_it_was_last_called() {
     assert_eq!(store.assets.name_of(&asset).expect("no error"), None);
     let longest = "ü".repeat(128);
     for name in ["Kitchen", "../Küche ☕", &longest] {
-        store.assets.name(&asset, name).expect("a file");
+        store.assets.set_name(&asset, name).expect("a file");
         assert_eq!(folder.store().assets.name_of(&asset).expect("a name").as_deref(), Some(name));
     }
     for name in ["", " room", "room ", "ro\nom", "ro\u{7f}om", &format!("{longest}x")] {
-        let refused = store.assets.name(&asset, name).expect_err("no name");
+        let refused = store.assets.set_name(&asset, name).expect_err("no name");
         assert_eq!(refused.code(), ErrorCode::BadName, "{name:?}: {refused}");
     }
     assert_eq!(

@@ -8,7 +8,7 @@ use std::thread;
 
 use protocol::ErrorCode;
 use rusqlite::Connection;
-use store::{Backup, Batch, Store, back_up};
+use store::{Backup, CommitBatch, Store, back_up};
 
 use crate::support::{Folder, Log, stored_log};
 
@@ -33,7 +33,7 @@ fn a_backup_is_a_data_folder_of_its_own() {
     let log = stored_log(&mut store, "main", 40);
     stored_log(&mut store, "second", 3);
     let asset = store.assets.put(b"room").expect("a file");
-    store.assets.name(&asset, "Room").expect("a name");
+    store.assets.set_name(&asset, "Room").expect("a name");
     fs::write(folder.data().join("assets/.incoming-left"), "half").expect("a leftover");
     let to = folder.data().with_file_name("copy");
     let (mut told, mut all) = (0, 0);
@@ -124,7 +124,7 @@ fn backups_beside_a_writer_hold_all_that_was_acknowledged() {
                 let known = log.records.len();
                 log.add_long_light();
                 log.undo();
-                let batch = Batch { records: &log.records[known..], ..log.batch("main") };
+                let batch = CommitBatch { records: &log.records[known..], ..log.batch("main") };
                 store.append(&[batch]).expect("a commit");
                 acknowledged.store(log.records.len() as u64, Ordering::SeqCst);
             }

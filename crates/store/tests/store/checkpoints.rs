@@ -3,7 +3,7 @@
 use document::Command;
 use protocol::{ErrorCode, SessionCheckpoint};
 use rusqlite::Connection;
-use store::{Store, Tail};
+use store::{RecordTail, Store};
 
 use crate::support::{Folder, Log, SCENE, is_here, of_format_1, stored_log};
 
@@ -11,7 +11,7 @@ fn database(folder: &Folder) -> Connection {
     Connection::open(folder.data().join("bendylights.sqlite")).expect("a database")
 }
 
-fn opened(store: &Store) -> store::Opened {
+fn opened(store: &Store) -> store::OpenedSession {
     store.open_session("main").expect("a log")
 }
 
@@ -27,7 +27,9 @@ fn with_checkpoint(folder: &Folder) -> (Store, Log) {
         log.edit(Command::LoadScene { asset: SCENE, name: "again".into() });
         log.undo();
     }
-    store.append(&[store::Batch { records: &log.records[known..], ..log.batch("main") }]).expect("a commit");
+    store
+        .append(&[store::CommitBatch { records: &log.records[known..], ..log.batch("main") }])
+        .expect("a commit");
     (store, log)
 }
 
@@ -41,10 +43,14 @@ fn only_what_follows_a_checkpoint_is_replayed() {
     assert!(!found.checkpoint_failed && found.checkpoint_bytes > 0);
     assert_eq!((found.session.seq(), found.row.seq), (62, 62));
     assert_eq!(found.session.document().hash(), log.hash());
-    assert_eq!(found.session.past(), log.session.past(), "undo reaches past the checkpoint");
+    assert_eq!(
+        found.session.session_history(),
+        log.session.session_history(),
+        "undo reaches past the checkpoint"
+    );
     // The log alone says the same.
     let replayed = store.replay("main", None).expect("a log");
-    assert_eq!(replayed.past(), log.session.past());
+    assert_eq!(replayed.session_history(), log.session.session_history());
 }
 
 /// Rules: LOG-5
@@ -146,18 +152,18 @@ fn a_log_does_not_grow_by_what_it_holds() {
         (56, log.hash().to_string(), store.session("main").unwrap().proof)
     );
     store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
-    assert_eq!(opened(&store).tail, Tail::default());
+    assert_eq!(opened(&store).tail, RecordTail::default());
     // A file of format 1, which holds everything in full, comes to the same.
     let lines: Vec<_> = log.records.iter().map(of_format_1).collect();
     let header = r#"{"format":1,"session":"old"}"#;
     let checkpoint =
         format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
     let old = format!("{header}\n{}\n{checkpoint}\n", lines.join("\n"));
-    assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").differs, None);
+    assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").first_difference, None);
     // The planted fault: the hash of today's format, which a log of that time cannot have.
     let planted = old.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
     assert_eq!(
-        store::replay_log(planted.as_bytes(), None).expect("format 1").differs.map(|how| how.seq),
+        store::replay_log(planted.as_bytes(), None).expect("format 1").first_difference.map(|how| how.seq),
         Some(56)
     );
     let younger = old.replacen(r#""type":"bendy""#, r#""type":"bendy","exposure":50"#, 1);

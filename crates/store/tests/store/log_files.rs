@@ -2,7 +2,7 @@
 
 use protocol::ErrorCode;
 use protocol::{FIRST_PROOF, next_proof};
-use store::{Difference, Differing};
+use store::{Difference, DifferingPart};
 use store::{Store, StoreError, replay_log};
 
 use crate::support::{Folder, Log, empty_hash, is_here, stored_log};
@@ -49,8 +49,8 @@ fn a_log_goes_out_and_comes_in_again() {
     assert_eq!(records(&exported(&store, "copy")), records(&text));
     let renamed = text.replace("\"session\":\"main\"", "\"session\":\"copy\"");
     let replayed = replay_log(renamed.as_bytes(), None).expect("a log");
-    let expected = Difference { of: Differing::Lines, right_up_to: 0, seq: 10 };
-    assert_eq!(replayed.differs, Some(expected), "a header that was changed");
+    let expected = Difference { part: DifferingPart::Lines, last_matching_seq: 0, seq: 10 };
+    assert_eq!(replayed.first_difference, Some(expected), "a header that was changed");
     let copy = store.replay("copy", None).expect("a log");
     assert_eq!(copy.document().hash(), log.hash());
     let taken = store.import(text.as_bytes(), None, &is_here).expect_err("`main` is there");
@@ -77,7 +77,7 @@ fn a_log_file_replays_to_any_record() {
     let (text, log) = log_file(30);
     let replayed = |to| replay_log(text.as_bytes(), to);
     let whole = replayed(None).expect("a log");
-    assert_eq!((whole.session.document().hash(), whole.differs), (log.hash(), None));
+    assert_eq!((whole.session.document().hash(), whole.first_difference), (log.hash(), None));
     for to in [0, 1, 17, 32] {
         let session = replayed(Some(to)).expect("a log").session;
         assert_eq!((session.seq(), session.document().hash()), (to, log.hash_after(to)));
@@ -178,11 +178,14 @@ fn a_refused_log_leaves_nothing_behind() {
 fn a_replay_says_which_checkpoint_differs_and_goes_on() {
     let (text, log) = log_file(250);
     let planted = text.replace("\"seq\":100,\"hash\":\"", "\"seq\":100,\"hash\":\"0");
-    let planted_at = Difference { of: Differing::Document, right_up_to: 90, seq: 100 };
+    let planted_at = Difference { part: DifferingPart::Document, last_matching_seq: 90, seq: 100 };
     let replayed = replay_log(planted.as_bytes(), None).expect("a log");
-    assert_eq!((replayed.differs, replayed.session.document().hash()), (Some(planted_at), log.hash()));
+    assert_eq!(
+        (replayed.first_difference, replayed.session.document().hash()),
+        (Some(planted_at), log.hash())
+    );
     let before = replay_log(planted.as_bytes(), Some(99)).expect("a log");
-    assert_eq!(before.differs, None);
+    assert_eq!(before.first_difference, None);
     let there = replay_log(planted.as_bytes(), Some(100)).expect("a log");
-    assert_eq!(there.differs, Some(planted_at), "the checkpoint of the last record counts");
+    assert_eq!(there.first_difference, Some(planted_at), "the checkpoint of the last record counts");
 }

@@ -5,7 +5,7 @@ use edit::Action;
 use light::LightId;
 use protocol::{Committed, ErrorCode, Outcome, Problem};
 use rusqlite::Connection;
-use store::{Batch, MAX_REJECTIONS, Rejection, Store, StoreError};
+use store::{CommitBatch, MAX_REJECTIONS, Rejection, Store, StoreError};
 
 use crate::support::{Folder, Log, stored_log};
 
@@ -20,7 +20,7 @@ fn rejection(actor_id: &str, op_id: &str, message: &str) -> Rejection {
 
 fn reject(store: &mut Store, session: &str, rejections: &[Rejection]) {
     let hash = Log::default().hash();
-    store.append(&[Batch { session, records: &[], rejections, hash }]).expect("a commit");
+    store.append(&[CommitBatch { session, records: &[], rejections, hash }]).expect("a commit");
 }
 
 /// Rules: REC-4

@@ -3,7 +3,7 @@
 use edit::{Record, ReplayError};
 use protocol::ErrorCode;
 use rusqlite::Connection;
-use store::{Batch, Store, StoreError};
+use store::{CommitBatch, Store, StoreError};
 
 use crate::support::{Folder, Log, stored_log};
 
@@ -40,25 +40,28 @@ fn batches_are_committed_all_or_none() {
     }
     let log = Log::of(5);
     store
-        .append(&[log.batch("a"), log.batch("b"), Batch { records: &[], ..log.batch("a") }])
+        .append(&[log.batch("a"), log.batch("b"), CommitBatch { records: &[], ..log.batch("a") }])
         .expect("a commit");
 
     let other = Log::of(20);
-    let next = |records| Batch { session: "a", records, rejections: &[], hash: other.hash() };
-    let refused = |store: &mut Store, bad: Batch, why: &str| {
+    let next = |records| CommitBatch { session: "a", records, rejections: &[], hash: other.hash() };
+    let refused = |store: &mut Store, bad: CommitBatch, why: &str| {
         let error = store.append(&[next(&other.records[7..10]), bad]).expect_err(why);
         assert_eq!(store.session("a").expect("a session").seq, 7, "{why}: nothing of the other batch stays");
         error
     };
-    let gap = Batch { session: "b", records: &other.records[8..9], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, gap, "a gap"), StoreError::OutOfStep(9)));
-    let again = Batch { session: "b", records: &other.records[6..7], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, again, "a record again"), StoreError::OutOfStep(7)));
+    let gap =
+        CommitBatch { session: "b", records: &other.records[8..9], rejections: &[], hash: other.hash() };
+    assert!(matches!(refused(&mut store, gap, "a gap"), StoreError::ConcurrentWrite(9)));
+    let again =
+        CommitBatch { session: "b", records: &other.records[6..7], rejections: &[], hash: other.hash() };
+    assert!(matches!(refused(&mut store, again, "a record again"), StoreError::ConcurrentWrite(7)));
     let mut same_operation = other.records[7].clone();
     same_operation.op_id = "op 1".into();
-    let same = Batch { session: "b", records: &[same_operation], rejections: &[], hash: other.hash() };
-    assert!(matches!(refused(&mut store, same, "an operation again"), StoreError::OutOfStep(8)));
-    let nowhere = Batch { session: "c", records: &other.records[..1], rejections: &[], hash: other.hash() };
+    let same = CommitBatch { session: "b", records: &[same_operation], rejections: &[], hash: other.hash() };
+    assert!(matches!(refused(&mut store, same, "an operation again"), StoreError::ConcurrentWrite(8)));
+    let nowhere =
+        CommitBatch { session: "c", records: &other.records[..1], rejections: &[], hash: other.hash() };
     assert!(matches!(refused(&mut store, nowhere, "no session"), StoreError::NoSession(_)));
     store.append(&[next(&other.records[7..10])]).expect("the same without the fault");
 }
@@ -136,7 +139,7 @@ fn replay_names_the_record_that_was_tampered_with() {
     };
     // A value that nothing later starts from: only the hash tells.
     let (said, last) = error(r"UPDATE record SET json = replace(json, '39.0', '39.5') WHERE seq = 42");
-    assert!(matches!(last, StoreError::Altered { seq: 42 }), "{said}");
+    assert!(matches!(last, StoreError::HashMismatch { seq: 42 }), "{said}");
     let (said, early) = error(r"UPDATE record SET json = replace(json, '[1.0,', '[1.25,') WHERE seq = 4");
     let conflict = matches!(early, StoreError::Replay(ReplayError::Record { seq: 5, .. }));
     assert!(conflict, "the next record starts from the value that was: {said}");

@@ -6,7 +6,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use protocol::ErrorCode;
 use rusqlite::Connection;
-use store::{Batch, LastChange, SessionChange, Store, StoreError, replay_log};
+use store::{CommitBatch, LastChange, SessionChange, Store, StoreError, replay_log};
 
 use crate::support::{Folder, Log, of_format_1, stored_log};
 
@@ -85,7 +85,9 @@ fn a_title_and_the_archive_leave_name_and_log_alone() {
     assert_eq!(exported(&store, "main"), log);
     let mut longer = Log::of(3);
     longer.add_long_light();
-    store.append(&[Batch { records: &longer.records[5..], ..longer.batch("main") }]).expect("it goes on");
+    store
+        .append(&[CommitBatch { records: &longer.records[5..], ..longer.batch("main") }])
+        .expect("it goes on");
     assert!(!store.change_session("main", &archived(false)).expect("brought back").is_archived);
     for title in ["", " a", "a ", "a\nb", &"x".repeat(257)] {
         let refused = store.change_session("main", &titled(title)).expect_err(title);
@@ -115,13 +117,13 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     assert_eq!(records(&of_main).len(), 42);
     assert_ne!(of_main.last(), of_copy.last(), "the proofs cover the name");
     let replayed = replay_log((of_copy.join("\n") + "\n").as_bytes(), None).expect("a log");
-    assert!(replayed.differs.is_none(), "{:?}", replayed.differs);
+    assert!(replayed.first_difference.is_none(), "{:?}", replayed.first_difference);
     // The proofs of the original are not those of the copy: planted, they are caught.
     let planted = [&of_copy[..1], &of_main[1..]].concat().join("\n") + "\n";
-    assert!(replay_log(planted.as_bytes(), None).expect("a log").differs.is_some());
+    assert!(replay_log(planted.as_bytes(), None).expect("a log").first_difference.is_some());
     // Undo goes on in it, and neither knows of the other's records.
     log.undo();
-    let more = Batch { records: &log.records[42..], ..log.batch("copy") };
+    let more = CommitBatch { records: &log.records[42..], ..log.batch("copy") };
     store.append(&[more]).expect("it goes on");
     assert_eq!(store.open_session("copy").expect("a log").session.document().hash(), log.hash());
     assert_eq!(store.summary("main").expect("a session"), main);
@@ -143,7 +145,7 @@ fn a_duplicate_proves_no_line_that_was_changed() {
     database.execute_batch(fault).expect("planted");
     let refused = store.duplicate_session("main", "copy", None).expect_err("a changed line");
     assert_eq!(refused.code(), ErrorCode::BadLog);
-    assert!(matches!(refused, StoreError::Unproven { seq: 10 }), "the next that has a proof: {refused}");
+    assert!(matches!(refused, StoreError::ProofMismatch { seq: 10 }), "the next that has a proof: {refused}");
     assert_eq!(store.sessions().expect("a list").len(), 1, "nothing of it is left");
 }
 

@@ -1,7 +1,7 @@
 //! Sessions: their names, their epochs, and folders that hold none.
 
 use protocol::{ErrorCode, FIRST_PROOF, next_proof};
-use store::{Batch, MAX_NAME_CHARS, Store, StoreError};
+use store::{CommitBatch, MAX_NAME_CHARS, Store, StoreError};
 
 use crate::support::{Folder, Log, empty_hash, of_format_1};
 
@@ -52,8 +52,8 @@ fn a_database_of_a_newer_program_is_left_alone() {
     let database = rusqlite::Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
     database.execute_batch("PRAGMA user_version = 5").expect("a pragma");
     drop(database);
-    assert!(matches!(Store::create(&folder.data()), Err(StoreError::Newer { found: 5, .. })));
-    assert!(matches!(Store::open(&folder.data()), Err(StoreError::Newer { found: 5, .. })));
+    assert!(matches!(Store::create(&folder.data()), Err(StoreError::NewerDatabase { found: 5, .. })));
+    assert!(matches!(Store::open(&folder.data()), Err(StoreError::NewerDatabase { found: 5, .. })));
 }
 
 /// A folder of version 1, whose tables are made as that version made them.
@@ -103,7 +103,7 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     // And it goes on from there.
     let mut longer = log;
     longer.add_long_light();
-    store.append(&[Batch { records: &longer.records[32..], ..longer.batch("one") }]).expect("a commit");
+    store.append(&[CommitBatch { records: &longer.records[32..], ..longer.batch("one") }]).expect("a commit");
     let replayed = Store::open(&folder.data()).expect("a store").replay("one", None).expect("a log");
     assert_eq!((replayed.seq(), replayed.document().hash()), (33, longer.hash()));
     let row = store.session("one").expect("a session");

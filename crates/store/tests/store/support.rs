@@ -3,13 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use document::{AssetHash, Command, Context, Document, DocumentHash, SceneContents, was_in_format_2};
-use edit::{Actor, Record, Request, Scope, Session, Sources};
+use document::{AssetHash, Command, CommandContext, Document, DocumentHash, SceneContents, was_in_format_2};
+use edit::{Actor, EditRequest, EditSources, Record, Session, UndoScope};
 use glam::DVec3;
 use light::parameters::{NAME, POINT_INTENSITY, TRANSLATION};
-use light::{CheckedLight, Light, LightId, Owner};
+use light::{CheckedLight, Light, LightId, ParameterOwner};
 use serde_json::Value;
-use store::{Batch, Store};
+use store::{CommitBatch, Store};
 use tempfile::TempDir;
 
 /// A scene that [`is_here`], and is empty.
@@ -68,7 +68,7 @@ impl Log {
                     let setting = POINT_INTENSITY.to(value + 1.5);
                     log.edit(Command::SetPoint { light, point: 1, setting });
                 }
-                6 => log.take(Request::Undo(Scope::Mine)),
+                6 => log.take(EditRequest::Undo(UndoScope::Mine)),
                 _ => {
                     let setting = TRANSLATION.to(DVec3::splat(value));
                     log.edit(Command::SetLight { light, setting });
@@ -79,11 +79,11 @@ impl Log {
     }
 
     pub fn edit(&mut self, command: Command) {
-        self.take(Request::Edit { base_seq: None, command });
+        self.take(EditRequest::Edit { base_seq: None, command });
     }
 
     pub fn undo(&mut self) {
-        self.take(Request::Undo(Scope::Mine));
+        self.take(EditRequest::Undo(UndoScope::Mine));
     }
 
     /// A light of 64 control points, each log its own.
@@ -94,21 +94,21 @@ impl Log {
         self.edit(Command::AddLight(checked(light.with(NAME, "long".into()))));
     }
 
-    fn take(&mut self, request: Request) {
+    fn take(&mut self, request: EditRequest) {
         let actor = Actor { id: "a".into(), name: "Ada".into() };
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.records.get(seq as usize - 1).cloned();
-        let taken_back = self.session.taken_back(&request, &actor.id, &record);
+        let taken_back = self.session.find_revert(&request, &actor.id, &record);
         let contents = SceneContents::default();
-        let context = Context { loaded: Some(&contents), ..Context::default() };
-        let sources = Sources { context, taken_back: taken_back.expect("something to take back") };
-        let record = self.session.request(request, &actor, &op_id, 1_790_000_000_000, sources);
+        let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
+        let sources = EditSources { context, reverted: taken_back.expect("something to take back") };
+        let record = self.session.execute_request(request, &actor, &op_id, 1_790_000_000_000, sources);
         self.records.push(record.expect("a valid request"));
     }
 
     /// All of it, as one batch of `session`.
-    pub fn batch<'a>(&'a self, session: &'a str) -> Batch<'a> {
-        Batch { session, records: &self.records, rejections: &[], hash: self.hash() }
+    pub fn batch<'a>(&'a self, session: &'a str) -> CommitBatch<'a> {
+        CommitBatch { session, records: &self.records, rejections: &[], hash: self.hash() }
     }
 
     pub fn hash(&self) -> DocumentHash {
@@ -135,8 +135,8 @@ pub fn of_format_1(record: &Record) -> String {
     fn strip(value: &mut Value) {
         if let Value::Object(fields) = value {
             let owner = match fields.get("type").and_then(Value::as_str) {
-                Some("spot") => Some(Owner::Spot),
-                Some("bendy") => Some(Owner::Bendy),
+                Some("spot") => Some(ParameterOwner::Spot),
+                Some("bendy") => Some(ParameterOwner::Bendy),
                 _ => None,
             };
             let groups = ["type", "transform", "points", "radii", "colors", "intensities"];
@@ -167,7 +167,7 @@ pub fn stored_log(store: &mut Store, name: &str, edits: u64) -> Log {
             replayed.replay(record).expect("it goes on");
         }
         let hash = replayed.document().hash();
-        store.append(&[Batch { session: name, records, rejections: &[], hash }]).expect("a commit");
+        store.append(&[CommitBatch { session: name, records, rejections: &[], hash }]).expect("a commit");
     }
     log
 }

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use assets::Loaded;
-use bench::drag::{Kind, Stage};
-use cli::{Output, Size, answer, progress, say};
+use assets::LoadedScene;
+use bench::drag::{TrialKind, TrialScene};
+use cli::{OutputFile, Size, print_answer, print_note, progress};
 use studies::StudyError;
-use studies::drags::{self, Cell, Options, Report};
+use studies::drags::{self, DragStudyOptions, DragStudyReport, ReportCell};
 
 /// The demo, and scenes by others beside the checkout.
 const SCENES: [&str; 4] = [
@@ -65,32 +65,34 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     cli::make_folder(args.failures.as_deref())?;
     let defaults = || SCENES.map(String::from).to_vec();
     let scenes = if args.scenes.is_empty() { defaults() } else { args.scenes.clone() };
-    let options = Options { drags: args.drags as usize, seed: args.seed, pins: args.pins as usize };
-    let bar = progress((scenes.len() * Kind::all().count() * options.drags) as u64);
+    let options = DragStudyOptions { drags: args.drags as usize, seed: args.seed, pins: args.pins as usize };
+    let bar = progress((scenes.len() * TrialKind::all().count() * options.drags) as u64);
     let (mut cells, mut all) = (Vec::new(), Vec::new());
     for scene in &scenes {
-        let Some(Loaded { scene: surfaces, contents, .. }) = open(scene)? else {
-            bar.suspend(|| say(&format!("skipped {scene}: there is no such scene here")));
+        let Some(LoadedScene { scene: surfaces, contents, .. }) = open(scene)? else {
+            bar.suspend(|| print_note(&format!("skipped {scene}: there is no such scene here")));
             continue;
         };
         bar.set_message(scene.clone());
-        let stage = Stage::new(scene, surfaces, &contents.cameras, [args.size.width, args.size.height]);
+        let stage = TrialScene::new(scene, surfaces, &contents.cameras, [args.size.width, args.size.height]);
         let (outcomes, failures) = drags::run(&stage, options, || bar.inc(1));
         if let Some(folder) = &args.failures {
             failures.iter().try_for_each(|failure| write(folder, failure))?;
         }
-        cells.extend(Kind::all().map(|kind| Cell::of(&drags::short(scene), kind, outcomes.iter())));
+        cells.extend(
+            TrialKind::all().map(|kind| ReportCell::of(&drags::file_name_of(scene), kind, outcomes.iter())),
+        );
         all.extend(outcomes);
     }
     bar.finish_and_clear();
-    cells.extend(Kind::all().map(|kind| Cell::of("all", kind, all.iter())));
-    let report = Report { drags: options.drags, seed: options.seed, pins: options.pins, cells };
-    report.table().lines().for_each(say);
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    cells.extend(TrialKind::all().map(|kind| ReportCell::of("all", kind, all.iter())));
+    let report = DragStudyReport { drags: options.drags, seed: options.seed, pins: options.pins, cells };
+    report.table().lines().for_each(print_note);
+    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }
 
 /// `None` where there is no such scene here.
-fn open(name: &str) -> Result<Option<Loaded>, StudyError> {
+fn open(name: &str) -> Result<Option<LoadedScene>, StudyError> {
     if let Some(demo) = name.strip_prefix("demo:") {
         return Ok(assets::demo(demo));
     }
@@ -98,9 +100,10 @@ fn open(name: &str) -> Result<Option<Loaded>, StudyError> {
     Ok(if file.is_file() { Some(assets::load(file)?) } else { None })
 }
 
-fn write(folder: &Path, failure: &drags::Failure) -> Result<(), StudyError> {
+fn write(folder: &Path, failure: &drags::DragFailure) -> Result<(), StudyError> {
     let file = |kind: &str, text: String| -> Result<(), StudyError> {
-        Ok(Output::create(&folder.join(format!("{}.{kind}.json", failure.name)))?.write(text.as_bytes())?)
+        Ok(OutputFile::create(&folder.join(format!("{}.{kind}.json", failure.name)))?
+            .write(text.as_bytes())?)
     };
     file("light", failure.light.clone())?;
     file("drags", failure.drags.to_string())?;

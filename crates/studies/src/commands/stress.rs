@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use cli::{answer, progress};
+use cli::{print_answer, progress};
 use studies::StudyError;
-use studies::stress::{self, Length, Options, Property};
+use studies::stress::{self, Length, Property, StressOptions};
 
 #[derive(clap::Args)]
 #[command(after_help = "\
@@ -49,18 +49,18 @@ fn minutes(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(args: &Args) -> Result<(), StudyError> {
-    cli::without_window_system();
+    cli::restart_without_window_system();
     let properties = if args.only.is_empty() { Property::ALL.to_vec() } else { args.only.clone() };
     let length = match args.cases {
         Some(cases) => Length::Cases(cases),
         None => Length::Time(Duration::from_secs_f64(60.0 * args.minutes)),
     };
-    let options = Options { properties, seed: args.seed, length, planted: args.planted };
+    let options = StressOptions { properties, seed: args.seed, length, planted: args.planted };
     let bar = progress(1_000);
     let result = stress::run(&options, |share| bar.set_position((1_000.0 * share) as u64));
     bar.finish_and_clear();
     let report = result?;
-    answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
+    print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?;
     match report.failed().next() {
         None => Ok(()),
         Some((property, failure)) => {

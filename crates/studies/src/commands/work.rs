@@ -1,7 +1,7 @@
 //! `bendylights-studies work`: what do drags cost?
 
-use cli::{answer, progress};
-use drag::MOST_STEPS;
+use cli::{print_answer, progress};
+use drag::MAX_DRAG_STEPS;
 use serde_json::json;
 use studies::StudyError;
 use studies::work::{random, search, stages};
@@ -38,9 +38,9 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), StudyError> {
     let stages = stages(args.triangles, SIZE);
     let bar = progress((args.drags + args.tries) as u64);
-    let drags = random(&stages, args.drags, (args.seed, MOST_STEPS), || bar.inc(1));
-    let most_expensive = search(&stages, args.tries, (args.seed, MOST_STEPS), || bar.inc(1));
+    let drags = random(&stages, args.drags, (args.seed, MAX_DRAG_STEPS), || bar.inc(1));
+    let most_expensive = search(&stages, args.tries, (args.seed, MAX_DRAG_STEPS), || bar.inc(1));
     bar.finish_and_clear();
-    let report = json!({ "mostSteps": MOST_STEPS, "drags": drags, "mostExpensive": most_expensive });
-    Ok(answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
+    let report = json!({ "mostSteps": MAX_DRAG_STEPS, "drags": drags, "mostExpensive": most_expensive });
+    Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }

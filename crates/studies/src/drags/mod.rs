@@ -9,21 +9,21 @@ mod tests;
 
 use std::time::Instant;
 
-use bench::drag::{Kind, Off, Stage, Trial, distance_px};
-use drag::{Drag, Feature, Landing, PinKind, Status, drag};
+use bench::drag::{EquationError, Trial, TrialKind, TrialScene, distance_px};
+use drag::{Drag, DragResult, DragStatus, Feature, PinKind, drag};
 use glam::DVec3;
 use light::CheckedLight;
 use rayon::prelude::*;
-use reference::Source;
+use reference::ReferenceLight;
 use serde_json::{Value, json};
 
-pub use report::{Cell, Outcome, Report};
+pub use report::{DragStudyReport, ReportCell, StudyOutcome};
 
-use pins::Pinned;
+use pins::StudyPin;
 
 /// What to try.
 #[derive(Clone, Copy, Debug)]
-pub struct Options {
+pub struct DragStudyOptions {
     /// Drags of each kind.
     pub drags: usize,
     /// Another number, other drags.
@@ -34,7 +34,7 @@ pub struct Options {
 
 /// A drag that did not land though it could, or that says that it landed and did not.
 #[derive(Clone, Debug)]
-pub struct Failure {
+pub struct DragFailure {
     /// Of scene, kind and number: a name for a file.
     pub name: String,
     /// A light file.
@@ -46,26 +46,30 @@ pub struct Failure {
 }
 
 /// A drag that the product has made.
-struct Made {
+struct StudiedDrag {
     number: usize,
     trial: Trial,
-    pins: Vec<Pinned>,
-    landing: Landing,
+    pins: Vec<StudyPin>,
+    landing: DragResult,
     ms: f64,
 }
 
 /// Drags in one scene, and `progress` for each.
-pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<Outcome>, Vec<Failure>) {
+pub fn run(
+    stage: &TrialScene,
+    options: DragStudyOptions,
+    progress: impl Fn() + Sync,
+) -> (Vec<StudyOutcome>, Vec<DragFailure>) {
     let mut outcomes = Vec::new();
     let mut failures = Vec::new();
-    for kind in Kind::all() {
-        let seed = |number: usize| Trial::seed(options.seed, &short(&stage.name), kind, number);
+    for kind in TrialKind::all() {
+        let seed = |number: usize| Trial::seed(options.seed, &file_name_of(&stage.name), kind, number);
         let trials: Vec<_> = (0..options.drags)
             .into_par_iter()
             .filter_map(|number| {
                 progress();
                 let mut trial = Trial::random(stage, kind, seed(number))?;
-                let pins = pins::draw(stage, &trial, options.pins, seed(number))?;
+                let pins = pins::random_pins(stage, &trial, options.pins, seed(number))?;
                 trial.drag.pins = pins.iter().map(|pinned| pinned.pin.clone()).collect();
                 Some((number, trial, pins))
             })
@@ -74,10 +78,10 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
         let made = trials.into_iter().map(|(number, trial, pins)| {
             let began = Instant::now();
             let landing = drag(&stage.reference.bvh, &stage.view, &trial.light, &trial.drag);
-            Made { number, trial, pins, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
+            StudiedDrag { number, trial, pins, landing, ms: began.elapsed().as_secs_f64() * 1e3 }
         });
         let made: Vec<_> = made.collect();
-        let judged: Vec<_> = made.par_iter().map(|made| judged(stage, made, seed(made.number))).collect();
+        let judged: Vec<_> = made.par_iter().map(|made| judge_drag(stage, made, seed(made.number))).collect();
         for (outcome, failure) in judged {
             outcomes.push(outcome);
             failures.extend(failure);
@@ -87,30 +91,30 @@ pub fn run(stage: &Stage, options: Options, progress: impl Fn() + Sync) -> (Vec<
 }
 
 /// Holds what the product says to the independent way and to the slow solver.
-fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
-    let Made { trial, pins, landing, .. } = made;
-    let (kind, is_landed) = (trial.kind, landing.status == Status::Landed);
+fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcome, Option<DragFailure>) {
+    let StudiedDrag { trial, pins, landing, .. } = made;
+    let (kind, is_landed) = (trial.kind, landing.status == DragStatus::Converged);
     let light = CheckedLight::new(landing.light.clone()).ok();
-    let off = light.as_ref().and_then(|light| Off::of(stage, trial, light));
+    let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
     let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, trial, light));
     // A highlight lies where its centre is seen, however fast directions change over the surface there.
     let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
     let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
     let found = slow::feasible(stage, trial, pins, seed);
-    let is_broken = |pinned: &&Pinned| {
+    let is_broken = |pinned: &&StudyPin| {
         pinned.pin.is_hard && !light.as_ref().is_some_and(|light| pinned.holds(stage, light))
     };
     let broken = pins.iter().filter(is_broken).count();
     let is_infeasible = !is_landed && found.is_none() && !pins.is_empty() && {
         let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
-        drag(&stage.reference.bvh, &stage.view, &trial.light, &free).status == Status::Landed
+        drag(&stage.reference.bvh, &stage.view, &trial.light, &free).status == DragStatus::Converged
     };
-    let outcome = Outcome {
+    let outcome = StudyOutcome {
         kind,
         status: landing.status,
         iterations: landing.iterations,
         ms: made.ms,
-        off: off.map(|off| off.share),
+        equation_error: off.map(|off| off.px_or_degrees),
         px,
         is_wrong,
         is_feasible: found.is_some(),
@@ -122,18 +126,18 @@ fn judged(stage: &Stage, made: &Made, seed: u64) -> (Outcome, Option<Failure>) {
 }
 
 fn failure(
-    stage: &Stage,
-    Made { number, trial, landing, .. }: &Made,
+    stage: &TrialScene,
+    StudiedDrag { number, trial, landing, .. }: &StudiedDrag,
     light: Option<&CheckedLight>,
     (found, broken): (Option<&(usize, CheckedLight)>, usize),
-) -> Failure {
+) -> DragFailure {
     let kind = trial.kind;
-    let names = [kind.feature_name(), kind.points_name(), kind.way_name()].join("-");
+    let names = [kind.feature_name(), kind.points_name(), kind.distance_name()].join("-");
     let folds = |light: &CheckedLight| light.tube().map(light::Tube::r_kappa_max);
-    Failure {
-        name: format!("{}-{names}-{number}", short(&stage.name)),
+    DragFailure {
+        name: format!("{}-{names}-{number}", file_name_of(&stage.name)),
         light: protocol::light_file::to_json(trial.light.light()),
-        drags: contract(stage, trial),
+        drags: drag_json(stage, trial),
         found: json!({
             "scene": stage.name,
             "status": format!("{:?}", landing.status),
@@ -151,20 +155,21 @@ fn failure(
 }
 
 /// Where M' and a shadow's pivot lie in a light, and whether the reference sees light at M'.
-fn at_the_cursor(stage: &Stage, trial: &Trial, light: &CheckedLight) -> Value {
+fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Value {
     let place = |position: DVec3| stage.locate(light, position).map(|place| [place.t, place.v, place.w]);
     let to = stage.surface(trial.drag.to);
-    let visible =
-        to.and_then(|to| stage.reference.sample(&Source::new(light), &to)).map(|sample| sample.visible);
+    let visible = to
+        .and_then(|to| stage.reference.sample(&ReferenceLight::new(light), &to))
+        .map(|sample| sample.is_visible);
     json!({
         "to_tvw": to.and_then(|to| place(to.position)),
-        "pivot_tvw": trial.pivot.and_then(place),
+        "pivot_tvw": trial.pivot_in_scene.and_then(place),
         "visible": visible,
     })
 }
 
 /// The drag as `bendylights drag` reads it.
-fn contract(stage: &Stage, trial: &Trial) -> Value {
+fn drag_json(stage: &TrialScene, trial: &Trial) -> Value {
     json!([{
         "light": 0,
         "kind": trial.kind.feature_name(),
@@ -176,7 +181,7 @@ fn contract(stage: &Stage, trial: &Trial) -> Value {
     }])
 }
 
-fn pin(pin: &drag::Pin) -> Value {
+fn pin(pin: &drag::DragPin) -> Value {
     let kind = match pin.kind {
         PinKind::Direction => "direction",
         PinKind::Lit => "lit",
@@ -187,7 +192,7 @@ fn pin(pin: &drag::Pin) -> Value {
 }
 
 /// The scene's name without what a file name cannot have.
-pub fn short(scene: &str) -> String {
+pub fn file_name_of(scene: &str) -> String {
     let name = std::path::Path::new(scene).file_stem().map_or(scene.into(), |stem| stem.to_string_lossy());
     name.replace(':', "-")
 }

@@ -1,11 +1,11 @@
 //! Random pins, and whether they hold: by the reference's visibility and the light's own `locate`.
 
-use bench::drag::{Stage, Trial};
-use drag::{Pin, PinKind};
+use bench::drag::{Trial, TrialScene};
+use drag::{DragPin, PinKind};
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use light::{CheckedLight, TubePoint};
-use reference::{Source, Surface};
+use reference::{ReferenceLight, ShadedPoint};
 
 /// Pixels that are tried for all pins of a drag.
 const PIXELS: usize = 400;
@@ -22,11 +22,11 @@ const PIXELS_OFF: f64 = 0.5;
 
 /// A pin on a surface that is seen, as it was when its drag began.
 #[derive(Clone, Debug)]
-pub struct Pinned {
+pub struct StudyPin {
     /// As the product is given it.
-    pub pin: Pin,
+    pub pin: DragPin,
     /// Where it lies.
-    pub surface: Surface,
+    pub surface: ShadedPoint,
     /// Where it lay in the light.
     pub place: TubePoint,
     /// Of a shadow: what throws it, in scene space.
@@ -36,20 +36,20 @@ pub struct Pinned {
 }
 
 /// `count` pins that hold as the drag begins, of random kinds, every other one hard; `None` where so many were not found.
-pub fn draw(stage: &Stage, trial: &Trial, count: usize, seed: u64) -> Option<Vec<Pinned>> {
+pub fn random_pins(stage: &TrialScene, trial: &Trial, count: usize, seed: u64) -> Option<Vec<StudyPin>> {
     let mut rng = Rng::with_seed(seed);
     let size = DVec2::from(stage.view.size.map(f64::from));
     let pixels = (0..PIXELS).map(|_| (DVec2::new(rng.f64(), rng.f64()) * size, rng.bool(), rng.bool()));
     let pixels: Vec<_> = pixels.collect();
     let drawn = pixels.into_iter().filter_map(|(pixel, stays, is_hard)| {
         let surface = stage.surface(pixel)?;
-        let sample = stage.reference.sample(&Source::new(&trial.light), &surface)?;
+        let sample = stage.reference.sample(&ReferenceLight::new(&trial.light), &surface)?;
         let seen = stage.seen(pixel)?;
-        let direction = sample.place.direction;
+        let direction = sample.coords.direction;
         if seen.normal.dot(direction).min(seen.geometric_normal.dot(direction)) < LEAST_COSINE {
             return None;
         }
-        let kind = match (sample.visible, stays) {
+        let kind = match (sample.is_visible, stays) {
             (true, true) => PinKind::Lit,
             (true, false) => PinKind::Direction,
             (false, true) => PinKind::Shadowed,
@@ -58,10 +58,10 @@ pub fn draw(stage: &Stage, trial: &Trial, count: usize, seed: u64) -> Option<Vec
         let place = stage.locate(&trial.light, surface.position)?;
         let pivot = if kind == PinKind::Shadow {
             let bvh = &stage.reference.bvh;
-            let path = bvh.path(trial.light.tube()?, place.v, place.w);
+            let path = bvh.bent_path(trial.light.tube()?, place.v, place.w);
             let near = CONTACT * surface.depth;
             let hit = bvh.first_bent_hit(&path, place.t, |hit| {
-                let is_solid = bvh.is_solid(&bvh.triangles[hit.triangle], hit.weights);
+                let is_solid = bvh.passes_alpha_test(&bvh.triangles[hit.triangle], hit.barycentrics);
                 is_solid && hit.position.distance(surface.position) > near
             })?;
             Some(hit.position)
@@ -72,19 +72,22 @@ pub fn draw(stage: &Stage, trial: &Trial, count: usize, seed: u64) -> Option<Vec
             .seen(pixel + DVec2::X)
             .map_or(f64::INFINITY, |beside| beside.position.distance(surface.position));
         let per_pixel = beside.clamp(1e-4 * surface.depth, 0.01 * surface.depth);
-        let pin = Pin { kind, at: surface.position + stage.origin(), caster: None, is_hard };
-        let pinned = Pinned { pin, surface, place, pivot, per_pixel };
+        let pin = DragPin { kind, at: surface.position + stage.origin(), caster: None, is_hard };
+        let pinned = StudyPin { pin, surface, place, pivot, per_pixel };
         pinned.holds(stage, &trial.light).then_some(pinned)
     });
     let pins: Vec<_> = drawn.take(count).collect();
     (pins.len() == count).then_some(pins)
 }
 
-impl Pinned {
+impl StudyPin {
     /// Whether it holds in a light, within half a pixel or a tenth of a degree.
-    pub fn holds(&self, stage: &Stage, light: &CheckedLight) -> bool {
+    pub fn holds(&self, stage: &TrialScene, light: &CheckedLight) -> bool {
         let is_lit = || {
-            stage.reference.sample(&Source::new(light), &self.surface).is_some_and(|sample| sample.visible)
+            stage
+                .reference
+                .sample(&ReferenceLight::new(light), &self.surface)
+                .is_some_and(|sample| sample.is_visible)
         };
         let Some(place) = stage.locate(light, self.surface.position) else { return false };
         match (self.pin.kind, self.pivot) {

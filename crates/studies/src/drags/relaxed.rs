@@ -1,7 +1,7 @@
 //! Where a point lies in a tube that may not hold it: what a search goes by until the light's own `locate` can be asked.
 
 use glam::{DVec2, DVec3};
-use light::{Root, Tube};
+use light::{Tube, TubeRoot};
 
 /// Pieces of a segment between which the distance from the curve is looked at.
 const PIECES: usize = 8;
@@ -10,27 +10,27 @@ const PIECES: usize = 8;
 const BISECTIONS: usize = 40;
 
 /// Segments that the last one of a light that goes on is followed for.
-const BEYOND: f64 = 64.0;
+const MAX_EXTENSION_SEGMENTS: f64 = 64.0;
 
 /// A place in a tube or beside it.
 #[derive(Clone, Copy, Debug)]
-pub struct Beside {
+pub struct NearestCoords {
     pub t: f64,
     /// In radii.
     pub across: DVec2,
     /// Unit vector in world space to where light comes from.
     pub direction: DVec3,
     /// `1 - kappa r.N`.
-    pub spread: f64,
+    pub fold_factor: f64,
     /// How far past the source or the end, in radii.
     pub beyond: f64,
 }
 
 /// The place with the smallest `|r| / R` of all at which the curve is square to the point in the world, whatever its radius
 /// there, and of the ends.
-pub fn beside(tube: &Tube<f64>, point_in_world: DVec3) -> Option<Beside> {
+pub fn nearest_coords(tube: &Tube<f64>, point_in_world: DVec3) -> Option<NearestCoords> {
     let q = tube.placement.tube_from_world(point_in_world);
-    let mut best: Option<Beside> = None;
+    let mut best: Option<NearestCoords> = None;
     let mut offer = |segment: usize, u: f64| {
         let curve = &tube.segments[segment].curve;
         let (r, radius, u_hat) = (curve.offset(q, u), curve.radius(u), curve.u_hat(u));
@@ -39,16 +39,16 @@ pub fn beside(tube: &Tube<f64>, point_in_world: DVec3) -> Option<Beside> {
         }
         let (v_hat, w_hat) = tube.cross_section(curve, u_hat);
         let (v_len, w_len) = (r.dot(v_hat), r.dot(w_hat));
-        let root = Root { segment, u, r, v_len, w_len, radius, v_hat, u_hat };
+        let root = TubeRoot { segment, u, r, v_len, w_len, radius, v_hat, u_hat };
         let turn = curve.u_hat_derivative(u, u_hat);
-        let place = Beside {
+        let place = NearestCoords {
             t: root.t(),
             across: DVec2::new(v_len, w_len) / radius,
             direction: tube.placement.rotation * tube.direction_at(&root),
-            spread: 1.0 - r.dot(turn) / (2.0 * curve.d(u).length()),
+            fold_factor: 1.0 - r.dot(turn) / (2.0 * curve.d(u).length()),
             beyond: r.dot(u_hat).abs() / radius,
         };
-        let out = |place: &Beside| place.across.length() + 10.0 * place.beyond;
+        let out = |place: &NearestCoords| place.across.length() + 10.0 * place.beyond;
         if best.as_ref().is_none_or(|best| out(&place) < out(best)) {
             best = Some(place);
         }
@@ -56,7 +56,7 @@ pub fn beside(tube: &Tube<f64>, point_in_world: DVec3) -> Option<Beside> {
     for (segment, of) in tube.segments.iter().enumerate() {
         // Before the point this is above 0, past it below.
         let ahead = |u: f64| of.curve.offset(q, u).dot(of.curve.d(u));
-        let end = if segment == tube.n { BEYOND } else { 1.0 };
+        let end = if segment == tube.n { MAX_EXTENSION_SEGMENTS } else { 1.0 };
         for piece in 0..PIECES {
             let [mut low, mut high] = [piece, piece + 1].map(|k| end * k as f64 / PIECES as f64);
             if ahead(low) < 0.0 || ahead(high) >= 0.0 {

@@ -3,14 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use bench::drag::Kind;
-use drag::{Limit, Refusal, Status};
+use bench::drag::TrialKind;
+use drag::{DragLimit, DragRefusal, DragStatus};
 use serde::Serialize;
 
 /// All that was measured.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Report {
+pub struct DragStudyReport {
     /// Drags of each kind in each scene.
     pub drags: usize,
     /// Where they began.
@@ -18,13 +18,13 @@ pub struct Report {
     /// Pins of each drag.
     pub pins: usize,
     /// A scene and kind each, and under the scene `all` those of all scenes together.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<ReportCell>,
 }
 
 /// Drags of one kind in one scene.
 #[derive(Clone, Debug, Default, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Cell {
+pub struct ReportCell {
     /// File or demo.
     pub scene: String,
     /// `shadow`, `hotspot`, `highlight` or `diffuse`.
@@ -72,17 +72,17 @@ pub struct Cell {
 
 /// What came of one drag.
 #[derive(Clone, Debug)]
-pub struct Outcome {
+pub struct StudyOutcome {
     /// Of which kind it was.
-    pub kind: Kind,
+    pub kind: TrialKind,
     /// What the product says.
-    pub status: Status,
+    pub status: DragStatus,
     /// Steps of the product's solver.
     pub iterations: usize,
     /// What it took, picks included.
     pub ms: f64,
     /// How far the equation is off at the cursor, in pixels or degrees; `None` where the light does not hold that place.
-    pub off: Option<f64>,
+    pub equation_error: Option<f64>,
     /// Of one that says that it landed, how far the feature is off on screen; `None` where it is not seen.
     pub px: Option<f64>,
     /// Whether one that says that it landed is too far off.
@@ -95,23 +95,23 @@ pub struct Outcome {
     pub broken: usize,
 }
 
-impl Cell {
+impl ReportCell {
     /// Of outcomes of one kind.
-    pub fn of<'a>(scene: &str, kind: Kind, outcomes: impl Iterator<Item = &'a Outcome>) -> Self {
+    pub fn of<'a>(scene: &str, kind: TrialKind, outcomes: impl Iterator<Item = &'a StudyOutcome>) -> Self {
         let of_kind: Vec<_> = outcomes.filter(|outcome| outcome.kind == kind).collect();
-        let count = |is: &dyn Fn(&Outcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
-        let landed = count(&|outcome| outcome.status == Status::Landed);
-        let missed = count(&|outcome| outcome.is_feasible && outcome.status != Status::Landed);
-        let by_both = count(&|outcome| outcome.is_feasible && outcome.status == Status::Landed);
-        let of_landed = || of_kind.iter().filter(|outcome| outcome.status == Status::Landed);
-        let worst = |of: &dyn Fn(&Outcome) -> Option<f64>| {
+        let count = |is: &dyn Fn(&StudyOutcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
+        let landed = count(&|outcome| outcome.status == DragStatus::Converged);
+        let missed = count(&|outcome| outcome.is_feasible && outcome.status != DragStatus::Converged);
+        let by_both = count(&|outcome| outcome.is_feasible && outcome.status == DragStatus::Converged);
+        let of_landed = || of_kind.iter().filter(|outcome| outcome.status == DragStatus::Converged);
+        let worst = |of: &dyn Fn(&StudyOutcome) -> Option<f64>| {
             of_landed().map(|outcome| of(outcome).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
         };
         let mut cell = Self {
             scene: scene.into(),
             feature: kind.feature_name(),
             points: kind.points_name(),
-            way: kind.way_name(),
+            way: kind.distance_name(),
             drags: of_kind.len(),
             landed,
             missed,
@@ -121,9 +121,9 @@ impl Cell {
             broken: of_kind.iter().map(|outcome| outcome.broken).sum(),
             infeasible: count(&|outcome| outcome.is_infeasible),
             infeasible_named: count(&|outcome| {
-                outcome.is_infeasible && matches!(outcome.status, Status::Limited(Limit::Pin(_)))
+                outcome.is_infeasible && matches!(outcome.status, DragStatus::Limited(DragLimit::Pin(_)))
             }),
-            worst_off: worst(&|outcome| outcome.off),
+            worst_off: worst(&|outcome| outcome.equation_error),
             worst_px: worst(&|outcome| outcome.px),
             p50_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.5),
             p95_ms: quantile(of_kind.iter().map(|outcome| outcome.ms), 0.95),
@@ -132,9 +132,9 @@ impl Cell {
         };
         for outcome in of_kind {
             let (held, name) = match outcome.status {
-                Status::Landed => continue,
-                Status::Limited(limit) => (&mut cell.limited, limit_name(limit)),
-                Status::Refused(reason) => (&mut cell.refused, reason_name(reason)),
+                DragStatus::Converged => continue,
+                DragStatus::Limited(limit) => (&mut cell.limited, limit_name(limit)),
+                DragStatus::Refused(reason) => (&mut cell.refused, reason_name(reason)),
             };
             *held.entry(name.clone()).or_default() += 1;
             if outcome.is_feasible {
@@ -146,12 +146,12 @@ impl Cell {
 }
 
 /// The names that the contract has.
-fn limit_name(limit: Limit) -> String {
+fn limit_name(limit: DragLimit) -> String {
     let name = serde_json::to_value(protocol::DragLimit::from(limit));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
 
-fn reason_name(reason: Refusal) -> String {
+fn reason_name(reason: DragRefusal) -> String {
     let name = serde_json::to_value(protocol::DragReason::from(reason));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
@@ -164,7 +164,7 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     values.get(index.saturating_sub(1)).copied().unwrap_or(0.0)
 }
 
-impl Report {
+impl DragStudyReport {
     /// A line a cell.
     pub fn table(&self) -> String {
         let mut text = String::from(
@@ -181,8 +181,10 @@ impl Report {
             let missed_by = words(&cell.missed_by);
             let held = [words(&cell.limited), words(&cell.refused)].join(" ");
             let name: String = cell.scene.chars().take(16).collect();
-            let Cell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
-            let Cell { worst_off, worst_px, p50_ms, p95_ms, broken, infeasible, infeasible_named, .. } = cell;
+            let ReportCell { feature, points, way, drags, landed, missed, wrong, .. } = cell;
+            let ReportCell {
+                worst_off, worst_px, p50_ms, p95_ms, broken, infeasible, infeasible_named, ..
+            } = cell;
             let _ = writeln!(
                 text,
                 "{name:16} {feature:9} {points:9} {way:5} {drags:5} {landed:6} {missed:6} {share:>12} {slow:>7} {wrong:6} {broken:6} {infeasible_named:5} of {infeasible:10}  {worst_off:10.2e} \

@@ -4,16 +4,16 @@
 //! nothing with the product's solver: no path from begin to end, no continuation of roots, no quadratic program. What it
 //! finds is held to the light's own `locate` and to the reference's shadows, and so are hard pins.
 
-use bench::drag::{Off, Stage, Trial};
+use bench::drag::{EquationError, Trial, TrialScene};
 use drag::{Feature, PinKind};
 use fastrand::Rng;
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
 use light::{CheckedLight, Light, Tube};
-use raycast::Seen;
+use raycast::SeenPoint;
 
-use super::pins::Pinned;
-use super::relaxed::beside;
+use super::pins::StudyPin;
+use super::relaxed::nearest_coords;
 
 /// Lights that are started from.
 const RESTARTS: usize = 60;
@@ -22,43 +22,48 @@ const RESTARTS: usize = 60;
 const STEPS: usize = 60;
 
 /// Steps without a hundredth of progress after which a start is given up.
-const STALLED: usize = 8;
+const MAX_STALLED_STEPS: usize = 8;
 
 /// Step of the differences, in the units of the unknowns.
 const DIFFERENCE: f64 = 1e-7;
 
 /// The largest `R kappa` where the light had less as the drag began.
-const LARGEST_FOLD: f64 = 0.97;
+const MAX_R_KAPPA: f64 = 0.97;
 
 /// The least `1 - kappa r.N` at the feature.
-const LEAST_SPREAD: f64 = 0.02;
+const MIN_FOLD_FACTOR: f64 = 0.02;
 
 /// How far inside the tube the feature lies, in radii.
 const INSIDE: f64 = 1e-4;
 
 /// How far inside of the limits the search aims, so that what it finds is within them.
-const ROOM: f64 = 1e-6;
+const LIMIT_MARGIN: f64 = 1e-6;
 
 /// What a limit's breach weighs beside the equations.
 const WEIGHT: f64 = 3.0;
 
 /// A drag as equations.
-struct Asked<'a> {
-    stage: &'a Stage,
+struct DragEquations<'a> {
+    stage: &'a TrialScene,
     trial: &'a Trial,
     /// Those that are hard; the others give way to all that is asked.
-    pins: Vec<&'a Pinned>,
-    to: Seen,
+    pins: Vec<&'a StudyPin>,
+    to: SeenPoint,
     /// The largest `R kappa` that each segment may have.
-    folds: Vec<f64>,
+    max_r_kappa: Vec<f64>,
     /// What an unknown of 1 moves by: the length of the control polygon, or for a whole light the way to the cursor.
     unit: f64,
 }
 
 /// A light within the limits with the feature under the cursor, if one was found, and from which start: 0 is the light as the
 /// drag began, the others are random. Hard pins hold in it.
-pub fn feasible(stage: &Stage, trial: &Trial, pins: &[Pinned], seed: u64) -> Option<(usize, CheckedLight)> {
-    let asked = Asked::new(stage, trial, pins)?;
+pub fn feasible(
+    stage: &TrialScene,
+    trial: &Trial,
+    pins: &[StudyPin],
+    seed: u64,
+) -> Option<(usize, CheckedLight)> {
+    let asked = DragEquations::new(stage, trial, pins)?;
     let mut rng = Rng::with_seed(seed);
     (0..RESTARTS).find_map(|restart| {
         let x = asked.start(restart, &mut rng)?;
@@ -68,8 +73,8 @@ pub fn feasible(stage: &Stage, trial: &Trial, pins: &[Pinned], seed: u64) -> Opt
     })
 }
 
-impl<'a> Asked<'a> {
-    fn new(stage: &'a Stage, trial: &'a Trial, pins: &'a [Pinned]) -> Option<Self> {
+impl<'a> DragEquations<'a> {
+    fn new(stage: &'a TrialScene, trial: &'a Trial, pins: &'a [StudyPin]) -> Option<Self> {
         let to = stage.seen(trial.drag.to)?;
         let tube = trial.light.tube()?;
         let points = trial.light.light().points();
@@ -78,9 +83,9 @@ impl<'a> Asked<'a> {
         } else {
             (tube.placement.translation - stage.origin()).distance(to.position)
         };
-        let folds = tube.r_kappa_max().into_iter().map(|fold| fold.max(LARGEST_FOLD)).collect();
+        let folds = tube.r_kappa_max().into_iter().map(|fold| fold.max(MAX_R_KAPPA)).collect();
         let pins = pins.iter().filter(|pinned| pinned.pin.is_hard).collect();
-        Some(Self { stage, trial, pins, to, folds, unit })
+        Some(Self { stage, trial, pins, to, max_r_kappa: folds, unit })
     }
 
     /// How many unknowns there are.
@@ -98,7 +103,7 @@ impl<'a> Asked<'a> {
                 let light = begun.with(TRANSLATION, translation + self.unit * vector(0));
                 light.with(ROTATION, (turn * rotation).normalize())
             }
-            Some(chosen) => begun.with_points(|index, point| {
+            Some(chosen) => begun.map_points(|index, point| {
                 if let Some(k) = chosen.iter().position(|&chosen| chosen == index) {
                     point.position += self.unit * vector(k);
                 }
@@ -121,24 +126,26 @@ impl<'a> Asked<'a> {
     fn residuals(&self, x: &[f64]) -> Option<Vec<f64>> {
         let tube = self.tube(x)?;
         let origin = self.stage.origin();
-        let place = beside(&tube, self.to.position + origin)?;
-        let over = |value: f64| WEIGHT * (value + ROOM).max(0.0);
+        let place = nearest_coords(&tube, self.to.position + origin)?;
+        let over = |value: f64| WEIGHT * (value + LIMIT_MARGIN).max(0.0);
         let mut all = vec![
             over(place.across.length() - (1.0 - INSIDE)),
-            over(LEAST_SPREAD - place.spread),
+            over(MIN_FOLD_FACTOR - place.fold_factor),
             WEIGHT * place.beyond,
         ];
         if self.trial.kind.deforms {
-            all.extend(tube.r_kappa_max().iter().zip(&self.folds).map(|(fold, most)| over(fold - most)));
+            all.extend(
+                tube.r_kappa_max().iter().zip(&self.max_r_kappa).map(|(fold, most)| over(fold - most)),
+            );
         }
         let turned = |wanted: DVec3| turned(place.direction, wanted);
         for pinned in &self.pins {
-            let here = beside(&tube, pinned.surface.position + origin)?;
+            let here = nearest_coords(&tube, pinned.surface.position + origin)?;
             all.extend([over(here.across.length() - (1.0 - INSIDE)), WEIGHT * here.beyond]);
             match (pinned.pin.kind, pinned.pivot) {
                 (PinKind::Direction, _) => all.extend(self::turned(here.direction, pinned.place.direction)),
                 (PinKind::Shadow, Some(pivot)) => {
-                    let pivot = beside(&tube, pivot + origin)?;
+                    let pivot = nearest_coords(&tube, pivot + origin)?;
                     all.extend([over(pivot.t - here.t + 1e-5), WEIGHT * pivot.beyond]);
                     all.extend((pivot.across - here.across).to_array());
                 }
@@ -148,13 +155,13 @@ impl<'a> Asked<'a> {
         }
         let equations = match self.trial.kind.feature {
             Feature::Shadow => {
-                let pivot = beside(&tube, self.trial.pivot? + origin)?;
+                let pivot = nearest_coords(&tube, self.trial.pivot_in_scene? + origin)?;
                 all.push(over(pivot.t - place.t + 1e-5));
                 all.push(WEIGHT * pivot.beyond);
                 (pivot.across - place.across).to_array()
             }
             Feature::Hotspot => [place.across.x - self.trial.from.v, place.across.y - self.trial.from.w],
-            Feature::Highlight => turned(self.to.mirrored()),
+            Feature::Highlight => turned(self.to.mirror_direction()),
             Feature::Diffuse => turned(self.to.normal),
         };
         all.extend(equations);
@@ -201,7 +208,7 @@ impl<'a> Asked<'a> {
         let (mut damping, mut stalled) = (1e-3, 0);
         for _ in 0..STEPS {
             let size = squared(&residuals);
-            if size < 1e-24 || stalled >= STALLED {
+            if size < 1e-24 || stalled >= MAX_STALLED_STEPS {
                 break;
             }
             let (matrix, gradient) = self.normal_equations(&x, &residuals);
@@ -252,7 +259,7 @@ impl<'a> Asked<'a> {
     fn is_within_limits(&self, light: &CheckedLight) -> bool {
         let Some(tube) = light.tube() else { return false };
         let do_not_fold = !self.trial.kind.deforms
-            || tube.r_kappa_max().iter().zip(&self.folds).all(|(fold, most)| fold <= most);
+            || tube.r_kappa_max().iter().zip(&self.max_r_kappa).all(|(fold, most)| fold <= most);
         let Some(there) = self.stage.locate(light, self.to.position) else { return false };
         let curve = &tube.segments[there.segment].curve;
         let (v_hat, w_hat) = tube.cross_section(curve, curve.u_hat(there.u));
@@ -260,9 +267,9 @@ impl<'a> Asked<'a> {
         let turn = curve.u_hat_derivative(there.u, curve.u_hat(there.u));
         let spread = 1.0 - r.dot(turn) / (2.0 * curve.d(there.u).length());
         do_not_fold
-            && spread > LEAST_SPREAD
+            && spread > MIN_FOLD_FACTOR
             && there.v.hypot(there.w) <= 1.0 - INSIDE
-            && Off::of(self.stage, self.trial, light)
+            && EquationError::at_target(self.stage, self.trial, light)
                 .is_some_and(|off| off.is_landed(self.trial.kind.feature))
             && self.pins.iter().all(|pinned| pinned.holds(self.stage, light))
     }

@@ -1,18 +1,18 @@
 //! The slow solver, which others are measured by: it finds what there is, and nothing else.
 
-use bench::drag::{FEATURES, Kind, Off, Stage, Trial};
+use bench::drag::{EquationError, FEATURES, Trial, TrialKind, TrialScene};
 use light::CheckedLight;
 
-use super::relaxed::beside;
+use super::relaxed::nearest_coords;
 use super::slow::feasible;
 
-fn demo() -> Stage {
+fn demo() -> TrialScene {
     let demo = assets::demo("vases").expect("it is one of the demos");
-    Stage::new("demo:vases", demo.scene, &demo.contents.cameras, [320, 180])
+    TrialScene::new("demo:vases", demo.scene, &demo.contents.cameras, [320, 180])
 }
 
-fn trials(stage: &Stage, deforms: bool) -> impl Iterator<Item = Trial> + '_ {
-    let kinds = FEATURES.map(|feature| Kind { feature, deforms, is_large: false });
+fn trials(stage: &TrialScene, deforms: bool) -> impl Iterator<Item = Trial> + '_ {
+    let kinds = FEATURES.map(|feature| TrialKind { feature, deforms, is_large: false });
     kinds.into_iter().flat_map(move |kind| {
         (0..6).filter_map(move |number| Trial::random(stage, kind, Trial::seed(3, &stage.name, kind, number)))
     })
@@ -29,7 +29,8 @@ fn a_light_that_moves_as_a_whole_is_feasible() {
         let Some((_, light)) = feasible(&stage, trial, &[], 1) else { continue };
         found += 1;
         let is_landed = |light: &CheckedLight| {
-            Off::of(&stage, trial, light).is_some_and(|off| off.is_landed(trial.kind.feature))
+            EquationError::at_target(&stage, trial, light)
+                .is_some_and(|off| off.is_landed(trial.kind.feature))
         };
         assert!(is_landed(&light), "{:?}", trial.drag);
         assert!(!is_landed(&trial.light), "{:?}", trial.drag);
@@ -65,8 +66,8 @@ fn a_place_inside_is_the_lights_own() {
     let stage = demo();
     for trial in trials(&stage, true) {
         let seen = stage.seen(trial.drag.to).expect("a surface");
-        let place =
-            beside(trial.light.tube().expect("a tube"), seen.position + stage.origin()).expect("near");
+        let place = nearest_coords(trial.light.tube().expect("a tube"), seen.position + stage.origin())
+            .expect("near");
         let own = stage.locate(&trial.light, seen.position).expect("inside");
         let off = (place.across.x - own.v).hypot(place.across.y - own.w) + (place.t - own.t).abs();
         assert!(off < 1e-9 && place.direction.distance(own.direction) < 1e-9, "{off:e}");

@@ -5,15 +5,15 @@ use std::cell::RefCell;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec4};
-use light::{Direction, LightInstance, Root, Tube};
+use light::{DirectionMode, LightInstance, Tube, TubeRoot};
 use proptest::prelude::*;
 use render::{Aov, Backend, Gpu, MemoryBudget, Picture, RenderError, Renderer, ShadowSettings, View};
 use scene::Scene;
 
-use super::light::{Lights, lights, placement};
-use super::place::{Bounds, bounds, eps, places, root_at, split};
-use super::runner::{Check, Tally};
-use super::solver::Case;
+use super::light::{LightLimits, lights, placement};
+use super::place::{RootBounds, bounds, eps, places, root_at, split};
+use super::runner::{Check, CheckTally};
+use super::solver::RootCase;
 
 /// The device, and renderers that are kept because compiling for a new one takes longer than drawing.
 pub struct Adapter {
@@ -24,7 +24,7 @@ pub struct Adapter {
 
 /// A view of a scene under lights.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
+pub struct StressPicture<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
     pub lights: &'a [LightInstance],
@@ -43,13 +43,13 @@ impl Adapter {
     }
 
     /// Whether pictures, a quantity each, hold to `check`, whoever draws shadows and lights.
-    pub fn hold<const N: usize>(
+    pub fn check_pictures<const N: usize>(
         &self,
-        shown: Shown,
+        shown: StressPicture,
         aovs: [Aov; N],
         mut check: impl FnMut([Picture; N]) -> Check,
     ) -> Check {
-        self.by_each(shown, |renderer| {
+        self.check_backends(shown, |renderer| {
             let draw = |aov| renderer.render(&View { aov, ..shown.view.clone() }, shown.lights);
             let pictures: Result<Vec<_>, _> = aovs.into_iter().map(draw).collect();
             check(pictures.map_err(|error| no_picture(&error))?.try_into().expect("a picture an AOV"))
@@ -57,15 +57,15 @@ impl Adapter {
     }
 
     /// The same of what a screen shows: RGBA of 8 bits a channel.
-    pub fn hold_on_a_screen(&self, shown: Shown, mut check: impl FnMut(&[[u8; 4]]) -> Check) -> Check {
-        self.by_each(shown, |renderer| {
+    pub fn check_display(&self, shown: StressPicture, mut check: impl FnMut(&[[u8; 4]]) -> Check) -> Check {
+        self.check_backends(shown, |renderer| {
             let bytes =
                 renderer.render_display(shown.view, shown.lights).map_err(|error| no_picture(&error))?;
             check(bytes.as_chunks().0)
         })
     }
 
-    fn by_each(&self, shown: Shown, mut check: impl FnMut(&mut Renderer) -> Check) -> Check {
+    fn check_backends(&self, shown: StressPicture, mut check: impl FnMut(&mut Renderer) -> Check) -> Check {
         let posed = scene::pose(shown.scene.clone());
         for (backend, renderer) in &self.renderers {
             let mut renderer = renderer.borrow_mut();
@@ -82,21 +82,22 @@ fn no_picture(error: &RenderError) -> String {
 }
 
 /// Lights anywhere, and enough points to be worth a dispatch.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 8, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = RootCase> {
+    let lights = lights(LightLimits { segments: 8, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..256);
-    (lights, placement(), places).prop_map(|(light, transform, places)| Case::new(light, transform, &places))
+    (lights, placement(), places)
+        .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
 /// What was found at a point: (V, W, R) in tube units, t, and perhaps the direction in the world.
-struct Found {
+struct AdapterRoot {
     t: f64,
     vwr: [f64; 3],
     direction: Option<DVec3>,
 }
 
 /// Holds for the roots that the picture's shaders find.
-pub fn locates(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+pub fn check_locate(case: &RootCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
     let located = render::locate(&adapter.gpu, &tube, &points).map_err(|error| error.to_string())?;
@@ -105,9 +106,9 @@ pub fn locates(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
         let size = tube.placement.world_per_tube;
         let found = location.point.map(|p| {
             let radius = p.radius / size;
-            let v = if tally.planted { -p.v } else { p.v };
-            let direction = (tube.direction == Direction::Tube).then_some(p.direction);
-            Found { t: p.t, vwr: [v * radius, p.w * radius, radius], direction }
+            let v = if tally.is_planted { -p.v } else { p.v };
+            let direction = (tube.direction == DirectionMode::Tube).then_some(p.direction);
+            AdapterRoot { t: p.t, vwr: [v * radius, p.w * radius, radius], direction }
         });
         agrees(&tube, q, 0.0, found.as_ref(), tally)?;
     }
@@ -115,7 +116,7 @@ pub fn locates(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
 }
 
 /// Holds for what the shadow map's shaders make of vertices.
-pub fn maps(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+pub fn check_shadow_map(case: &RootCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
     let mapped = render::map_points(&adapter.gpu, &tube, &points).map_err(|error| error.to_string())?;
@@ -127,8 +128,8 @@ pub fn maps(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     for (&point, mapped) in points.iter().zip(&mapped) {
         // What lies in slabs of two parts of the tube is mapped piece by piece after it is clipped.
         let Some(mapped) = mapped.map(Vec4::as_dvec4) else { continue };
-        let w = if tally.planted { -mapped.y } else { mapped.y };
-        let found = Found { t: mapped.w, vwr: [mapped.x, w, mapped.z], direction: None };
+        let w = if tally.is_planted { -mapped.y } else { mapped.y };
+        let found = AdapterRoot { t: mapped.w, vwr: [mapped.x, w, mapped.z], direction: None };
         if mapped.x.hypot(mapped.y) <= mapped.z {
             agrees(
                 &tube,
@@ -143,7 +144,7 @@ pub fn maps(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
 }
 
 /// Whether rounding may have put a root's point on the other side of the rim or of an end.
-fn on_edge(tube: &Tube<f64>, root: &Root<f64>, bound: &Bounds) -> bool {
+fn on_edge(tube: &Tube<f64>, root: &TubeRoot<f64>, bound: &RootBounds) -> bool {
     let t = root.segment as f64 + root.u;
     let ends = t < bound.t || (tube.segments.len() == tube.n && tube.n as f64 - t < bound.t);
     root.radius - root.r.length() < 4.0 * (bound.across + bound.radius) || ends
@@ -151,7 +152,7 @@ fn on_edge(tube: &Tube<f64>, root: &Root<f64>, bound: &Bounds) -> bool {
 
 /// Compares with the root of the f64 model that is nearest in t; `dq` is the error of the point as the adapter
 /// sees it.
-fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&Found>, tally: &mut Tally) -> Check {
+fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&AdapterRoot>, tally: &mut CheckTally) -> Check {
     let mut roots = Vec::new();
     tube.for_each_root(q, |root| roots.push(root));
     let eps = eps::<f32>();
@@ -167,13 +168,13 @@ fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&Found>, tally: &mu
     tally.holds(found.vwr.into_iter().chain([found.t]).all(f64::is_finite), || {
         format!("the adapter finds t = {}, (V, W, R) = {:?} for q = {:?}", found.t, found.vwr, q.to_array())
     })?;
-    let off = |root: &Root<f64>| (root.segment as f64 + root.u - found.t).abs();
+    let off = |root: &TubeRoot<f64>| (root.segment as f64 + root.u - found.t).abs();
     let nearest = roots.into_iter().min_by(|a, b| off(a).total_cmp(&off(b)));
     let known = nearest.map(|root| (root, bounds(tube, &root, q, eps, dq)));
     let (root, bound) = match known {
         Some((_, None)) => return Ok(()),
         Some((root, Some(bound))) if off(&root) <= bound.t => (root, bound),
-        _ => return only_rounding(tube, q, found.t, dq, tally),
+        _ => return is_rounding_only(tube, q, found.t, dq, tally),
     };
     if on_edge(tube, &root, &bound) {
         return Ok(());
@@ -187,12 +188,12 @@ fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&Found>, tally: &mu
     // The curvature jumps at a joint, and with it what rounding does to the direction.
     let same_side = split(tube, found.t).0 == root.segment;
     let Some(direction) = found.direction.filter(|_| same_side) else { return Ok(()) };
-    let error = (direction - tube.describe(&root).direction).length();
+    let error = (direction - tube.tube_point(&root).direction).length();
     tally.within(format_args!("the direction {place}"), error, bound.direction)
 }
 
 /// Whether rounding alone may have made a root where the f64 model has none: at the rim, an end or a joint.
-fn only_rounding(tube: &Tube<f64>, q: DVec3, t: f64, dq: f64, tally: &mut Tally) -> Check {
+fn is_rounding_only(tube: &Tube<f64>, q: DVec3, t: f64, dq: f64, tally: &mut CheckTally) -> Check {
     let (segment, u) = split(tube, t);
     let claimed = root_at(tube, segment, u, q);
     let may_be = bounds(tube, &claimed, q, eps::<f32>(), dq)

@@ -2,21 +2,21 @@
 
 use glam::{DVec3, Vec4};
 use light::parameters::{CONE_ANGLE, INTENSITY, WIDTH};
-use light::{Light, LightInstance, Rays, Transform};
+use light::{Light, LightInstance, LightRays, Transform};
 use proptest::prelude::*;
 use reference::Reference;
 use render::{Aov, Picture, ShadowSettings, View};
 use scene::{Material, Scene};
 use serde::Serialize;
 
-use super::adapter::{Adapter, Shown};
-use super::light::{Lights, unit_cube};
-use super::runner::{Check, Tally};
+use super::adapter::{Adapter, StressPicture};
+use super::light::{LightLimits, unit_cube};
+use super::runner::{Check, CheckTally};
 use super::scenes::{Shot, obstacle, shots, square};
 
 /// A shot, lights of the other shapes beside its own, a material, and how far the shadow mesh may stray.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct FiniteCase {
     #[serde(flatten)]
     pub shot: Shot,
     /// Of all lights.
@@ -33,8 +33,8 @@ pub struct Case {
 }
 
 /// Lights up to the fold, with pinches; facets without area; everything flattened now and then.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let any_light = Lights { segments: 4, fold: 1.0, pinched: true, flipping: true };
+pub fn cases() -> impl Strategy<Value = FiniteCase> {
+    let any_light = LightLimits { segments: 4, fold: 1.0, pinched: true, flipping: true };
     let shot = shots(any_light, square(0.5..60.0), prop::collection::vec(obstacle(true), 0..6));
     let intensity = prop_oneof![Just(1.0), Just(1e300), Just(-1e300), Just(0.0), Just(1e-300)];
     let part = || prop_oneof![Just(0.0_f32).boxed(), Just(1.0_f32).boxed(), (0.0..1.0_f32).boxed()];
@@ -45,7 +45,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
         .prop_map(|(place, towards, angle)| (place.to_array(), towards.to_array(), angle));
     let mesh_error = prop_oneof![3 => Just(0.0), 1 => Just(1e-3), 1 => Just(0.3), 1 => Just(1e300)];
     (shot, intensity, spot, part(), part(), squash, mesh_error).prop_map(
-        |(shot, intensity, spot, roughness, metallic, squash, mesh_error)| Case {
+        |(shot, intensity, spot, roughness, metallic, squash, mesh_error)| FiniteCase {
             shot,
             intensity,
             spot,
@@ -57,9 +57,9 @@ pub fn cases() -> impl Strategy<Value = Case> {
     )
 }
 
-impl Case {
+impl FiniteCase {
     fn lights(&self) -> Vec<LightInstance> {
-        let bendy = self.shot.light.clone().with_points(|_, point| point.intensity = self.intensity);
+        let bendy = self.shot.light.clone().map_points(|_, point| point.intensity = self.intensity);
         let (place, towards, cone_angle) = self.spot;
         let transform = bendy.transform();
         let towards = DVec3::from(towards).try_normalize().unwrap_or(DVec3::NEG_Y);
@@ -73,7 +73,7 @@ impl Case {
             Light::directional().with(WIDTH, Some(cone_angle)),
             Light::omni(),
         ];
-        let others = others.map(|light| light.placed(there).with(INTENSITY, self.intensity));
+        let others = others.map(|light| light.with_transform(there).with(INTENSITY, self.intensity));
         LightInstance::numbered(std::iter::once(bendy).chain(others)).expect("cases are valid")
     }
 }
@@ -85,7 +85,7 @@ const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
 /// Holds for every AOV of the camera and of all lights, and for what a screen shows, by the adapter, by the processor and by
 /// the reference.
-pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
+pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let material = Material {
         roughness: case.roughness,
         metallic: case.metallic,
@@ -99,16 +99,16 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     let mesh_error = case.mesh_error;
     let shadows =
         ShadowSettings { resolution: 512, mesh_error, straighten: false, ..ShadowSettings::default() };
-    let shown = Shown { scene: &scene, view: &view, lights: &lights, shadows };
+    let shown = StressPicture { scene: &scene, view: &view, lights: &lights, shadows };
     let mut background = Vec::new();
-    adapter.hold(shown, OF_THE_CAMERA, |mut pictures| {
-        if tally.planted {
+    adapter.check_pictures(shown, OF_THE_CAMERA, |mut pictures| {
+        if tally.is_planted {
             pictures[0].pixels[0][1] = f32::NAN;
         }
         background = pictures[0].pixels.iter().map(|pixel| pixel[3] == 0.0).collect();
-        all_sound(&OF_THE_CAMERA, &pictures, tally)
+        check_ranges(&OF_THE_CAMERA, &pictures, tally)
     })?;
-    adapter.hold_on_a_screen(shown, |pixels| {
+    adapter.check_display(shown, |pixels| {
         let is_sound = |(pixel, is_background): (&[u8; 4], &bool)| {
             pixel[3] == 255 && (!is_background || *pixel == [0, 0, 0, 255])
         };
@@ -117,40 +117,40 @@ pub fn check(case: &Case, adapter: &Adapter, tally: &mut Tally) -> Check {
     })?;
     for light in 0..lights.len() {
         view.light = light;
-        let shown = Shown { scene: &scene, view: &view, lights: &lights, shadows };
-        let has_curve = matches!(lights[light].light.rays(), Rays::Bent(_) | Rays::Cone(_));
-        adapter.hold(shown, OF_A_LIGHT, |pictures| {
-            all_sound(&OF_A_LIGHT, &pictures, tally)?;
+        let shown = StressPicture { scene: &scene, view: &view, lights: &lights, shadows };
+        let has_curve = matches!(lights[light].light.rays(), LightRays::Bent(_) | LightRays::Cone(_));
+        adapter.check_pictures(shown, OF_A_LIGHT, |pictures| {
+            check_ranges(&OF_A_LIGHT, &pictures, tally)?;
             let [_, places, ..] = &pictures;
             let is_round = places.pixels.iter().all(|pixel| pixel[0].hypot(pixel[1]) < 1.0 + 1e-5);
             tally.holds(is_round || !has_curve, || format!("a place in light {light} is not in a circle"))
         })?;
         if has_curve {
-            adapter.hold(shown, OF_A_MAP, |pictures| all_sound(&OF_A_MAP, &pictures, tally))?;
+            adapter.check_pictures(shown, OF_A_MAP, |pictures| check_ranges(&OF_A_MAP, &pictures, tally))?;
         }
     }
     by_the_reference(&scene, &view, &lights, tally)
 }
 
 /// The same for a small picture in f64, of the last light.
-fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut Tally) -> Check {
+fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut CheckTally) -> Check {
     let reference = Reference::new(scene::pose(scene.clone()));
     for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {
         let view = View { width: 24, height: 16, aov, ..view.clone() };
         let frame = reference.render(&view, lights, || ()).map_err(|error| error.to_string())?;
-        frame.pixels.iter().try_for_each(|&pixel| sound("reference", aov, pixel, tally))?;
+        frame.pixels.iter().try_for_each(|&pixel| check_range("reference", aov, pixel, tally))?;
     }
     Ok(())
 }
 
-fn all_sound(aovs: &[Aov], pictures: &[Picture], tally: &mut Tally) -> Check {
+fn check_ranges(aovs: &[Aov], pictures: &[Picture], tally: &mut CheckTally) -> Check {
     let pixels =
         aovs.iter().zip(pictures).flat_map(|(&aov, picture)| picture.pixels.iter().map(move |p| (aov, p)));
-    pixels.into_iter().try_for_each(|(aov, pixel)| sound("adapter", aov, pixel.map(f64::from), tally))
+    pixels.into_iter().try_for_each(|(aov, pixel)| check_range("adapter", aov, pixel.map(f64::from), tally))
 }
 
 /// Holds where a pixel holds numbers, each in the range of its AOV.
-fn sound(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut Tally) -> Check {
+fn check_range(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut CheckTally) -> Check {
     let [x, y, z, alpha] = pixel;
     let length = DVec3::new(x, y, z).length();
     let in_range = match aov {

@@ -1,16 +1,16 @@
 //! The cross-section's frame is orthonormal, and goes on over joints.
 
-use light::{Frame, Light, Real, Tube};
+use light::{FrameMode, Light, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights};
+use super::light::{LightLimits, as_file, lights};
 use super::place::eps;
-use super::runner::{Check, Tally};
+use super::runner::{Check, CheckTally};
 
 /// A light and places along it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct FrameCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
     /// As shares of the light's length.
@@ -18,22 +18,22 @@ pub struct Case {
 }
 
 /// Thin lights too, that turn as sharply as they like.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 40, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = FrameCase> {
+    let lights = lights(LightLimits { segments: 40, fold: 1.0, pinched: true, flipping: true });
     let share = prop_oneof![4 => (0.0..1.0).boxed(), 1 => Just(0.0).boxed(), 1 => Just(1.0).boxed()];
-    (lights, prop::collection::vec(share, 1..16)).prop_map(|(light, shares)| Case { light, shares })
+    (lights, prop::collection::vec(share, 1..16)).prop_map(|(light, shares)| FrameCase { light, shares })
 }
 
 /// Holds at each place and joint, in f64 and f32.
-pub fn check(case: &Case, tally: &mut Tally) -> Check {
+pub fn check(case: &FrameCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     orthonormal(&tube, &case.shares, tally)?;
     orthonormal(&Tube::<f32>::from(&tube), &case.shares, tally)?;
-    carried(&tube, tally)
+    check_transport(&tube, tally)
 }
 
 /// A handful of roundings, of vectors that are differences of others of length `L`: `32 eps (1 + L / |d|)`.
-fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut Tally) -> Check {
+fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut CheckTally) -> Check {
     for share in shares {
         let t = share * tube.n as f64;
         let i = (t as usize).min(tube.n - 1);
@@ -43,7 +43,7 @@ fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut Tally) -> Ch
         let (v_hat, w_hat) = tube.cross_section(segment, u_hat);
         let [u_hat, mut v_hat, w_hat, d, d0, d1] =
             [u_hat, v_hat, w_hat, segment.d(u), segment.d0, segment.d1].map(F::vec_f64);
-        if tally.planted {
+        if tally.is_planted {
             v_hat += u_hat * 1e-2;
         }
         let speed = if d.length() > 0.0 { d.length() } else { d0.length() + d1.length() };
@@ -67,8 +67,8 @@ fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut Tally) -> Ch
 }
 
 /// `v_hat` is the same from both sides of a joint, but for a corner, where it takes the smallest turn.
-fn carried(tube: &Tube<f64>, tally: &mut Tally) -> Check {
-    if tube.frame == Frame::Up {
+fn check_transport(tube: &Tube<f64>, tally: &mut CheckTally) -> Check {
+    if tube.frame == FrameMode::Up {
         return Ok(());
     }
     for (i, pair) in tube.segments.windows(2).enumerate() {

@@ -1,25 +1,25 @@
 //! Nothing jumps, gapes or counts twice where segments meet.
 
 use light::parameters::DIRECTION;
-use light::{Direction, Light, LightWarning, Real, Tube};
+use light::{DirectionMode, Light, LightWarning, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights};
+use super::light::{LightLimits, as_file, lights};
 use super::place::{bounds, eps, point_at, root_at};
-use super::runner::{Check, Tally};
+use super::runner::{Check, CheckTally};
 
 /// A light and points about its joints.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct JointCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
-    pub crossings: Vec<Crossing>,
+    pub crossings: Vec<JointCrossing>,
 }
 
 /// A step over a joint.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Crossing {
+pub struct JointCrossing {
     /// From 1, modulo the number of joints.
     pub joint: usize,
     pub v: f64,
@@ -29,23 +29,25 @@ pub struct Crossing {
 }
 
 /// Lights whose direction is "tube", the one that promises continuity.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 12, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = JointCase> {
+    let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let step = prop_oneof![Just(0.0).boxed(), super::light::decades(-16.0, -6.0).boxed()];
     let crossing = (0..64_usize, 0.0..0.999, 0.0..std::f64::consts::TAU, step, any::<bool>()).prop_map(
-        |(joint, rho, angle, step, back)| Crossing {
+        |(joint, rho, angle, step, back)| JointCrossing {
             joint,
             v: rho * angle.cos(),
             w: rho * angle.sin(),
             step: if back { -step } else { step },
         },
     );
-    (lights, prop::collection::vec(crossing, 1..16))
-        .prop_map(|(light, crossings)| Case { light: light.with(DIRECTION, Direction::Tube), crossings })
+    (lights, prop::collection::vec(crossing, 1..16)).prop_map(|(light, crossings)| JointCase {
+        light: light.with(DIRECTION, DirectionMode::Tube),
+        crossings,
+    })
 }
 
 /// Holds for each crossing, in f64 and f32.
-pub fn check(case: &Case, tally: &mut Tally) -> Check {
+pub fn check(case: &JointCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let corners: Vec<f64> = tube.warnings().into_iter().filter_map(corner).collect();
     if tube.segments.len() == 1 {
@@ -58,8 +60,8 @@ pub fn check(case: &Case, tally: &mut Tally) -> Check {
             continue;
         }
         both_sides_agree(&tube, joint, crossing, tally)?;
-        no_gap(&tube, &tube, joint, crossing, tally)?;
-        no_gap(&tube, &single, joint, crossing, tally)?;
+        check_no_gap(&tube, &tube, joint, crossing, tally)?;
+        check_no_gap(&tube, &single, joint, crossing, tally)?;
     }
     Ok(())
 }
@@ -72,10 +74,10 @@ fn corner(warning: LightWarning) -> Option<f64> {
 }
 
 /// `V`, `W`, `R`, direction and irradiance from the segment before and from the one after.
-fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &Crossing, tally: &mut Tally) -> Check {
+fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &JointCrossing, tally: &mut CheckTally) -> Check {
     let q = point_at(tube, joint as f64, at.v, at.w);
     let (before, mut after) = (root_at(tube, joint - 1, 1.0, q), root_at(tube, joint, 0.0, q));
-    if tally.planted {
+    if tally.is_planted {
         after.r *= 1.1;
     }
     let Some(bound) = bounds(tube, &before, q, f64::EPSILON, 0.0) else { return Ok(()) };
@@ -93,12 +95,12 @@ fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &Crossing, tally: &mut T
 }
 
 /// A point a little to one side of the joint's plane, or on it, is found once and where it should be.
-fn no_gap<F: Real>(
+fn check_no_gap<F: Real>(
     exact: &Tube<f64>,
     tube: &Tube<F>,
     joint: usize,
-    at: &Crossing,
-    tally: &mut Tally,
+    at: &JointCrossing,
+    tally: &mut CheckTally,
 ) -> Check {
     let from = point_at(exact, joint as f64, at.v, at.w);
     let here = root_at(exact, joint - 1, 1.0, from);

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use light::parameters::{DECAY, DIRECTION, END_MODE, FRAME, UP};
-use light::{Decay, Direction, EndMode, Frame, Light, LightError, Transform, Tube};
+use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightError, Transform, Tube};
 use proptest::prelude::*;
 use serde::{Serialize, Serializer};
 
@@ -29,7 +29,7 @@ pub fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
 
 /// How the control points lie.
 #[derive(Clone, Copy, Debug)]
-enum Family {
+enum CurveFamily {
     /// Along -Z, strayed by up to this much.
     Wandering(f64),
     /// To and fro, this far apart.
@@ -42,38 +42,38 @@ enum Family {
     Uneven(f64),
 }
 
-fn family() -> impl Strategy<Value = Family> {
+fn family() -> impl Strategy<Value = CurveFamily> {
     prop_oneof![
-        (0.0..1.5).prop_map(Family::Wandering),
-        Just(Family::Wandering(0.0)),
-        decades(-9.0, -2.0).prop_map(Family::Wandering),
-        decades(-4.0, 0.0).prop_map(Family::Hairpin),
-        (0.2..2.5).prop_map(Family::Ring),
-        decades(-9.0, -1.0).prop_map(Family::Clustered),
-        Just(Family::Clustered(0.0)),
-        (0.5..3.0).prop_map(Family::Uneven),
+        (0.0..1.5).prop_map(CurveFamily::Wandering),
+        Just(CurveFamily::Wandering(0.0)),
+        decades(-9.0, -2.0).prop_map(CurveFamily::Wandering),
+        decades(-4.0, 0.0).prop_map(CurveFamily::Hairpin),
+        (0.2..2.5).prop_map(CurveFamily::Ring),
+        decades(-9.0, -1.0).prop_map(CurveFamily::Clustered),
+        Just(CurveFamily::Clustered(0.0)),
+        (0.5..3.0).prop_map(CurveFamily::Uneven),
     ]
 }
 
 /// Control points of a family: each knot is where its point strays to.
-fn points(family: Family, knots: &[DVec3]) -> Vec<DVec3> {
+fn points(family: CurveFamily, knots: &[DVec3]) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = Vec::with_capacity(knots.len());
     for (i, &knot) in knots.iter().enumerate() {
         let along = i as f64;
         let before = points.last().copied().unwrap_or_default();
         points.push(match family {
-            Family::Wandering(bend) => knot * bend - DVec3::Z * along,
-            Family::Hairpin(width) => {
+            CurveFamily::Wandering(bend) => knot * bend - DVec3::Z * along,
+            CurveFamily::Hairpin(width) => {
                 DVec3::new(width * along, 0.0, if i.is_multiple_of(2) { 0.0 } else { -1.0 })
                     + knot * (0.3 * width)
             }
-            Family::Ring(turn) => {
+            CurveFamily::Ring(turn) => {
                 let (sin, cos) = (turn * along).sin_cos();
                 DVec3::new(sin, 0.3 * knot.y, cos)
             }
-            Family::Clustered(gap) if i > 0 && knot.x > 0.0 => before + knot * gap,
-            Family::Clustered(_) => before + knot * 0.6 - DVec3::Z,
-            Family::Uneven(decades) => before + (knot * 0.6 - DVec3::Z) * 10_f64.powf(decades * knot.z),
+            CurveFamily::Clustered(gap) if i > 0 && knot.x > 0.0 => before + knot * gap,
+            CurveFamily::Clustered(_) => before + knot * 0.6 - DVec3::Z,
+            CurveFamily::Uneven(decades) => before + (knot * 0.6 - DVec3::Z) * 10_f64.powf(decades * knot.z),
         });
     }
     let source = points[0];
@@ -84,7 +84,7 @@ fn points(family: Family, knots: &[DVec3]) -> Vec<DVec3> {
 }
 
 /// Whether no tangent comes near `up`: each lies between two legs of the control polygon.
-fn leans_away(family: Family, knots: &[(DVec3, f64)], up: DVec3) -> bool {
+fn is_away_from_up(family: CurveFamily, knots: &[(DVec3, f64)], up: DVec3) -> bool {
     let strays: Vec<DVec3> = knots.iter().map(|knot| knot.0).collect();
     let legs = points(family, &strays);
     legs.windows(2).all(|leg| (leg[1] - leg[0]).normalize_or_zero().dot(up.normalize_or_zero()).abs() < 0.8)
@@ -92,8 +92,8 @@ fn leans_away(family: Family, knots: &[(DVec3, f64)], up: DVec3) -> bool {
 
 /// What a light is made from.
 #[derive(Clone, Debug)]
-struct Recipe {
-    family: Family,
+struct LightRecipe {
+    family: CurveFamily,
     /// Where each control point strays to, and its share of `width`.
     knots: Vec<(DVec3, f64)>,
     /// The largest radius, in steps between control points.
@@ -101,8 +101,8 @@ struct Recipe {
     /// The largest `R kappa` that the radii are made smaller for.
     fold: f64,
     up: DVec3,
-    frame: Frame,
-    direction: Direction,
+    frame: FrameMode,
+    direction: DirectionMode,
     end_mode: EndMode,
     decay: Decay,
 }
@@ -110,7 +110,7 @@ struct Recipe {
 /// Radii of a tube that cannot fold, whatever its curve.
 const THIN: f64 = 1e-12;
 
-impl Recipe {
+impl LightRecipe {
     /// The light, its radii made small enough not to fold; refused where its curve is.
     fn light(self) -> Result<Light, LightError> {
         let (strays, shares): (Vec<DVec3>, Vec<f64>) = self.knots.into_iter().unzip();
@@ -132,7 +132,7 @@ impl Recipe {
 
 /// Which lights to make.
 #[derive(Clone, Copy, Debug)]
-pub struct Lights {
+pub struct LightLimits {
     /// Most segments.
     pub segments: usize,
     /// Largest `R kappa`.
@@ -144,12 +144,12 @@ pub struct Lights {
 }
 
 /// Valid lights at the origin, about a unit a step.
-pub fn lights(wanted: Lights) -> impl Strategy<Value = Light> {
+pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
     let share = prop_oneof![4 => (0.1..1.0).boxed(), u32::from(wanted.pinched) => Just(0.0).boxed()];
     let width = prop_oneof![4 => (0.05..0.6).boxed(), 1 => decades(-4.0, 1.5).boxed()];
     let fold = prop_oneof![(0.3..0.9), Just(0.9), Just(0.99), Just(0.999_99)];
-    let frame = prop_oneof![3 => Just(Frame::RotationMinimizing), 1 => Just(Frame::Up)];
-    let direction = prop_oneof![Just(Direction::Tube), Just(Direction::Path)];
+    let frame = prop_oneof![3 => Just(FrameMode::RotationMinimizing), 1 => Just(FrameMode::Up)];
+    let direction = prop_oneof![Just(DirectionMode::Tube), Just(DirectionMode::Path)];
     let end_mode = prop_oneof![2 => Just(EndMode::Cut), 1 => Just(EndMode::Extend)];
     let decay = prop_oneof![Just(Decay::None), Just(Decay::Linear), Just(Decay::InverseSquare)];
     let up = prop_oneof![Just(DVec3::Y), Just(DVec3::NEG_Z), unit_cube()];
@@ -162,9 +162,12 @@ pub fn lights(wanted: Lights) -> impl Strategy<Value = Light> {
                 knots[0].1 = 0.0;
             }
             let fold = f64::min(fold, wanted.fold);
-            let frame =
-                if wanted.flipping || leans_away(family, &knots, up) { frame } else { Frame::default() };
-            let recipe = Recipe { family, knots, width, fold, up, frame, direction, end_mode, decay };
+            let frame = if wanted.flipping || is_away_from_up(family, &knots, up) {
+                frame
+            } else {
+                FrameMode::default()
+            };
+            let recipe = LightRecipe { family, knots, width, fold, up, frame, direction, end_mode, decay };
             recipe.light().ok().filter(|light| Tube::new(light).is_ok())
         },
     )

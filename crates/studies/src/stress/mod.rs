@@ -26,8 +26,8 @@ use serde::Serialize;
 use thiserror::Error;
 
 use self::adapter::Adapter;
-pub use self::runner::Failure;
-use self::runner::{Check, Tally, Try, property};
+pub use self::runner::PropertyFailure;
+use self::runner::{Check, CheckTally, TrySeed, property};
 use self::shadow::Fault;
 use crate::StudyError;
 
@@ -93,7 +93,7 @@ impl Property {
     }
 
     /// What it does with a seed; `None` where it needs an adapter and there is none.
-    fn tries(self, adapter: Option<&Adapter>) -> Option<Try<'_>> {
+    fn tries(self, adapter: Option<&Adapter>) -> Option<TrySeed<'_>> {
         let tries = match (self, adapter) {
             (Self::Solver, _) => property(solver::cases(), solver::check),
             (Self::Frame, _) => property(frame::cases(), frame::check),
@@ -101,25 +101,29 @@ impl Property {
             (Self::Joints, _) => property(joints::cases(), joints::check),
             (Self::World, _) => property(world::cases(), world::check),
             (_, None) => return None,
-            (Self::Locate, Some(adapter)) => on(adapter, adapter::cases(), adapter::locates),
-            (Self::Map, Some(adapter)) => on(adapter, adapter::cases(), adapter::maps),
+            (Self::Locate, Some(adapter)) => with_adapter(adapter, adapter::cases(), adapter::check_locate),
+            (Self::Map, Some(adapter)) => with_adapter(adapter, adapter::cases(), adapter::check_shadow_map),
             (Self::LonePlane, Some(adapter)) => {
-                on(adapter, shadow::lone_planes(), shadow::check(Fault::Ghost))
+                with_adapter(adapter, shadow::lone_planes(), shadow::check(Fault::Ghost))
             }
-            (Self::Wall, Some(adapter)) => on(adapter, shadow::walls(), shadow::check(Fault::Holes)),
-            (Self::Shadow, Some(adapter)) => on(adapter, shadow::clutter(), shadow::check(Fault::WrongSide)),
-            (Self::Finite, Some(adapter)) => on(adapter, finite::cases(), finite::check),
+            (Self::Wall, Some(adapter)) => {
+                with_adapter(adapter, shadow::walls(), shadow::check(Fault::Holes))
+            }
+            (Self::Shadow, Some(adapter)) => {
+                with_adapter(adapter, shadow::clutter(), shadow::check(Fault::WrongSide))
+            }
+            (Self::Finite, Some(adapter)) => with_adapter(adapter, finite::cases(), finite::check),
         };
         Some(tries)
     }
 }
 
 /// A property of what an adapter does.
-fn on<'a, C: Debug + Serialize>(
+fn with_adapter<'a, C: Debug + Serialize>(
     adapter: &'a Adapter,
     cases: impl Strategy<Value = C> + 'a,
-    check: impl Fn(&C, &Adapter, &mut Tally) -> Check + 'a,
-) -> Try<'a> {
+    check: impl Fn(&C, &Adapter, &mut CheckTally) -> Check + 'a,
+) -> TrySeed<'a> {
     property(cases, move |case, tally| check(case, adapter, tally))
 }
 
@@ -150,7 +154,7 @@ pub enum Length {
 
 /// What to try.
 #[derive(Clone, Debug)]
-pub struct Options {
+pub struct StressOptions {
     /// Which properties.
     pub properties: Vec<Property>,
     /// Case k is the first one of a run with this plus k.
@@ -163,17 +167,17 @@ pub struct Options {
 
 /// What was found.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report {
+pub struct StressReport {
     /// Of the first case of each property.
     pub seed: u64,
     /// One a property.
-    pub outcomes: Vec<Outcome>,
+    pub outcomes: Vec<PropertyOutcome>,
 }
 
 /// What was found of one property.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Outcome {
+pub struct PropertyOutcome {
     /// What was to hold.
     pub property: Property,
     /// Cases tried; a failure ends it.
@@ -183,62 +187,68 @@ pub struct Outcome {
     /// Largest error as a share of its bound; `null` where something failed that has no size.
     pub worst_share: f64,
     /// The case it does not hold for.
-    pub failure: Option<Failure>,
+    pub failure: Option<PropertyFailure>,
 }
 
-impl Report {
+impl StressReport {
     /// The properties that do not hold.
-    pub fn failed(&self) -> impl Iterator<Item = (Property, &Failure)> {
+    pub fn failed(&self) -> impl Iterator<Item = (Property, &PropertyFailure)> {
         self.outcomes.iter().filter_map(|outcome| Some((outcome.property, outcome.failure.as_ref()?)))
     }
 }
 
 /// A property under test.
-struct Course<'a> {
+struct PropertyRun<'a> {
     property: Property,
-    try_seed: Try<'a>,
-    tally: Tally,
+    try_seed: TrySeed<'a>,
+    tally: CheckTally,
     cases: u64,
-    failure: Option<Failure>,
+    failure: Option<PropertyFailure>,
 }
 
 /// How long one property is tried before the next has its turn.
-const TURN: Duration = Duration::from_millis(200);
+const TURN_TIME: Duration = Duration::from_millis(200);
 
-impl Course<'_> {
+impl PropertyRun<'_> {
     /// Tries more cases, up to `most` in all.
-    fn turn(&mut self, seed: u64, most: u64) {
+    fn try_cases(&mut self, seed: u64, most: u64) {
         let began = Instant::now();
-        while self.failure.is_none() && self.cases < most && began.elapsed() < TURN {
+        while self.failure.is_none() && self.cases < most && began.elapsed() < TURN_TIME {
             self.failure = (self.try_seed)(seed.wrapping_add(self.cases), &mut self.tally);
             self.cases += 1;
         }
     }
 
-    fn outcome(self) -> Outcome {
+    fn outcome(self) -> PropertyOutcome {
         let Self { property, tally, cases, failure, .. } = self;
-        Outcome { property, cases, comparisons: tally.comparisons, worst_share: tally.worst_share, failure }
+        PropertyOutcome {
+            property,
+            cases,
+            comparisons: tally.comparisons,
+            worst_share: tally.worst_share,
+            failure,
+        }
     }
 }
 
 /// Tries the properties in turns; one that fails does not stop the others. `progress` is told the share that is done.
-pub fn run(options: &Options, progress: impl Fn(f64)) -> Result<Report, StudyError> {
+pub fn run(options: &StressOptions, progress: impl Fn(f64)) -> Result<StressReport, StudyError> {
     let needs_adapter = options.properties.iter().any(|property| property.tries(None).is_none());
     let adapter = needs_adapter.then(Adapter::open).transpose()?;
-    let course = |&property: &Property| Course {
+    let course = |&property: &Property| PropertyRun {
         property,
         try_seed: property.tries(adapter.as_ref()).expect("an adapter is open where one is needed"),
-        tally: Tally { planted: options.planted, ..Tally::default() },
+        tally: CheckTally { is_planted: options.planted, ..CheckTally::default() },
         cases: 0,
         failure: None,
     };
-    let mut courses: Vec<Course> = options.properties.iter().map(course).collect();
+    let mut courses: Vec<PropertyRun> = options.properties.iter().map(course).collect();
     let began = Instant::now();
     let most = match options.length {
         Length::Time(_) => u64::MAX,
         Length::Cases(cases) => cases,
     };
-    let done = |courses: &[Course]| match options.length {
+    let done = |courses: &[PropertyRun]| match options.length {
         Length::Time(time) => began.elapsed().as_secs_f64() / time.as_secs_f64(),
         Length::Cases(cases) => {
             let tried: u64 = courses.iter().map(|c| if c.failure.is_some() { cases } else { c.cases }).sum();
@@ -247,9 +257,9 @@ pub fn run(options: &Options, progress: impl Fn(f64)) -> Result<Report, StudyErr
     };
     while done(&courses) < 1.0 && courses.iter().any(|course| course.failure.is_none()) {
         for course in &mut courses {
-            course.turn(options.seed, most);
+            course.try_cases(options.seed, most);
         }
         progress(done(&courses));
     }
-    Ok(Report { seed: options.seed, outcomes: courses.into_iter().map(Course::outcome).collect() })
+    Ok(StressReport { seed: options.seed, outcomes: courses.into_iter().map(PropertyRun::outcome).collect() })
 }

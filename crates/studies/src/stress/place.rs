@@ -3,14 +3,14 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use light::{Frame, Real, Root, Tube};
+use light::{FrameMode, Real, Tube, TubeRoot};
 use proptest::prelude::*;
 
 use super::light::unit_cube;
 
 /// A point by its place in a light.
 #[derive(Clone, Copy, Debug)]
-pub enum Place {
+pub enum PointSpec {
     /// At a share of the light's length, at `rho` radii from its curve in a direction across it.
     InTube {
         /// 0 to 1; past 1 on an extension.
@@ -34,13 +34,13 @@ pub enum Place {
         /// Along the curve, 0 to 1.
         share: f64,
         /// 1 is the centre of curvature.
-        way: f64,
+        share_to_centre: f64,
     },
     /// Anywhere, in tube units.
     Free(DVec3),
 }
 
-impl Place {
+impl PointSpec {
     /// The point in tube space.
     pub fn in_tube_space(self, tube: &Tube<f64>) -> DVec3 {
         let n = tube.n as f64;
@@ -51,7 +51,7 @@ impl Place {
             Self::AtJoint { joint, rho, angle } => {
                 point_at(tube, (joint % (tube.n + 1)) as f64, rho * angle.cos(), rho * angle.sin())
             }
-            Self::NearEvolute { share, way } => {
+            Self::NearEvolute { share, share_to_centre: way } => {
                 let (i, u) = split(tube, share * n);
                 let segment = &tube.segments[i].curve;
                 let u_hat = segment.u_hat(u);
@@ -65,22 +65,23 @@ impl Place {
 }
 
 /// Places of every kind.
-pub fn places() -> impl Strategy<Value = Place> {
+pub fn places() -> impl Strategy<Value = PointSpec> {
     let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
-    let near = (decade, unit_cube()).prop_map(|(decade, q)| Place::Free(q * 10_f64.powf(decade)));
-    let evolute = (0.0..1.0, 0.9..1.1).prop_map(|(share, way)| Place::NearEvolute { share, way });
+    let near = (decade, unit_cube()).prop_map(|(decade, q)| PointSpec::Free(q * 10_f64.powf(decade)));
+    let evolute =
+        (0.0..1.0, 0.9..1.1).prop_map(|(share, way)| PointSpec::NearEvolute { share, share_to_centre: way });
     prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
 }
 
 /// Places in a tube and a little around it.
-pub fn in_tube(rho_max: f64) -> impl Strategy<Value = Place> {
+pub fn in_tube(rho_max: f64) -> impl Strategy<Value = PointSpec> {
     let rho = prop_oneof![4 => (0.0..rho_max).boxed(), 1 => Just(0.0).boxed()];
-    (0.0..1.0, rho, 0.0..TAU).prop_map(|(share, rho, angle)| Place::InTube { share, rho, angle })
+    (0.0..1.0, rho, 0.0..TAU).prop_map(|(share, rho, angle)| PointSpec::InTube { share, rho, angle })
 }
 
 /// Places on the planes where segments meet.
-pub fn at_joint() -> impl Strategy<Value = Place> {
-    (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| Place::AtJoint { joint, rho, angle })
+pub fn at_joint() -> impl Strategy<Value = PointSpec> {
+    (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| PointSpec::AtJoint { joint, rho, angle })
 }
 
 /// The index of the segment that holds `t`, and the parameter in it; a joint belongs to the lower one.
@@ -103,16 +104,16 @@ pub fn point_in(tube: &Tube<f64>, i: usize, u: f64, v: f64, w: f64) -> DVec3 {
 }
 
 /// What the light model says of `q` where the root is known to be `u` of a segment.
-pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> Root<f64> {
+pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> TubeRoot<f64> {
     let s = &tube.segments[segment].curve;
     let (u_hat, r) = (s.u_hat(u), s.offset(q, u));
     let (v_hat, w_hat) = tube.cross_section(s, u_hat);
-    Root { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: s.radius(u), v_hat, u_hat }
+    TubeRoot { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: s.radius(u), v_hat, u_hat }
 }
 
 /// By how much what is found at a root may be off, in tube units (light model, section 5).
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
+pub struct RootBounds {
     /// Of the parameter.
     pub t: f64,
     /// Of `V` and `W`, as lengths.
@@ -132,7 +133,7 @@ pub struct Bounds {
 /// (section 4). The numbers of point and segment are rounded at the size of `|q| + |r| + L`; and each direction is
 /// good to `eps L / |d|`, because `d` is a difference of vectors of length `L`. `V` does not change with u in the
 /// rotation-minimising frame, and turns by `tau` in the other one.
-pub fn bounds(tube: &Tube<f64>, root: &Root<f64>, q: DVec3, eps: f64, dq: f64) -> Option<Bounds> {
+pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f64) -> Option<RootBounds> {
     let (s, u) = (&tube.segments[root.segment].curve, root.u);
     let (d, turn) = (s.d(u).length(), s.u_hat_derivative(u, root.u_hat));
     let (rho, length) = (root.r.length(), s.d0.length() + s.d1.length());
@@ -152,7 +153,7 @@ pub fn bounds(tube: &Tube<f64>, root: &Root<f64>, q: DVec3, eps: f64, dq: f64) -
         return None;
     }
     let frame = 32.0 * eps * (1.0 + length / d);
-    let twist = if tube.frame == Frame::Up {
+    let twist = if tube.frame == FrameMode::Up {
         let lean = (tube.up - root.u_hat * tube.up.dot(root.u_hat)).length().max(1e-6);
         (turn.length() * t + frame) / lean
     } else {
@@ -167,7 +168,7 @@ pub fn bounds(tube: &Tube<f64>, root: &Root<f64>, q: DVec3, eps: f64, dq: f64) -
         rho * per_radius * (2.0 * s.ar.abs() * t + slope * radius * per_radius) + slope * per_radius * across;
     let tangent = s.d(u) * 2.0 + root.r * (s.radius_derivative(u) * per_radius);
     let direction = (2.0 * s.a.length() * t + spread) / tangent.length() + frame;
-    Some(Bounds { t, across, radius, direction, rate: 1.0 / sigma })
+    Some(RootBounds { t, across, radius, direction, rate: 1.0 / sigma })
 }
 
 /// 2^-52 or 2^-24, as the light model's bounds have it.

@@ -4,13 +4,13 @@ use light::{Light, Real, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights};
+use super::light::{LightLimits, as_file, lights};
 use super::place::{bounds, eps, point_at, root_at, split};
-use super::runner::{Check, Tally};
+use super::runner::{Check, CheckTally};
 
 /// A light and places in it.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct RoundTripCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
     /// (t, v, w) of each.
@@ -18,19 +18,19 @@ pub struct Case {
 }
 
 /// Lights of every kind, and places inside them.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 12, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = RoundTripCase> {
+    let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let place = (0.0..1.0, 0.0..0.999, 0.0..std::f64::consts::TAU);
     (lights, prop::collection::vec(place, 1..16)).prop_map(|(light, places)| {
         let n = (light.points().len() - 2) as f64;
         let places =
             places.into_iter().map(|(share, rho, angle)| [share * n, rho * angle.cos(), rho * angle.sin()]);
-        Case { places: places.collect(), light }
+        RoundTripCase { places: places.collect(), light }
     })
 }
 
 /// Holds for each place, in f64 and f32.
-pub fn check(case: &Case, tally: &mut Tally) -> Check {
+pub fn check(case: &RoundTripCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let single = Tube::<f32>::from(&tube);
     for &place in &case.places {
@@ -40,7 +40,12 @@ pub fn check(case: &Case, tally: &mut Tally) -> Check {
     Ok(())
 }
 
-fn comes_back<F: Real>(exact: &Tube<f64>, tube: &Tube<F>, [t, v, w]: [f64; 3], tally: &mut Tally) -> Check {
+fn comes_back<F: Real>(
+    exact: &Tube<f64>,
+    tube: &Tube<F>,
+    [t, v, w]: [f64; 3],
+    tally: &mut CheckTally,
+) -> Check {
     let q = point_at(exact, t, v, w);
     let (segment, u) = split(exact, t);
     let root = root_at(exact, segment, u, q);
@@ -61,7 +66,7 @@ fn comes_back<F: Real>(exact: &Tube<f64>, tube: &Tube<F>, [t, v, w]: [f64; 3], t
     let Some((off, [v_len, mut w_len, radius])) = found else {
         return tally.holds(false, || format!("{place} is not found again"));
     };
-    if tally.planted {
+    if tally.is_planted {
         w_len = -w_len;
     }
     let expected_radius = root.radius;

@@ -14,9 +14,9 @@ const SHRINK_MS: u32 = 30_000;
 
 /// What has been compared so far, and whether what is compared carries a planted fault.
 #[derive(Debug, Default)]
-pub struct Tally {
+pub struct CheckTally {
     /// Whether the check is to spoil what it looks at, to show that it would see such a fault.
-    pub planted: bool,
+    pub is_planted: bool,
     /// Numbers compared with a bound.
     pub comparisons: u64,
     /// Largest error as a share of its bound.
@@ -26,7 +26,7 @@ pub struct Tally {
 /// Why a property does not hold, as a clause.
 pub type Check = Result<(), String>;
 
-impl Tally {
+impl CheckTally {
     /// Compares an error with its bound. NaN is past every bound.
     pub fn within(&mut self, what: Arguments, error: f64, bound: f64) -> Check {
         self.comparisons += 1;
@@ -52,7 +52,7 @@ impl Tally {
 
 /// A case that a property does not hold for, as simple as it could be made.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Failure {
+pub struct PropertyFailure {
     /// The first case of a run with this seed, and this property alone, is the one that failed.
     pub seed: u64,
     /// What is wrong in the simplest case found.
@@ -62,13 +62,13 @@ pub struct Failure {
 }
 
 /// Tries the case that a seed stands for: a [`Failure`] where the property does not hold for it.
-pub type Try<'a> = Box<dyn Fn(u64, &mut Tally) -> Option<Failure> + 'a>;
+pub type TrySeed<'a> = Box<dyn Fn(u64, &mut CheckTally) -> Option<PropertyFailure> + 'a>;
 
 /// Cases of one kind and what must hold for each.
 pub fn property<'a, C: Debug + Serialize>(
     cases: impl Strategy<Value = C> + 'a,
-    check: impl Fn(&C, &mut Tally) -> Check + 'a,
-) -> Try<'a> {
+    check: impl Fn(&C, &mut CheckTally) -> Check + 'a,
+) -> TrySeed<'a> {
     Box::new(move |seed, tally| {
         let config = Config {
             failure_persistence: None,
@@ -80,7 +80,11 @@ pub fn property<'a, C: Debug + Serialize>(
         let tree = match cases.new_tree(&mut runner) {
             Ok(tree) => tree,
             Err(reason) => {
-                return Some(Failure { seed, why: reason.to_string(), case: serde_json::Value::Null });
+                return Some(PropertyFailure {
+                    seed,
+                    why: reason.to_string(),
+                    case: serde_json::Value::Null,
+                });
             }
         };
         let tally = RefCell::new(tally);
@@ -93,7 +97,7 @@ pub fn property<'a, C: Debug + Serialize>(
                 (reason, serde_json::to_value(&case).expect("plain data with string keys"))
             }
         };
-        Some(Failure { seed, why: why.message().to_owned(), case })
+        Some(PropertyFailure { seed, why: why.message().to_owned(), case })
     })
 }
 

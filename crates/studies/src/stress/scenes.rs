@@ -9,8 +9,8 @@ use render::View;
 use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights, placement, unit_cube};
-use super::place::{Place, in_tube, point_at};
+use super::light::{LightLimits, as_file, lights, placement, unit_cube};
+use super::place::{PointSpec, in_tube, point_at};
 
 /// A picture's size.
 pub const WIDTH: u32 = 96;
@@ -80,25 +80,25 @@ impl Shot {
 
 /// What stands in the way.
 #[derive(Clone, Debug)]
-pub enum Obstacle {
+pub enum StressObstacle {
     /// A square across the light, this many radii to each side, leaning by up to this much.
     Square { share: f64, lean: DVec3, half: f64 },
     /// A square mesh across the light, of so many cells a side whose vertices stray by up to half a cell.
     Wall { share: f64, lean: DVec3, half: f64, cells: usize, strays: Vec<DVec3> },
     /// A triangle between places of the tube.
-    Triangle([Place; 3]),
+    Triangle([PointSpec; 3]),
     /// One with this much of the third side's length for its height.
-    Sliver([Place; 2], f64),
+    Sliver([PointSpec; 2], f64),
     /// One corner at the source.
-    ThroughSource([Place; 2]),
+    ThroughSource([PointSpec; 2]),
     /// Two or three corners in one place.
-    Degenerate(Place, Place),
+    Degenerate(PointSpec, PointSpec),
 }
 
-impl Obstacle {
+impl StressObstacle {
     /// Its triangles, in light-local space.
     fn facets(&self, tube: &Tube<f64>, unit: f64) -> Vec<[DVec3; 3]> {
-        let at = |place: &Place| place.in_tube_space(tube) * unit;
+        let at = |place: &PointSpec| place.in_tube_space(tube) * unit;
         match self {
             Self::Square { share, lean, half } => grid(tube, unit, (*share, *lean, *half), 1, &[]),
             Self::Wall { share, lean, half, cells, strays } => {
@@ -150,36 +150,36 @@ fn grid(
 }
 
 /// Squares and walls in the way of a light, to its shares from 0.1 to 1.
-pub fn square(half: impl Strategy<Value = f64>) -> impl Strategy<Value = Obstacle> {
-    (0.1..1.0, unit_cube(), half).prop_map(|(share, lean, half)| Obstacle::Square { share, lean, half })
+pub fn square(half: impl Strategy<Value = f64>) -> impl Strategy<Value = StressObstacle> {
+    (0.1..1.0, unit_cube(), half).prop_map(|(share, lean, half)| StressObstacle::Square { share, lean, half })
 }
 
 /// A wall that reaches well past the tube's rim.
-pub fn wall() -> impl Strategy<Value = Obstacle> {
+pub fn wall() -> impl Strategy<Value = StressObstacle> {
     let strays = prop::collection::vec(unit_cube(), 81);
     (0.1..0.8, unit_cube(), 3.0..8.0, 1..8_usize, strays).prop_map(|(share, lean, half, cells, strays)| {
-        Obstacle::Wall { share, lean: lean * 0.6, half, cells, strays }
+        StressObstacle::Wall { share, lean: lean * 0.6, half, cells, strays }
     })
 }
 
 /// Triangles of every kind; those that `degenerate` adds have no area.
-pub fn obstacle(degenerate: bool) -> impl Strategy<Value = Obstacle> {
+pub fn obstacle(degenerate: bool) -> impl Strategy<Value = StressObstacle> {
     let place = || in_tube(2.5).boxed();
     prop_oneof![
         3 => square(0.2..2.0).boxed(),
-        3 => [place(), place(), place()].prop_map(Obstacle::Triangle).boxed(),
-        2 => ([place(), place()], 1e-4..0.1).prop_map(|(ends, height)| Obstacle::Sliver(ends, height)).boxed(),
-        1 => [place(), place()].prop_map(Obstacle::ThroughSource).boxed(),
+        3 => [place(), place(), place()].prop_map(StressObstacle::Triangle).boxed(),
+        2 => ([place(), place()], 1e-4..0.1).prop_map(|(ends, height)| StressObstacle::Sliver(ends, height)).boxed(),
+        1 => [place(), place()].prop_map(StressObstacle::ThroughSource).boxed(),
         1 => square(2.0..60.0).boxed(),
-        u32::from(degenerate) => (place(), place()).prop_map(|(a, b)| Obstacle::Degenerate(a, b)).boxed(),
+        u32::from(degenerate) => (place(), place()).prop_map(|(a, b)| StressObstacle::Degenerate(a, b)).boxed(),
     ]
 }
 
 /// A light that falls on a square, with `others` in its way.
 pub fn shots(
-    wanted: Lights,
-    receiver: impl Strategy<Value = Obstacle>,
-    others: impl Strategy<Value = Vec<Obstacle>>,
+    wanted: LightLimits,
+    receiver: impl Strategy<Value = StressObstacle>,
+    others: impl Strategy<Value = Vec<StressObstacle>>,
 ) -> impl Strategy<Value = Shot> {
     let camera = (0.3..1.0, 0.0..TAU, 0.2..1.2, 2.0..5.0);
     (lights(wanted), placement(), receiver, others, camera).prop_map(
@@ -195,7 +195,7 @@ pub fn shots(
             let facets = others.iter().chain([&receiver]).flat_map(|obstacle| obstacle.facets(&tube, unit));
             let facets = facets.map(|facet| facet.map(|p| p.as_vec3().to_array())).collect();
             // The camera looks at the receiver, from the side that light comes from.
-            let share = if let Obstacle::Square { share, .. } = receiver { share } else { share };
+            let share = if let StressObstacle::Square { share, .. } = receiver { share } else { share };
             let t = share * tube.n as f64;
             let target = point_at(&tube, t, 0.0, 0.0);
             let rim = point_at(&tube, t, around.cos(), around.sin()) - target;
@@ -203,7 +203,7 @@ pub fn shots(
             let back = -tube.segments[i].curve.u_hat(u) * rim.length().max(1e-3);
             let eye = target + (back * lean.cos() + rim * lean.sin()) * distance;
             Shot {
-                light: light.placed(transform),
+                light: light.with_transform(transform),
                 facets,
                 eye: (eye * unit).to_array(),
                 target: (target * unit).to_array(),

@@ -6,14 +6,14 @@ use proptest::prelude::*;
 use render::{Aov, Picture, ShadowSettings, View};
 use scene::Material;
 
-use super::adapter::{Adapter, Shown};
-use super::light::Lights;
-use super::runner::{Check, Tally};
+use super::adapter::{Adapter, StressPicture};
+use super::light::LightLimits;
+use super::runner::{Check, CheckTally};
 use super::scenes::{Facet, HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
-use super::walk::{RESOLUTION, Receiver, reaches};
+use super::walk::{RESOLUTION, WalkReceiver, light_reaches};
 
 /// The lights whose shadow maps hold what they promise: not so close to a fold that a texel's width spans it.
-const LIGHTS: Lights = Lights { segments: 4, fold: 0.9, pinched: false, flipping: false };
+const LIGHTS: LightLimits = LightLimits { segments: 4, fold: 0.9, pinched: false, flipping: false };
 
 /// What a check spoils to show that it would see it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,15 +45,20 @@ pub fn clutter() -> impl Strategy<Value = Shot> {
 const PIXELS: usize = 48;
 
 /// The check, and what it spoils where a fault is to be planted.
-pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut Tally) -> Check {
+pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check {
     move |shot, adapter, tally| {
-        let planted = tally.planted.then_some(fault);
+        let planted = tally.is_planted.then_some(fault);
         agrees_with_the_walk(shot, planted, adapter, tally)
     }
 }
 
 /// Holds where the visibility is a share, and the walk's answer two texels and more off a shadow's edge.
-fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, tally: &mut Tally) -> Check {
+fn agrees_with_the_walk(
+    shot: &Shot,
+    planted: Option<Fault>,
+    adapter: &Adapter,
+    tally: &mut CheckTally,
+) -> Check {
     let drawn: Vec<Facet> = match planted {
         Some(Fault::Ghost) => {
             let ghosts = shot.facets.iter().map(|facet| facet.map(|p| p.map(|x| 0.5 * x)));
@@ -76,8 +81,8 @@ fn agrees_with_the_walk(shot: &Shot, planted: Option<Fault>, adapter: &Adapter, 
     };
     let triangles: Vec<[DVec3; 3]> = shot.facets.iter().map(|facet| facet.map(in_tube)).collect();
     let reach = triangles.iter().flatten().map(|p| p.length()).fold(1.0, f64::max);
-    let shown = Shown { scene: &scene, view: &view, lights: &shot.lights(), shadows };
-    adapter.hold(shown, aovs, |pictures| {
+    let shown = StressPicture { scene: &scene, view: &view, lights: &shot.lights(), shadows };
+    adapter.check_pictures(shown, aovs, |pictures| {
         let visibility = &pictures[2].pixels;
         let pixels: Vec<usize> = (0..visibility.len()).filter(|&pixel| visibility[pixel][3] == 1.0).collect();
         let odd = pixels.iter().find(|&&pixel| !(0.0..=1.0).contains(&visibility[pixel][0]));
@@ -95,7 +100,7 @@ fn pixel_agrees(
     triangles: &[[DVec3; 3]],
     reach: f64,
     (view, [depth, normal, visibility], pixel): (&View, &[Picture; 3], usize),
-    tally: &mut Tally,
+    tally: &mut CheckTally,
 ) -> Check {
     let q = tube.placement.tube_from_world(position(view, depth, pixel));
     let mut roots = Vec::new();
@@ -103,8 +108,8 @@ fn pixel_agrees(
     // Where the tube overlaps itself, rounding chooses.
     let [root] = &roots[..] else { return Ok(()) };
     let facing = DVec3::from_array([0, 1, 2].map(|k| f64::from(normal.pixels[pixel][k])));
-    let receiver = Receiver { root, normal: tube.placement.rotation.transpose() * facing };
-    let Some(expected) = reaches(tube, triangles, reach, &receiver) else { return Ok(()) };
+    let receiver = WalkReceiver { root, normal: tube.placement.rotation.transpose() * facing };
+    let Some(expected) = light_reaches(tube, triangles, reach, &receiver) else { return Ok(()) };
     let shown = visibility.pixels[pixel][0];
     tally.holds(shown == f32::from(u8::from(expected)), || {
         let (t, v, w) = (root.segment as f64 + root.u, root.v_len / root.radius, root.w_len / root.radius);

@@ -5,37 +5,39 @@ use light::{Light, Real, Transform, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights, placement};
-use super::place::{Place, eps, places};
-use super::runner::{Check, Tally};
+use super::light::{LightLimits, as_file, lights, placement};
+use super::place::{PointSpec, eps, places};
+use super::runner::{Check, CheckTally};
 
 /// A light and points in the world.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct RootCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
     pub points: Vec<[f64; 3]>,
 }
 
-impl Case {
+impl RootCase {
     /// A light put somewhere, and points by their places in it.
-    pub fn new(light: Light, transform: Transform, places: &[Place]) -> Self {
-        let light = light.placed(transform);
+    pub fn new(light: Light, transform: Transform, places: &[PointSpec]) -> Self {
+        let light = light.with_transform(transform);
         let tube = Tube::new(&light).expect("a placement makes no light invalid");
-        let in_world = |place: &Place| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
+        let in_world =
+            |place: &PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
         Self { points: places.iter().map(in_world).collect(), light }
     }
 }
 
 /// Lights anywhere, and points of every kind.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 12, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = RootCase> {
+    let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..16);
-    (lights, placement(), places).prop_map(|(light, transform, places)| Case::new(light, transform, &places))
+    (lights, placement(), places)
+        .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
 /// Holds for each point, in f64 and f32.
-pub fn check(case: &Case, tally: &mut Tally) -> Check {
+pub fn check(case: &RootCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let single = Tube::<f32>::from(&tube);
     for &point in &case.points {
@@ -90,18 +92,18 @@ impl Curve {
 /// Steps of the search along a segment.
 const STEPS: usize = 512;
 
-fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Tally) -> Check {
+fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut CheckTally) -> Check {
     let tolerance = k * eps::<F>();
     let mut roots = Vec::new();
     let mut odd = None;
     tube.for_each_root(q, |root| {
-        let place = tube.describe(&root);
+        let place = tube.tube_point(&root);
         let unit = (place.direction.length() - 1.0).abs() < 1e-5;
         odd = odd.or((!(unit && place.v.is_finite() && place.w.is_finite())).then_some(place));
         roots.push((root.segment, root.u.f64()));
     });
     tally.holds(odd.is_none(), || format!("a place is not made of numbers: {odd:?}"))?;
-    if tally.planted
+    if tally.is_planted
         && let Some(root) = roots.first_mut()
     {
         root.1 = if root.1 < 0.5 { root.1 + 1e-3 } else { root.1 - 1e-3 };

@@ -2,7 +2,7 @@
 //! nothing with the renderer.
 
 use glam::DVec3;
-use light::{EndMode, Root, Tube};
+use light::{EndMode, Tube, TubeRoot};
 
 use super::place::{eps, point_at, point_in};
 
@@ -20,8 +20,8 @@ const CLEARANCE: f64 = 2.0;
 const EDGE_ON: f64 = 0.1;
 
 /// A surface's point, in tube space.
-pub struct Receiver<'a> {
-    pub root: &'a Root<f64>,
+pub struct WalkReceiver<'a> {
+    pub root: &'a TubeRoot<f64>,
     /// Unit normal towards the viewer: light that arrives from behind does not reach this side.
     pub normal: DVec3,
 }
@@ -29,8 +29,13 @@ pub struct Receiver<'a> {
 /// Whether light reaches a point, or `None` where rounding or the map's texels may decide.
 ///
 /// `triangles` are in tube space, `reach` is the size at which the renderer rounds their corners.
-pub fn reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], reach: f64, receiver: &Receiver) -> Option<bool> {
-    let Receiver { root, normal } = receiver;
+pub fn light_reaches(
+    tube: &Tube<f64>,
+    triangles: &[[DVec3; 3]],
+    reach: f64,
+    receiver: &WalkReceiver,
+) -> Option<bool> {
+    let WalkReceiver { root, normal } = receiver;
     let t = root.segment as f64 + root.u;
     let (v, w) = (root.v_len / root.radius, root.w_len / root.radius);
     let width = TEXEL * root.radius;
@@ -55,7 +60,7 @@ pub fn reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], reach: f64, receiver:
         Path::new(tube, v + dv, w + dw, (t + window).min(end))
     });
     let point = segment.position(root.u) + root.r;
-    let known = paths.iter().all(|path| path.clear_where_thin(triangles, reach))
+    let known = paths.iter().all(|path| path.is_clear_where_thin(triangles, reach))
         && is_flat(&paths, point, *normal, t, per_texel);
     if !known {
         return None;
@@ -103,7 +108,7 @@ impl Path {
     }
 
     /// Whether no triangle is near where the tube is so thin that rounding moves it by texels.
-    fn clear_where_thin(&self, triangles: &[[DVec3; 3]], reach: f64) -> bool {
+    fn is_clear_where_thin(&self, triangles: &[[DVec3; 3]], reach: f64) -> bool {
         let thin = 64.0 * eps::<f32>() * reach * f64::from(RESOLUTION);
         let thin_part = || self.pieces.iter().flatten().filter(|(_, _, radius)| *radius < thin);
         triangles.iter().all(|&[a, b, c]| {

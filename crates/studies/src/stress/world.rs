@@ -2,17 +2,17 @@
 
 use glam::DVec3;
 use light::parameters::DIRECTION;
-use light::{Direction, Light, Transform, Tube};
+use light::{DirectionMode, Light, Transform, Tube};
 use proptest::prelude::*;
 use serde::Serialize;
 
-use super::light::{Lights, as_file, lights, placement};
-use super::place::{Place, bounds, in_tube};
-use super::runner::{Check, Tally};
+use super::light::{LightLimits, as_file, lights, placement};
+use super::place::{PointSpec, bounds, in_tube};
+use super::runner::{Check, CheckTally};
 
 /// A light at the origin, the places asked about, and where both are moved.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub struct WorldCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
     /// Before the move.
@@ -26,16 +26,16 @@ pub struct Case {
 }
 
 /// Lights of every kind but "path", whose direction has conditions of its own.
-pub fn cases() -> impl Strategy<Value = Case> {
-    let lights = lights(Lights { segments: 12, fold: 1.0, pinched: true, flipping: true });
+pub fn cases() -> impl Strategy<Value = WorldCase> {
+    let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let units = prop_oneof![Just(0), -300..300];
     (lights, placement(), units, prop::collection::vec(in_tube(0.99), 1..16)).prop_map(
         |(light, to, units, places)| {
-            let light = light.with(DIRECTION, Direction::Tube);
+            let light = light.with(DIRECTION, DirectionMode::Tube);
             let tube = Tube::new(&light).expect("valid");
             let in_world =
-                |place: Place| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
-            Case {
+                |place: PointSpec| tube.placement.world_from_tube(place.in_tube_space(&tube)).to_array();
+            WorldCase {
                 points: places.into_iter().map(in_world).collect(),
                 light,
                 translation: to.translation.to_array(),
@@ -48,7 +48,7 @@ pub fn cases() -> impl Strategy<Value = Case> {
 }
 
 /// Holds for each point.
-pub fn check(case: &Case, tally: &mut Tally) -> Check {
+pub fn check(case: &WorldCase, tally: &mut CheckTally) -> Check {
     let before = Tube::new(&case.light).expect("cases are valid");
     let move_by = Transform {
         translation: case.translation.into(),
@@ -56,18 +56,25 @@ pub fn check(case: &Case, tally: &mut Tally) -> Check {
         scale: case.scale,
     };
     let units = 2_f64.powi(case.units);
-    let moved = case.light.clone().placed(Transform { scale: case.scale / units, ..move_by }).with_points(
-        |_, point| (point.position, point.radius) = (point.position * units, point.radius * units),
-    );
+    let moved =
+        case.light.clone().with_transform(Transform { scale: case.scale / units, ..move_by }).map_points(
+            |_, point| (point.position, point.radius) = (point.position * units, point.radius * units),
+        );
     let after = Tube::new(&moved).map_err(|error| format!("the moved light is refused: {error}"))?;
-    case.points.iter().try_for_each(|&point| stays(&before, &after, &move_by, point.into(), tally))
+    case.points.iter().try_for_each(|&point| check_invariance(&before, &after, &move_by, point.into(), tally))
 }
 
-fn stays(before: &Tube<f64>, after: &Tube<f64>, by: &Transform, point: DVec3, tally: &mut Tally) -> Check {
+fn check_invariance(
+    before: &Tube<f64>,
+    after: &Tube<f64>,
+    by: &Transform,
+    point: DVec3,
+    tally: &mut CheckTally,
+) -> Check {
     let q = before.placement.tube_from_world(point);
     let Some(expected) = before.nearest_root(q) else { return Ok(()) };
     let mut moved = by.world_from_local(point);
-    if tally.planted {
+    if tally.is_planted {
         moved += after.placement.rotation.x_axis * (1e-3 * expected.radius * after.placement.world_per_tube);
     }
     let moved_q = after.placement.tube_from_world(moved);
@@ -95,7 +102,7 @@ fn stays(before: &Tube<f64>, after: &Tube<f64>, by: &Transform, point: DVec3, ta
     tally.within(format_args!("V {place}"), (root.v_len - expected.v_len).abs(), bound.across)?;
     tally.within(format_args!("W {place}"), (root.w_len - expected.w_len).abs(), bound.across)?;
     tally.within(format_args!("R {place}"), (root.radius - expected.radius).abs(), bound.radius)?;
-    let turned = by.rotation.normalize() * before.describe(&expected).direction;
-    let turn = (after.describe(&root).direction - turned).length();
+    let turned = by.rotation.normalize() * before.tube_point(&expected).direction;
+    let turn = (after.tube_point(&root).direction - turned).length();
     tally.within(format_args!("the direction {place}"), turn, bound.direction + 16.0 * f64::EPSILON)
 }

@@ -1,12 +1,12 @@
 //! Drags of every size, as numbers that can be drawn at random and changed one at a time.
 
-use bench::drag::{FEATURES, Stage};
-use drag::{Drag, Feature, Pin, PinKind, Radii};
+use bench::drag::{FEATURES, TrialScene};
+use drag::{Drag, DragPin, Feature, PinKind, RadiusMode};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, END_MODE, ROTATION, TRANSLATION};
 use light::{CheckedLight, EndMode, Light, MAX_SEGMENTS};
-use reference::Source;
+use reference::ReferenceLight;
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
 /// Pins that a drag has at most.
@@ -17,7 +17,7 @@ const STRAIGHTENINGS: usize = 40;
 
 /// A drag in numbers. Shares are of 0 to 1.
 #[derive(Clone, Debug)]
-pub struct Case {
+pub struct WorkCase {
     /// Which of the scenes.
     pub scene: usize,
     /// Where the light is, and its bends.
@@ -31,7 +31,7 @@ pub struct Case {
     /// How many control points are chosen; 0 moves the light as a whole.
     pub chosen: usize,
     /// What becomes of radii.
-    pub radii: Radii,
+    pub radii: RadiusMode,
     /// What is dragged.
     pub feature: Feature,
     /// Where it is taken, as shares of the picture.
@@ -50,7 +50,7 @@ pub struct Case {
 
 /// How large drags are that are drawn.
 #[derive(Clone, Copy, Debug)]
-pub struct Sizes {
+pub struct CaseSizes {
     /// Segments of a light at most.
     pub segments: usize,
     /// Chosen control points at most.
@@ -59,16 +59,16 @@ pub struct Sizes {
     pub pins: usize,
 }
 
-impl Sizes {
+impl CaseSizes {
     /// All that can be asked for.
     pub const ALL: Self = Self { segments: MAX_SEGMENTS, chosen: MAX_SEGMENTS + 1, pins: MOST_PINS };
     /// Lights of at most 8 control points, and 3 pins.
     pub const SMALL: Self = Self { segments: 6, chosen: 7, pins: 3 };
 }
 
-impl Case {
+impl WorkCase {
     /// A random one in one of so many scenes: each size is spread over its powers of two.
-    pub fn random(rng: &mut Rng, scenes: usize, sizes: Sizes) -> Self {
+    pub fn random(rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
         let mut spread = |most: usize| {
             let share = rng.f64();
             ((most as f64 + 1.0).powf(share) - 1.0).round() as usize
@@ -84,7 +84,7 @@ impl Case {
             bend: 0.35 * rng.f64(),
             wide: 0.08 + 0.22 * rng.f64(),
             chosen,
-            radii: [Radii::Keep, Radii::Solve, Radii::Follow][rng.usize(0..3)],
+            radii: [RadiusMode::Keep, RadiusMode::Solve, RadiusMode::Follow][rng.usize(0..3)],
             feature: FEATURES[rng.usize(0..4)],
             from,
             to: to.clamp(DVec2::ZERO, DVec2::ONE),
@@ -97,7 +97,7 @@ impl Case {
 
     /// The same with one of its numbers drawn anew.
     #[must_use]
-    pub fn neighbour(&self, rng: &mut Rng, scenes: usize, sizes: Sizes) -> Self {
+    pub fn neighbour(&self, rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
         let other = Self::random(rng, scenes, sizes);
         let mut next = self.clone();
         match rng.u8(0..13) {
@@ -119,7 +119,7 @@ impl Case {
     }
 
     /// The light and the drag in a scene; `None` where the light has none of the feature there.
-    pub fn in_scene(&self, stage: &Stage) -> Option<(CheckedLight, Drag)> {
+    pub fn in_scene(&self, stage: &TrialScene) -> Option<(CheckedLight, Drag)> {
         let size = DVec2::from(stage.view.size.map(f64::from));
         let (from, to) = (self.from * size, self.to * size);
         let light = self.light(stage, stage.seen(from)?.position)?;
@@ -133,7 +133,7 @@ impl Case {
     }
 
     /// A light from above on `aim`, in scene space.
-    fn light(&self, stage: &Stage, aim: DVec3) -> Option<CheckedLight> {
+    fn light(&self, stage: &TrialScene, aim: DVec3) -> Option<CheckedLight> {
         let mut rng = Rng::with_seed(self.light_seed);
         let side = DVec3::new(rng.f64() - 0.5, 0.3 + 0.7 * rng.f64(), rng.f64() - 0.5).normalize();
         let away = (0.4 + 0.6 * rng.f64()) * stage.reference.bvh.posed.half_extent.length();
@@ -153,7 +153,7 @@ impl Case {
         let end_mode = if rng.u8(0..4) == 0 { EndMode::Cut } else { EndMode::Extend };
         // Waves of the axis, so that a light of many control points bends as much as one of few.
         let waves: Vec<DVec3> = (0..4).map(|_| DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, 0.0)).collect();
-        let along = light::greville(self.segments);
+        let along = light::greville_abscissae(self.segments);
         let mut bend = self.bend * length;
         (0..STRAIGHTENINGS).find_map(|_| {
             let (points, radii) = along
@@ -170,34 +170,34 @@ impl Case {
     }
 
     /// Pins of what the light does where they are.
-    fn pins(&self, stage: &Stage, light: &CheckedLight, size: DVec2) -> Vec<Pin> {
+    fn pins(&self, stage: &TrialScene, light: &CheckedLight, size: DVec2) -> Vec<DragPin> {
         let mut rng = Rng::with_seed(self.pin_seed);
-        let source = Source::new(light);
+        let source = ReferenceLight::new(light);
         let pins = (0..4 * self.pins).filter_map(|_| {
             let pixel = DVec2::new(rng.f64(), rng.f64()) * size;
             let (stays, is_hard) = (rng.bool(), rng.f64() < self.hard);
             let surface = stage.surface(pixel)?;
             let sample = stage.reference.sample(&source, &surface)?;
-            let kind = match (sample.visible, stays) {
+            let kind = match (sample.is_visible, stays) {
                 (true, true) => PinKind::Lit,
                 (true, false) => PinKind::Direction,
                 (false, true) => PinKind::Shadowed,
                 (false, false) => PinKind::Shadow,
             };
-            Some(Pin { kind, at: surface.position + stage.origin(), caster: None, is_hard })
+            Some(DragPin { kind, at: surface.position + stage.origin(), caster: None, is_hard })
         });
         pins.take(self.pins).collect()
     }
 }
 
 /// Small scenes and large ones: demos, and `count` triangles in one place.
-pub fn stages(count: usize, size: [u32; 2]) -> Vec<Stage> {
+pub fn stages(count: usize, size: [u32; 2]) -> Vec<TrialScene> {
     let demo = |name: &str| {
         let demo = assets::demo(name)?;
-        Some(Stage::new(&format!("demo:{name}"), demo.scene, &demo.contents.cameras, size))
+        Some(TrialScene::new(&format!("demo:{name}"), demo.scene, &demo.contents.cameras, size))
     };
-    let mut stages: Vec<Stage> = ["vases"].into_iter().filter_map(demo).collect();
-    stages.push(Stage::new(&format!("{count} triangles in one place"), pile(count), &[], size));
+    let mut stages: Vec<TrialScene> = ["vases"].into_iter().filter_map(demo).collect();
+    stages.push(TrialScene::new(&format!("{count} triangles in one place"), pile(count), &[], size));
     stages
 }
 

@@ -7,13 +7,13 @@ mod tests;
 use std::fmt::Write as _;
 use std::time::Instant;
 
-use bench::drag::Stage;
-use drag::{Landing, Work, drag, drag_within};
+use bench::drag::TrialScene;
+use drag::{DragResult, WorkBudget, drag, drag_budgeted};
 use fastrand::Rng;
 use light::parameters::{ROTATION, TRANSLATION};
 use serde::Serialize;
 
-pub use case::{Case, Sizes, stages};
+pub use case::{CaseSizes, WorkCase, stages};
 
 /// The share of a search's tries that are random; the others are neighbours of the most expensive one.
 const RANDOM: f64 = 0.75;
@@ -21,7 +21,7 @@ const RANDOM: f64 = 0.75;
 /// A drag, and what it took.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
-pub struct Made {
+pub struct DragCost {
     /// Where.
     pub scene: String,
     /// Control points of the light, 0 where it has none.
@@ -39,46 +39,56 @@ pub struct Made {
 }
 
 /// What a drag takes within a bound of steps; `None` where its light has none of the feature.
-fn made(stages: &[Stage], case: &Case, most: u64) -> Option<Made> {
+fn measure(stages: &[TrialScene], case: &WorkCase, most: u64) -> Option<DragCost> {
     let stage = &stages[case.scene];
     let (light, asked) = case.in_scene(stage)?;
-    let work = Work::within(most, &|_| true);
+    let work = WorkBudget::with_limit(most, &|_| true);
     let began = Instant::now();
-    let landing = drag_within(&stage.reference.bvh, &stage.view, &light, &asked, &work);
-    Some(Made {
+    let landing = drag_budgeted(&stage.reference.bvh, &stage.view, &light, &asked, &work);
+    Some(DragCost {
         scene: stage.name.clone(),
         points: light.light().points().len(),
         chosen: asked.points.as_ref().map_or(0, Vec::len),
         pins: asked.pins.len(),
-        steps: work.spent(),
+        steps: work.spent_steps(),
         seconds: began.elapsed().as_secs_f64(),
         status: format!("{:?}", landing.status),
     })
 }
 
 /// Random drags; `progress` is called for each.
-pub fn random(stages: &[Stage], count: usize, (seed, most): (u64, u64), progress: impl Fn()) -> Vec<Made> {
+pub fn random(
+    stages: &[TrialScene],
+    count: usize,
+    (seed, most): (u64, u64),
+    progress: impl Fn(),
+) -> Vec<DragCost> {
     let mut rng = Rng::with_seed(seed);
     let cases = (0..count).filter_map(|_| {
         progress();
-        made(stages, &Case::random(&mut rng, stages.len(), Sizes::ALL), most)
+        measure(stages, &WorkCase::random(&mut rng, stages.len(), CaseSizes::ALL), most)
     });
     cases.collect()
 }
 
 /// The most expensive drags that are found in so many tries, each more expensive than those before.
-pub fn search(stages: &[Stage], tries: usize, (seed, most): (u64, u64), progress: impl Fn()) -> Vec<Made> {
+pub fn search(
+    stages: &[TrialScene],
+    tries: usize,
+    (seed, most): (u64, u64),
+    progress: impl Fn(),
+) -> Vec<DragCost> {
     let mut rng = Rng::with_seed(seed);
-    let mut found: Vec<Made> = Vec::new();
-    let mut best: Option<Case> = None;
+    let mut found: Vec<DragCost> = Vec::new();
+    let mut best: Option<WorkCase> = None;
     for number in 0..tries {
         progress();
         let is_random = (number as f64) < RANDOM * tries as f64;
         let case = match &best {
-            Some(best) if !is_random => best.neighbour(&mut rng, stages.len(), Sizes::ALL),
-            _ => Case::random(&mut rng, stages.len(), Sizes::ALL),
+            Some(best) if !is_random => best.neighbour(&mut rng, stages.len(), CaseSizes::ALL),
+            _ => WorkCase::random(&mut rng, stages.len(), CaseSizes::ALL),
         };
-        let Some(made) = made(stages, &case, most) else { continue };
+        let Some(made) = measure(stages, &case, most) else { continue };
         if found.last().is_none_or(|most| made.steps > most.steps) {
             best = Some(case);
             found.push(made);
@@ -88,12 +98,12 @@ pub fn search(stages: &[Stage], tries: usize, (seed, most): (u64, u64), progress
 }
 
 /// What comes of `count` random drags, a line each, to the last bit.
-pub fn answers(stages: &[Stage], sizes: Sizes, count: usize, seed: u64) -> String {
+pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64) -> String {
     let mut rng = Rng::with_seed(seed);
     let mut text = String::new();
     let mut made = 0;
     while made < count {
-        let case = Case::random(&mut rng, stages.len(), sizes);
+        let case = WorkCase::random(&mut rng, stages.len(), sizes);
         let stage = &stages[case.scene];
         let Some((light, asked)) = case.in_scene(stage) else { continue };
         made += 1;
@@ -104,8 +114,8 @@ pub fn answers(stages: &[Stage], sizes: Sizes, count: usize, seed: u64) -> Strin
 }
 
 /// All of an answer: Rust writes numbers so that no two have the same text.
-fn line(landing: &Landing) -> String {
-    let Landing { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } =
+fn line(landing: &DragResult) -> String {
+    let DragResult { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } =
         landing;
     let placement = (light.get(TRANSLATION), light.get(ROTATION));
     format!(

@@ -2,7 +2,7 @@
 
 use document::AssetHash;
 
-use super::{Sizes, answers, random, search, stages};
+use super::{CaseSizes, answers, random, search, stages};
 
 /// SHA-256 of 600 answers of version 3 of the solver, which had no bound: of lights of at most 8 control points with at most 3 pins.
 const OF_VERSION_3: &str = "731da34ad71c877fc0b41bd3c23d2cc59a464633a351e69e9978ed01710444d1";
@@ -15,7 +15,7 @@ const AT_ONCE: u64 = 4_000_000;
 #[test]
 fn the_bound_changes_no_answer_of_small_drags() {
     let stages = stages(1, [640, 360]);
-    let text = answers(&stages[..1], Sizes::SMALL, 600, 20);
+    let text = answers(&stages[..1], CaseSizes::SMALL, 600, 20);
     assert_eq!(AssetHash::of(text.as_bytes()).hex(), OF_VERSION_3);
 }
 

@@ -2,15 +2,19 @@
 
 use plotters::prelude::*;
 
-use super::super::{Axis, Grown, Point, Report};
+use super::super::{FrameBenchReport, GrowthAxis, GrowthCosts, GrowthPoint};
 use super::color_of;
 use crate::chart::{self, Area, ChartResult, FAINT, range};
 
 /// What one backend's line is drawn of.
-type Of = fn(&Point) -> Option<Grown>;
+type CostOf = fn(&GrowthPoint) -> Option<GrowthCosts>;
 
 /// A line of the backend that is measured, and one of wgpu where that is another.
-pub(super) fn draw(area: &Area, Axis { axis, points }: &Axis, report: &Report) -> ChartResult {
+pub(super) fn draw(
+    area: &Area,
+    GrowthAxis { axis, points }: &GrowthAxis,
+    report: &FrameBenchReport,
+) -> ChartResult {
     let (least, most) = range(points.iter().map(|point| point.value as f64));
     let all = points.iter().flat_map(|point| [Some(point.grown), point.by_wgpu]).flatten();
     let (fastest, slowest) = range(all.flat_map(|grown| [grown.frame.wall_ms.min, grown.frame.wall_ms.p50]));
@@ -30,7 +34,7 @@ pub(super) fn draw(area: &Area, Axis { axis, points }: &Axis, report: &Report) -
         .y_desc("wall ms, median")
         .y_label_formatter(&|ms| format!("{ms}"))
         .draw()?;
-    let lines: [(&'static str, Of); 2] =
+    let lines: [(&'static str, CostOf); 2] =
         [(report.backend, |point| Some(point.grown)), ("wgpu", |point| point.by_wgpu)];
     // What is measured alone needs no name.
     for (backend, of) in lines.into_iter().take(report.errors.len()) {
@@ -41,7 +45,7 @@ pub(super) fn draw(area: &Area, Axis { axis, points }: &Axis, report: &Report) -
         plot.draw_series(LineSeries::new(line, color.stroke_width(2)).point_size(3))?
             .label(backend)
             .legend(chart::line(color.stroke_width(2)));
-        let label = |(x, grown): &(f64, Grown)| {
+        let label = |(x, grown): &(f64, GrowthCosts)| {
             let error = format!("{:.0e}", grown.error.radiance_rmse);
             Text::new(
                 error,

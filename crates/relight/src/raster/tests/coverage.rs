@@ -1,10 +1,10 @@
 //! Which texels triangles cover.
 
 use super::oracle::{is_covered, is_covered_with_edges};
-use super::{PLAIN, Random, Triangle, corner, counts, drawn, flat};
+use super::{PLAIN, Random, RasterTriangle, corner, counts, drawn, flat};
 
 /// Corners of triangles of all kinds: small, thin, without area, huge, and with corners and edges on centres.
-fn of_all_kinds(random: &mut Random, side: usize) -> [[i32; 2]; 3] {
+fn random_corners(random: &mut Random, side: usize) -> [[i32; 2]; 3] {
     let end = 256 * side as i32;
     let kind = random.whole(0, 7);
     let mut anywhere = |low: i32, high: i32| [random.whole(low, high), random.whole(low, high)];
@@ -35,7 +35,7 @@ fn a_triangle_covers_the_centres_that_exact_arithmetic_says() {
     let mut caught = 0;
     for side in [1, 2, 37, 64, 131] {
         for _ in 0..3000 / side + 60 {
-            let corners = of_all_kinds(&mut random, side);
+            let corners = random_corners(&mut random, side);
             let w = random.real(0.5, 4.0);
             let texels = drawn(&[corners.map(|at| corner(at, w, 0.5, side))], PLAIN, side);
             for (index, depth) in texels.iter().enumerate() {
@@ -81,7 +81,7 @@ fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
     // Cells of at least 3 texels: where corners on centres are moved back, none turns over.
     for (side, cell) in [(64, 900), (64, 2100), (37, 1300), (300, 40_000)] {
         let triangles = mesh(&mut random, side, cell);
-        let shapes: Vec<Triangle> = triangles.iter().map(|corners| flat(*corners, side)).collect();
+        let shapes: Vec<RasterTriangle> = triangles.iter().map(|corners| flat(*corners, side)).collect();
         assert_eq!(counts(&shapes, PLAIN, side), vec![1; side * side]);
         // The same with edges that belong to both sides is caught.
         let count = |index: usize| {
@@ -107,7 +107,7 @@ fn of_a_fan_about_a_centre_one_triangle_has_it() {
             corners.rotate_left(random.whole(0, 3) as usize);
             flat(corners, side)
         };
-        let fan: Vec<Triangle> = (0..blades).map(blade).collect();
+        let fan: Vec<RasterTriangle> = (0..blades).map(blade).collect();
         assert_eq!(counts(&fan, PLAIN, side)[9 * side + 7], 1, "{blades} blades");
     }
 }
@@ -117,7 +117,7 @@ fn neither_winding_nor_where_corners_begin_changes_a_map() {
     let mut random = Random(9);
     let side = 37;
     for _ in 0..200 {
-        let [a, b, c] = of_all_kinds(&mut random, side);
+        let [a, b, c] = random_corners(&mut random, side);
         let one = drawn(&[flat([a, b, c], side)], PLAIN, side);
         for turned in [[b, c, a], [c, a, b], [a, c, b], [b, a, c]] {
             assert_eq!(drawn(&[flat(turned, side)], PLAIN, side), one);

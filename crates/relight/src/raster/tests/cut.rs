@@ -1,18 +1,28 @@
 //! Triangles that reach behind the light, to its source, or far aside.
 
 use super::oracle::meet;
-use super::{Depths, PLAIN, Random, Triangle, counts, drawn};
+use super::{DepthRule, PLAIN, Random, RasterTriangle, counts, drawn};
 
 /// How far off a centre may be: corners are rounded to half of 1/256 of a texel, and those that a cut made, as far
 /// aside as the guard band goes, are off by as much again in f32.
-const OFF: f64 = 1.0 / 256.0;
+const MAX_POSITION_ERROR: f64 = 1.0 / 256.0;
 
 /// Whether a texel is in a triangle where w is at least `least_w`, and the least and the most that w and the value are
 /// there. `None` for the first where it is too close to tell.
-fn expected(triangle: &Triangle, index: usize, side: usize, least_w: f64) -> (Option<bool>, [[f64; 2]; 2]) {
+fn expected(
+    triangle: &RasterTriangle,
+    index: usize,
+    side: usize,
+    least_w: f64,
+) -> (Option<bool>, [[f64; 2]; 2]) {
     let (column, row) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
-    let around = [[-OFF, -OFF], [OFF, -OFF], [-OFF, OFF], [OFF, OFF]]
-        .map(|[right, down]| meet(triangle, column + right, row + down, side));
+    let around = [
+        [-MAX_POSITION_ERROR, -MAX_POSITION_ERROR],
+        [MAX_POSITION_ERROR, -MAX_POSITION_ERROR],
+        [-MAX_POSITION_ERROR, MAX_POSITION_ERROR],
+        [MAX_POSITION_ERROR, MAX_POSITION_ERROR],
+    ]
+    .map(|[right, down]| meet(triangle, column + right, row + down, side));
     let is_in = around.iter().all(|(shares, w, _)| shares.iter().all(|share| *share > 0.0) && *w > least_w);
     let is_behind = |k: usize| around.iter().all(|(shares, _, _)| shares[k] < 0.0);
     let is_cut = around.iter().all(|(_, w, _)| *w < least_w);
@@ -25,7 +35,7 @@ fn expected(triangle: &Triangle, index: usize, side: usize, least_w: f64) -> (Op
 }
 
 /// With corners on both sides of the light.
-fn about_the_light(random: &mut Random) -> Triangle {
+fn about_the_light(random: &mut Random) -> RasterTriangle {
     let far = [1.0, 30.0][random.whole(0, 2) as usize];
     [0, 1, 2].map(|_| {
         let [x, y] = [0, 1].map(|_| random.real(-far, far));
@@ -66,7 +76,7 @@ fn what_is_nearer_than_near_is_cut_away() {
     let (mut covered, mut cut) = (0, 0);
     for _ in 0..400 {
         let triangle = about_the_light(&mut random);
-        let texels = drawn(&[triangle], Depths::Perspective { near }, side);
+        let texels = drawn(&[triangle], DepthRule::Perspective { near }, side);
         for (index, depth) in texels.into_iter().enumerate() {
             let (is_in, [[least, most], _]) = expected(&triangle, index, side, f64::from(near));
             let Some(is_in) = is_in else { continue };
@@ -98,7 +108,7 @@ fn a_floor_that_goes_on_behind_the_light_is_tiled_without_gaps() {
         let [x, w] = [place(across, &mut random), place(ahead, &mut random)];
         grid.push([x, -0.5 - 0.1 * w, w, 0.5]);
     }
-    let mut floor: Vec<Triangle> = Vec::new();
+    let mut floor: Vec<RasterTriangle> = Vec::new();
     for index in 0..cells * cells {
         let at = index % cells + index / cells * (cells + 1);
         let [a, b, c, d] = [grid[at], grid[at + 1], grid[at + cells + 1], grid[at + cells + 2]];

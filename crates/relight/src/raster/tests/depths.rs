@@ -1,13 +1,13 @@
 //! What depths maps store.
 
 use super::oracle::{is_covered, shares};
-use super::{Depths, PLAIN, Random, Triangle, corner, drawn};
+use super::{DepthRule, PLAIN, Random, RasterTriangle, corner, drawn};
 
 /// Half a unit in the last place of 1.
 const U: f64 = 0.5 * f32::EPSILON as f64;
 
 /// Triangles small and large, near and far, thin too.
-fn some(random: &mut Random, side: usize) -> ([[i32; 2]; 3], Triangle) {
+fn random_triangle(random: &mut Random, side: usize) -> ([[i32; 2]; 3], RasterTriangle) {
     let size = [400, 3000, 30_000, 90_000][random.whole(0, 4) as usize];
     let first = [random.whole(0, 256 * side as i32), random.whole(0, 256 * side as i32)];
     let corners = [0, 1, 2].map(|_| first.map(|x| x + random.whole(-size, size)));
@@ -40,7 +40,7 @@ fn values_are_interpolated_by_perspective() {
     let side = 300;
     let (mut covered, mut affine) = (0, 0);
     for _ in 0..120 {
-        let (corners, places) = some(&mut random, side);
+        let (corners, places) = random_triangle(&mut random, side);
         let texels = drawn(&[places], PLAIN, side);
         let [values, ds] = [3, 2].map(|k| places.map(|place| f64::from(place[k])));
         let ds = ds.map(f64::recip);
@@ -66,7 +66,7 @@ fn values_are_interpolated_by_perspective() {
 fn a_bent_depth_is_over_what_its_row_says() {
     let (side, row, depth_per_value) = (40, [2.0, -0.02], 0.7);
     let all = [[-1.0, 1.0], [3.0, 1.0], [-1.0, -3.0]].map(|[x, y]| [x, y, 1.0, 0.5]);
-    let texels = drawn(&[all], Depths::Bent { row, depth_per_value }, side);
+    let texels = drawn(&[all], DepthRule::Bent { row_divisor: row, depth_per_value }, side);
     for (index, depth) in texels.iter().enumerate() {
         let factor = 2.0 - 0.02 * ((index / side) as f64 + 0.5);
         let expected = 0.5 * f64::from(depth_per_value) / factor;
@@ -83,8 +83,8 @@ fn a_straight_lights_depth_is_near_over_w() {
     let near = 0.07_f32;
     let mut covered = 0;
     for _ in 0..60 {
-        let (corners, places) = some(&mut random, side);
-        let texels = drawn(&[places], Depths::Perspective { near }, side);
+        let (corners, places) = random_triangle(&mut random, side);
+        let texels = drawn(&[places], DepthRule::Perspective { near }, side);
         let ds = places.map(|place| f64::from(near) / f64::from(place[2]));
         for (index, depth) in texels.iter().enumerate() {
             let (column, row) = (index % side, index / side);
@@ -106,7 +106,7 @@ fn an_orthographic_depth_is_the_value_where_it_is_within_0_and_1() {
     // From -0.5 at the left to 1.5 at the right.
     let all =
         [[-1.0, 1.0, -0.5], [3.0, 1.0, 3.5], [-1.0, -3.0, -0.5]].map(|[x, y, value]| [x, y, 1.0, value]);
-    let texels = drawn(&[all], Depths::Orthographic, side);
+    let texels = drawn(&[all], DepthRule::Orthographic, side);
     for (index, depth) in texels.iter().enumerate() {
         let value = 2.0 * ((index % side) as f64 + 0.5) / side as f64 - 0.5;
         let expected = if (0.0..=1.0).contains(&value) { value } else { 0.0 };
@@ -120,10 +120,10 @@ fn the_nearest_triangle_wins_whatever_the_order() {
     let all =
         |value: f32, w: f32| [[-1.0, 1.0], [3.0, 1.0], [-1.0, -3.0]].map(|[x, y]| [x * w, y * w, w, value]);
     let (near, far) = (all(0.25, 0.5), all(0.75, 0.8));
-    let straight = Depths::Perspective { near: 0.25 };
+    let straight = DepthRule::Perspective { near: 0.25 };
     for pair in [[near, far], [far, near]] {
         assert!(drawn(&pair, PLAIN, side).iter().all(|depth| *depth == 0.25));
         assert!(drawn(&pair, straight, side).iter().all(|depth| *depth == 0.5));
-        assert!(drawn(&pair, Depths::Orthographic, side).iter().all(|depth| *depth > 0.9));
+        assert!(drawn(&pair, DepthRule::Orthographic, side).iter().all(|depth| *depth > 0.9));
     }
 }

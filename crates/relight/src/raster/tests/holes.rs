@@ -3,30 +3,33 @@
 use glam::Mat3;
 
 use super::oracle::meet;
-use super::{Depths, PLAIN, Random, Triangle};
+use super::{DepthRule, PLAIN, Random, RasterTriangle};
 use crate::Workers;
 use crate::alpha_test::{AlphaTest, AlphaTests};
 use crate::depth_map::stride;
-use crate::raster::{Face, Holed, HoledTriangle, Scratch, draw_face_with_holes, without_gaps};
+use crate::raster::{
+    AlphaTestedTriangle, AlphaTestedTriangles, MapFace, RasterMemory, draw_face_with_alpha_tests,
+    without_gaps,
+};
 
 const TEST: AlphaTest = AlphaTest { nearest: true, ..AlphaTest::OF_ONE_TEXEL };
 
 fn drawn(
-    plain: &[Triangle],
-    triangles: &[HoledTriangle],
+    plain: &[RasterTriangle],
+    triangles: &[AlphaTestedTriangle],
     tests: AlphaTests,
-    depths: Depths,
+    depths: DepthRule,
     side: usize,
 ) -> Vec<f32> {
-    let face = Face { clip_from_place: Mat3::IDENTITY, depths };
+    let face = MapFace { clip_from_map: Mat3::IDENTITY, depths };
     let mut texels = vec![f32::NAN; side * stride(side)];
-    let holed = Holed { chunks: &[triangles], tests };
-    draw_face_with_holes(
+    let holed = AlphaTestedTriangles { chunks: &[triangles], tests };
+    draw_face_with_alpha_tests(
         &face,
         &[plain],
         &holed,
-        &Workers::of(2),
-        &mut Scratch::default(),
+        &Workers::with_threads(2),
+        &mut RasterMemory::default(),
         &mut texels,
         side,
     )
@@ -35,13 +38,13 @@ fn drawn(
 }
 
 /// A floor below the light that goes on behind it, with one cell of a picture along x, and one along the depth.
-fn floor() -> [Triangle; 2] {
+fn floor() -> [RasterTriangle; 2] {
     let [a, b, c, d] = [[-3.0, -0.3], [3.0, -0.3], [-3.0, 4.0], [3.0, 4.0]].map(|[x, w]| [x, -0.4, w, 0.5]);
     [[a, b, c], [c, b, d]]
 }
 
-fn with_uv(triangle: Triangle, test: u32) -> HoledTriangle {
-    HoledTriangle { corners: triangle, uv_alpha: triangle.map(|[x, _, w, _]| [x, w, 1.0]), test }
+fn with_uv(triangle: RasterTriangle, test: u32) -> AlphaTestedTriangle {
+    AlphaTestedTriangle { corners: triangle, uv_alpha: triangle.map(|[x, _, w, _]| [x, w, 1.0]), test }
 }
 
 #[test]
@@ -50,10 +53,10 @@ fn holes_are_where_perspective_puts_them() {
     let (side, cell) = (160, 0.25);
     let test = AlphaTest { width: 2, height: 2, ..TEST };
     let tests = AlphaTests { tests: &[test], texels: &[255, 0, 0, 255] };
-    let scaled = |triangle: Triangle| {
+    let scaled = |triangle: RasterTriangle| {
         let uv_alpha =
             triangle.map(|[x, _, w, _]| [x, w, 1.0].map(|x| if x == 1.0 { 1.0 } else { x / (2.0 * cell) }));
-        HoledTriangle { uv_alpha, ..with_uv(triangle, 0) }
+        AlphaTestedTriangle { uv_alpha, ..with_uv(triangle, 0) }
     };
     let triangles = floor().map(scaled);
     let texels = drawn(&[], &triangles, tests, PLAIN, side);
@@ -81,7 +84,7 @@ fn holes_are_where_perspective_puts_them() {
 fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
     let mut random = Random(77);
     let side = 200;
-    let triangles: Vec<Triangle> = (0..400)
+    let triangles: Vec<RasterTriangle> = (0..400)
         .map(|_| {
             [0, 1, 2].map(|_| {
                 let [x, y] = [0, 1].map(|_| random.real(-1.5, 1.5));
@@ -92,15 +95,16 @@ fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
     let solid = AlphaTest { cutoff: 0.8, factor: 0.9, ..TEST };
     let tests = [solid, AlphaTest { offset: 1, ..solid }, AlphaTest { factor: 0.7, ..solid }];
     let tests = AlphaTests { tests: &tests, texels: &[255, 100] };
-    let of =
-        |test: u32| triangles.iter().map(|triangle| with_uv(*triangle, test)).collect::<Vec<HoledTriangle>>();
-    for depths in [PLAIN, Depths::Perspective { near: 0.1 }, Depths::Orthographic] {
+    let of = |test: u32| {
+        triangles.iter().map(|triangle| with_uv(*triangle, test)).collect::<Vec<AlphaTestedTriangle>>()
+    };
+    for depths in [PLAIN, DepthRule::Perspective { near: 0.1 }, DepthRule::Orthographic] {
         let nothing = drawn(&[], &[], tests, depths, side);
         assert_eq!(drawn(&[], &of(1), tests, depths, side), nothing, "the texel's alpha is too little");
         assert_eq!(drawn(&[], &of(2), tests, depths, side), nothing, "the material's is");
         let faint = of(0).into_iter().map(|triangle| {
             let uv_alpha = triangle.uv_alpha.map(|[u, v, _]| [u, v, 0.5]);
-            HoledTriangle { uv_alpha, ..triangle }
+            AlphaTestedTriangle { uv_alpha, ..triangle }
         });
         assert_eq!(drawn(&[], &faint.collect::<Vec<_>>(), tests, depths, side), nothing, "the corners' is");
         // In halves, so that both kinds are in a map. Small and large triangles round N and D in other ways, by

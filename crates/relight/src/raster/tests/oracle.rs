@@ -1,6 +1,6 @@
 //! Triangles drawn slowly: in integers of 128 bits for what is covered, in f64 for depths.
 
-use super::Triangle;
+use super::RasterTriangle;
 
 /// Which side of the line from `from` to `to` a centre is on, in 1/256 of a texel: 0 on the line.
 fn side_of(from: [i32; 2], to: [i32; 2], at: [i32; 2]) -> i128 {
@@ -40,7 +40,7 @@ pub fn shares(corners: [[i32; 2]; 3], column: usize, row: usize) -> [f64; 3] {
 
 /// Where the ray through a point of the map meets a triangle in clip coordinates (x, y, w): shares of its corners,
 /// whose signs tell where it passes, w and the value. Solves `shares . corners = w (x, y, 1)`.
-pub fn meet(triangle: &Triangle, column: f64, row: f64, side: usize) -> ([f64; 3], f64, f64) {
+pub fn meet(triangle: &RasterTriangle, column: f64, row: f64, side: usize) -> ([f64; 3], f64, f64) {
     let half = 0.5 * side as f64;
     let ray = glam::DVec3::new(column / half - 1.0, 1.0 - row / half, 1.0);
     let [a, b, c] = triangle.map(|[x, y, w, _]| glam::DVec3::new(x.into(), y.into(), w.into()));

@@ -2,14 +2,17 @@
 
 use light::{Lanes, Mask};
 
-use super::super::{DEPTH_ROUNDING, GRAZING, REACH, followed, rise_of_facets, strayed};
-use super::Omni;
-use crate::Scene;
+use super::super::{
+    DEPTH_ROUNDING, GRAZING_TEXELS, REACH_TEXELS, depth_error, followed_share, rise_of_facets,
+};
+use super::RelitOmni;
+use crate::CasterScene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
-use crate::surfaces::Surface;
+use crate::surfaces::SurfaceLanes;
 use crate::visibility::{
-    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+    Facing, LitTexels, Receiver, beyond_map, facing, filter_visibility, fit_of, gathered,
+    resolve_along_segment, texel_at,
 };
 
 /// The faces that hold positions in light space.
@@ -26,7 +29,7 @@ fn face_of(position: Vec3s) -> U32s {
 /// Vectors as faces see them: right, up and ahead. Right and up are the axes that follow its own in turn, on both faces
 /// of an axis: one of them is mirrored, and no angle changes.
 #[inline(always)]
-fn seen_on(face: U32s, v: Vec3s) -> Vec3s {
+fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     let on_x = face.equals(U32s::splat(0)) | face.equals(U32s::splat(1));
     let on_y = face.equals(U32s::splat(2)) | face.equals(U32s::splat(3));
     let behind = (face & U32s::splat(1)).equals(U32s::splat(1));
@@ -47,7 +50,7 @@ struct OmniReceiver {
     /// From one texel to the next.
     step: [F32s; 2],
     /// The plane is taken to be neither farther nor nearer than that.
-    least: F32s,
+    min_nearness: F32s,
     most: F32s,
     /// How much nearer than the plane the map may have something for the receiver to be lit: by all that the map can
     /// tell, and if what is near is left to the scene.
@@ -68,30 +71,30 @@ impl Receiver for OmniReceiver {
         let planes = [corner, corner + right, corner + down, corner + (right + down)];
         let stored = gathered(map, self.face, first);
         let beyond = beyond_map(first, map.side());
-        let mut lit = LitTexels { told: beyond, left: beyond };
+        let mut lit = LitTexels { resolved: beyond, deferred: beyond };
         for k in 0..4 {
-            let excess = stored[k] - planes[k].within(self.least, self.most);
-            lit.told[k] = lit.told[k] | excess.le(self.tolerance);
-            lit.left[k] = lit.left[k] | excess.le(self.reach);
+            let excess = stored[k] - planes[k].within(self.min_nearness, self.most);
+            lit.resolved[k] = lit.resolved[k] | excess.le(self.tolerance);
+            lit.deferred[k] = lit.deferred[k] | excess.le(self.reach);
         }
         lit
     }
 }
 
-impl Omni {
+impl RelitOmni {
     /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
     /// nearness that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
     #[inline(always)]
     pub(super) fn visibility(
         &self,
-        scene: &Scene,
+        scene: &CasterScene,
         map: &DepthMap,
-        surface: &Surface,
+        surface: &SurfaceLanes,
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
         let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
+        let Facing { active: asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
@@ -99,8 +102,8 @@ impl Omni {
         let face = face_of(in_light);
         let fit = fit_of(&self.map.fits, face);
         let side = F32s::splat(map.side() as f32);
-        let at = seen_on(face, in_light);
-        let normal = seen_on(face, self.frame.vector(normal));
+        let at = to_face_axes(face, in_light);
+        let normal = to_face_axes(face, self.frame.vector(normal));
         let ahead = at.z.most(F32s::splat(1e-30));
         let way_length = F32s::length(at);
         let near = F32s::splat(self.map.near);
@@ -116,29 +119,29 @@ impl Omni {
         let step = [-(normal.x * slopes[0] * per_height), normal.y * slopes[1] * per_height];
 
         let run = (step[0] * step[0] + step[1] * step[1]).sqrt() / nearness;
-        let share = followed(F32s::splat(REACH) * width / ahead, run);
+        let share = followed_share(F32s::splat(REACH_TEXELS) * width / ahead, run);
         let most = nearness / (one - share);
 
         // What is stored, linear across a triangle, is off by some ulps of its largest value, 1.
         let rise = rise_of_facets(width, height / way_length);
-        let strayed = strayed(height, way_length, self.map.mesh_error);
+        let strayed = depth_error(height, way_length, self.map.mesh_error);
         let tolerance = nearness * (rise / ahead + strayed) + F32s::splat(DEPTH_ROUNDING);
         let receiver = OmniReceiver {
             face,
             texel: texel_at(fit, [at.x / ahead, at.y / ahead], side),
             nearness,
             step,
-            least: nearness * (one - share),
+            min_nearness: nearness * (one - share),
             most,
             tolerance,
             reach: tolerance.most(most - nearness),
         };
-        let shares = filtered(&receiver, map, self.map.filter);
+        let shares = filter_visibility(&receiver, map, self.map.filter);
 
         // Beside the receiver a steep caster may be nearer than it is here: the scene is asked for twice the reach, and
         // as far as the plane runs in the texels around.
-        let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING) * width));
+        let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING_TEXELS) * width));
         let way = to_light * (way_length * (F32s::splat(3.0) * share).least(F32s::splat(0.9)));
-        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)
     }
 }

@@ -2,14 +2,17 @@
 
 use light::{Lanes, Mask};
 
-use super::super::{DEPTH_ROUNDING, GRAZING, REACH, followed, rise_of_facets, strayed};
-use super::Spot;
-use crate::Scene;
+use super::super::{
+    DEPTH_ROUNDING, GRAZING_TEXELS, REACH_TEXELS, depth_error, followed_share, rise_of_facets,
+};
+use super::RelitSpot;
+use crate::CasterScene;
 use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, U32s, Vec3s};
-use crate::surfaces::Surface;
+use crate::surfaces::SurfaceLanes;
 use crate::visibility::{
-    Facing, LitTexels, Receiver, beyond_map, decided_along, facing, filtered, fit_of, gathered, texel_at,
+    Facing, LitTexels, Receiver, beyond_map, facing, filter_visibility, fit_of, gathered,
+    resolve_along_segment, texel_at,
 };
 
 /// The faces that hold positions in light space.
@@ -26,7 +29,7 @@ fn face_of(position: Vec3s) -> U32s {
 /// Vectors in the axes of faces: right, up, and the way that they look. No angle changes; half of the faces are
 /// mirrored.
 #[inline(always)]
-fn on_face(face: U32s, v: Vec3s) -> Vec3s {
+fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     let front = face.equals(U32s::splat(0));
     let along_x = face.equals(U32s::splat(1)) | face.equals(U32s::splat(2));
     let turned = face.equals(U32s::splat(2)) | face.equals(U32s::splat(4));
@@ -68,17 +71,17 @@ impl Receiver for SpotReceiver {
         let planes = [start, start + dx, start + dy, start + (dx + dy)];
         let stored = gathered(map, self.face, first);
         let beyond = beyond_map(first, map.side());
-        let mut lit = LitTexels { told: beyond, left: beyond };
+        let mut lit = LitTexels { resolved: beyond, deferred: beyond };
         for k in 0..4 {
             let expected = planes[k].within(self.bounds[0], self.bounds[1]) * self.near;
-            lit.told[k] = lit.told[k] | stored[k].le(expected + self.tolerance);
-            lit.left[k] = lit.left[k] | stored[k].le(expected + self.reach);
+            lit.resolved[k] = lit.resolved[k] | stored[k].le(expected + self.tolerance);
+            lit.deferred[k] = lit.deferred[k] | stored[k].le(expected + self.reach);
         }
         lit
     }
 }
 
-impl Spot {
+impl RelitSpot {
     /// How much of the arriving light nothing is in the way of, where it is `asked`.
     ///
     /// Each texel is compared with the depth that the receiver's own plane has on the ray through that texel's centre,
@@ -87,21 +90,21 @@ impl Spot {
     #[inline(always)]
     pub(super) fn visibility(
         &self,
-        scene: &Scene,
+        scene: &CasterScene,
         map: &DepthMap,
-        surface: &Surface,
+        surface: &SurfaceLanes,
         to_light: Vec3s,
         asked: Masks,
     ) -> F32s {
         let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-        let Facing { asked, faces_light, normal } = facing(scene, surface, to_light, asked);
+        let Facing { active: asked, faces_light, normal } = facing(scene, surface, to_light, asked);
         if !asked.any() {
             return zero;
         }
         let in_light = self.frame.position(surface.shadow_position());
         let face = if map.faces() > 1 { face_of(in_light) } else { U32s::splat(0) };
-        let position = on_face(face, in_light);
-        let normal = on_face(face, self.frame.vector(normal));
+        let position = to_face_axes(face, in_light);
+        let normal = to_face_axes(face, self.frame.vector(normal));
         let depth = position.z.most(F32s::splat(1e-30));
         let fit = fit_of(&self.map.fits, face);
         let side = F32s::splat(map.side() as f32);
@@ -117,11 +120,11 @@ impl Spot {
 
         // The map's depth, linear across a triangle, is off by some ulps of its largest value, 1.
         let rise = rise_of_facets(texel_slope, plane_distance / way_length);
-        let strayed = strayed(-plane_distance, way_length, self.map.mesh_error);
+        let strayed = depth_error(-plane_distance, way_length, self.map.mesh_error);
         let tolerance = (rise + strayed) * stored_depth + F32s::splat(DEPTH_ROUNDING);
 
         let run = (step[0] * step[0] + step[1] * step[1]).sqrt() * depth;
-        let most = followed(F32s::splat(REACH) * texel_slope, run);
+        let most = followed_share(F32s::splat(REACH_TEXELS) * texel_slope, run);
         let receiver = SpotReceiver {
             face,
             texel: texel_at(fit, [position.x * inverse_depth, position.y * inverse_depth], side),
@@ -132,12 +135,12 @@ impl Spot {
             bounds: [(one - most) * inverse_depth, inverse_depth / (one - most)],
             near: F32s::splat(self.map.near),
         };
-        let shares = filtered(&receiver, map, self.map.filter);
+        let shares = filter_visibility(&receiver, map, self.map.filter);
 
         // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach,
         // and as far as the plane runs in the texels around.
-        let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING) * texel_slope));
+        let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING_TEXELS) * texel_slope));
         let way = to_light * (way_length * (F32s::splat(3.0) * most).least(F32s::splat(0.9)));
-        F32s::select(asked, decided_along(scene, surface, shares, grazes, way), zero)
+        F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)
     }
 }

@@ -4,11 +4,11 @@ use glam::{Mat3, Mat4};
 
 use super::shadows::{BOARD, SIDE, SPOT_FACE, drawn, judged_by, scene, spot, sun, sun_places};
 use crate::DepthMap;
-use crate::shape::Shape;
+use crate::shape::RelitShape;
 
 /// How many points beside the outline that the board has on a map are wrong: a filter of four texels reaches half a texel
 /// beyond it, and a tenth is for roundings.
-fn wrong_by_a_texel<S: Shape>(shape: &S, map: &DepthMap, spread: f32) -> usize {
+fn wrong_by_a_texel<S: RelitShape>(shape: &S, map: &DepthMap, spread: f32) -> usize {
     let positions = BOARD.positions();
     let margin = 0.6 * 2.0 / SIDE as f32 * spread;
     judged_by((&BOARD.on_map(), 4), shape, map, &scene(&positions, &[], 2), (spread, margin)).wrong

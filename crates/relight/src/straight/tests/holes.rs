@@ -2,10 +2,10 @@
 
 use glam::{Mat4, Vec2};
 
-use super::super::{HoledCasters, HoledRun, StraightFace, StraightMap, StraightWork};
+use super::super::{AlphaTestedCasters, AlphaTestedRun, StraightFace, StraightMap, StraightMapBuilder};
 use super::shadows::{BOARD, Board, MARGIN, SIDE, SPOT_FACE, drawn, floor, scene, spot};
 use crate::lanes::LANES;
-use crate::shape::Shape;
+use crate::shape::RelitShape;
 use crate::{AlphaTest, AlphaTests, DepthMap, Workers};
 
 #[test]
@@ -16,14 +16,14 @@ fn light_comes_through_holes_and_nowhere_else() {
         positions.map(|[x, ..]| [0.0, 0.0, 1.0, 0.5, 0.5, 1.0, 1.0, 1.0, (0.2 - x) / 0.5]).into();
     let tests = AlphaTests { tests: &[AlphaTest::OF_ONE_TEXEL], texels: &[255] };
     let scene = scene(&positions, &attributes, 0);
-    let run = |triangles| [HoledRun { triangles, test: 0 }];
-    let map = |runs: &[HoledRun]| {
-        let face = StraightFace { clip_from_place: SPOT_FACE, leaves: &[], casts: true };
-        let map = StraightMap { place_from_scene: Mat4::IDENTITY, near: Some(0.1), faces: &[face] };
+    let run = |triangles| [AlphaTestedRun { triangles, test: 0 }];
+    let map = |runs: &[AlphaTestedRun]| {
+        let face = StraightFace { clip_from_map: SPOT_FACE, leaves: &[], has_casters: true };
+        let map = StraightMap { map_from_scene: Mat4::IDENTITY, near: Some(0.1), faces: &[face] };
         let mut into = DepthMap::new(SIDE, 1);
-        let holed = HoledCasters { scene: &scene, runs, tests };
-        StraightWork::default()
-            .draw(&Workers::of(2), &map, (&[], &[], &[]), &holed, &mut into)
+        let holed = AlphaTestedCasters { scene: &scene, runs, tests };
+        StraightMapBuilder::default()
+            .draw(&Workers::with_threads(2), &map, (&[], &[], &[]), &holed, &mut into)
             .expect("not cancelled");
         into
     };

@@ -2,9 +2,11 @@
 
 use glam::{DMat3, DQuat, DVec3, Mat4};
 use light::parameters::{CONE_ANGLE, HEIGHT, RANGE, ROTATION, WIDTH};
-use light::{CheckedLight, Light, Place, Rays};
+use light::{CheckedLight, Light, LightCoords, LightRays};
 
-use super::super::{Directional, DirectionalMapPlace, LightFrame, Located, Omni, OmniMapPlace, Spot};
+use super::super::{
+    DirectionalMapParams, LightFrame, Located, OmniMapParams, RelitDirectional, RelitOmni, RelitSpot,
+};
 use super::SPOT_MAP;
 use crate::ShadowFilter;
 use crate::lanes::{F32s, LANES, Vec3s};
@@ -38,7 +40,10 @@ fn in_lanes(points: &[DVec3; LANES]) -> Vec3s {
 
 /// Holds places to those of the light model, but for positions so near to its edge that rounding decides. Returns how
 /// many were inside of it.
-fn assert_located(locate: impl Fn(Vec3s) -> Located, expected: impl Fn(DVec3) -> Option<Place>) -> usize {
+fn assert_located(
+    locate: impl Fn(Vec3s) -> Located,
+    expected: impl Fn(DVec3) -> Option<LightCoords>,
+) -> usize {
     let mut inside = 0;
     for points in positions() {
         let located = locate(in_lanes(&points));
@@ -57,7 +62,7 @@ fn assert_located(locate: impl Fn(Vec3s) -> Located, expected: impl Fn(DVec3) ->
             );
             assert!(close(located.s.0[lane], place.s, 10.0), "{point}");
             assert!(
-                (located.toward.lane(lane).as_dvec3() - place.direction).length() <= TOLERANCE,
+                (located.to_light.lane(lane).as_dvec3() - place.direction).length() <= TOLERANCE,
                 "{point}"
             );
             inside += 1;
@@ -72,26 +77,28 @@ fn lights_are_where_the_light_model_has_them() {
     let source = DVec3::new(0.3, -0.7, 0.4);
 
     let spot = checked(Light::spot().with(CONE_ANGLE, 50.0).with(RANGE, Some(3.5)));
-    let Rays::Cone(cone) = spot.rays() else { panic!("a cone") };
+    let LightRays::Cone(cone) = spot.rays() else { panic!("a cone") };
     let tan = cone.tan_outer as f32;
-    let of = |tan| Spot::new(light_from_scene(source), cone.light_filter.clone(), (tan, Some(3.5)), SPOT_MAP);
+    let of = |tan| {
+        RelitSpot::new(light_from_scene(source), cone.light_profile.clone(), (tan, Some(3.5)), SPOT_MAP)
+    };
     let lanes = of(tan);
     assert!(assert_located(|p| lanes.locate(p), |p| cone.locate(p - source)) > 50);
 
     let omni = checked(Light::omni().with(RANGE, Some(4.0)));
-    let Rays::Omni(omni) = omni.rays() else { panic!("an omni light") };
-    let map = OmniMapPlace {
+    let LightRays::Omni(omni) = omni.rays() else { panic!("an omni light") };
+    let map = OmniMapParams {
         near: 0.1,
         mesh_error: 0.0,
         fits: [[0.0, 0.0, 1.0, 1.0]; 6],
         filter: ShadowFilter::Bilinear,
     };
-    let lanes = Omni::new(light_from_scene(source), omni.light_filter.clone(), Some(4.0), map);
+    let lanes = RelitOmni::new(light_from_scene(source), omni.light_profile.clone(), Some(4.0), map);
     assert!(assert_located(|p| lanes.locate(p), |p| omni.locate(p - source)) > 300);
 
     let sun = checked(Light::directional().with(WIDTH, Some(4.0)).with(HEIGHT, Some(6.0)));
-    let Rays::Parallel(parallel) = sun.rays() else { panic!("a directional light") };
-    let lanes = window_sun(parallel.light_filter.clone());
+    let LightRays::Parallel(parallel) = sun.rays() else { panic!("a directional light") };
+    let lanes = window_sun(parallel.light_profile.clone());
     assert!(assert_located(|p| lanes.locate(p), |p| parallel.locate(p)) > 300);
 
     // The planted fault: a cone a hundredth wider is another.
@@ -107,15 +114,15 @@ fn lights_are_where_the_light_model_has_them() {
 }
 
 /// Through a window 4 wide and 6 high.
-fn window_sun(light_filter: light::LightFilter) -> Directional {
-    let map = DirectionalMapPlace {
+fn window_sun(light_profile: light::LightProfile) -> RelitDirectional {
+    let map = DirectionalMapParams {
         fit: [0.0, 0.0, 1.0, 1.0],
         bottom: -1.0,
         depth_scale: 0.5,
         mesh_error: 0.0,
         filter: ShadowFilter::Bilinear,
     };
-    Directional::new(light_from_scene(DVec3::ZERO), light_filter, [0.5, 1.0 / 3.0, 0.0, 0.0], map)
+    RelitDirectional::new(light_from_scene(DVec3::ZERO), light_profile, [0.5, 1.0 / 3.0, 0.0, 0.0], map)
 }
 
 #[test]

@@ -5,14 +5,17 @@ use light::parameters::CONE_ANGLE;
 use light::{CheckedLight, Light};
 
 use super::super::{
-    Directional, DirectionalMapPlace, HoledCasters, Omni, OmniMapPlace, Spot, StraightFace, StraightMap,
-    StraightWork,
+    AlphaTestedCasters, DirectionalMapParams, OmniMapParams, RelitDirectional, RelitOmni, RelitSpot,
+    StraightFace, StraightMap, StraightMapBuilder,
 };
 use super::SPOT_MAP;
 use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
-use crate::shape::Shape;
-use crate::surfaces::Surface;
-use crate::{AlphaTests, DepthMap, Hierarchy, HierarchyNode, Links, Scene, ShadowFilter, Workers};
+use crate::shape::RelitShape;
+use crate::surfaces::SurfaceLanes;
+use crate::{
+    AlphaTests, CasterHierarchy, CasterHierarchyNode, CasterLinks, CasterScene, DepthMap, ShadowFilter,
+    Workers,
+};
 
 /// Texels along each side of a map.
 pub(super) const SIDE: usize = 256;
@@ -50,31 +53,31 @@ impl Board {
 
 const INDICES: [u32; 6] = [0, 1, 2, 0, 2, 3];
 /// One node that is passed by: nothing near asks the scene.
-const FAR_NODE: HierarchyNode =
-    HierarchyNode { min: [1e6; 3], triangle_count: 0, max: [1e6 + 1.0; 3], next: u32::MAX };
+const FAR_NODE: CasterHierarchyNode =
+    CasterHierarchyNode { min: [1e6; 3], triangle_count: 0, max: [1e6 + 1.0; 3], next: u32::MAX };
 
 pub(super) fn scene<'a>(
     positions: &'a [[f32; 3]; 4],
     attributes: &'a [[f32; 9]],
     opaque_triangles: u32,
-) -> Scene<'a> {
-    Scene {
+) -> CasterScene<'a> {
+    CasterScene {
         positions,
         indices: &INDICES,
         planes: &[[0.0, 0.0, 1.0, -1.0]; 2],
-        hierarchy: Hierarchy { nodes: &[FAR_NODE], triangles: &[] },
+        hierarchy: CasterHierarchy { nodes: &[FAR_NODE], triangles: &[] },
         attributes,
         opaque_triangles,
         alpha_tests: AlphaTests::default(),
-        links: Links::default(),
+        links: CasterLinks::default(),
     }
 }
 
 /// Sixteen points of the floor, from `first` on along x.
-pub(super) fn floor(first: Vec2, step: f32) -> (Surface, [Vec2; LANES]) {
+pub(super) fn floor(first: Vec2, step: f32) -> (SurfaceLanes, [Vec2; LANES]) {
     let at: [Vec2; LANES] = std::array::from_fn(|k| first + Vec2::X * (step * k as f32));
     let (zero, up) = (F32s::splat(0.0), Vec3s::splat([0.0, 0.0, 1.0]));
-    let surface = Surface {
+    let surface = SurfaceLanes {
         exists: Masks([u32::MAX; LANES]),
         position: Vec3s { x: F32s(at.map(|p| p.x)), y: F32s(at.map(|p| p.y)), z: F32s::splat(FLOOR) },
         depth: F32s::splat(1.0),
@@ -99,16 +102,16 @@ pub(super) struct Judged {
     pub wrong: usize,
 }
 
-fn judged<S: Shape>(shape: &S, map: &DepthMap, scene: &Scene, far: (f32, f32)) -> Judged {
+fn judged<S: RelitShape>(shape: &S, map: &DepthMap, scene: &CasterScene, far: (f32, f32)) -> Judged {
     judged_by((&BOARD, 1), shape, map, scene, far)
 }
 
 /// The same by the shadow of another board, at so many times as many points each way.
-pub(super) fn judged_by<S: Shape>(
+pub(super) fn judged_by<S: RelitShape>(
     (board, finer): (&Board, usize),
     shape: &S,
     map: &DepthMap,
-    scene: &Scene,
+    scene: &CasterScene,
     (spread, margin): (f32, f32),
 ) -> Judged {
     let mut judged = Judged::default();
@@ -140,23 +143,29 @@ pub(super) fn drawn(
 ) -> DepthMap {
     let positions = BOARD.positions();
     let leaves = [[0, 2 | shell << 16]];
-    let mut faces = vec![StraightFace { clip_from_place, leaves: &leaves, casts: true }];
-    faces.extend((0..others).map(|_| StraightFace { clip_from_place, leaves: &[], casts: false }));
-    let map = StraightMap { place_from_scene, near, faces: &faces };
+    let mut faces = vec![StraightFace { clip_from_map: clip_from_place, leaves: &leaves, has_casters: true }];
+    faces.extend((0..others).map(|_| StraightFace {
+        clip_from_map: clip_from_place,
+        leaves: &[],
+        has_casters: false,
+    }));
+    let map = StraightMap { map_from_scene: place_from_scene, near, faces: &faces };
     let scene = scene(&positions, &[], 2);
-    let holed = HoledCasters { scene: &scene, runs: &[], tests: AlphaTests::default() };
+    let holed = AlphaTestedCasters { scene: &scene, runs: &[], tests: AlphaTests::default() };
     let mut into = DepthMap::new(SIDE, 1 + others);
     let casters = (&positions[..], &[0][..], &INDICES[..]);
-    StraightWork::default().draw(&Workers::of(2), &map, casters, &holed, &mut into).expect("not cancelled");
+    StraightMapBuilder::default()
+        .draw(&Workers::with_threads(2), &map, casters, &holed, &mut into)
+        .expect("not cancelled");
     into
 }
 
 /// Of a spotlight's one face, slopes up to 1: up is y, ahead is -z.
 pub(super) const SPOT_FACE: Mat3 = Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::NEG_Z);
 
-pub(super) fn spot() -> Spot {
+pub(super) fn spot() -> RelitSpot {
     let cone = CheckedLight::new(Light::spot().with(CONE_ANGLE, 44.0)).expect("a light");
-    Spot::new(Mat4::IDENTITY, cone.light_filter().clone(), (1.0, None), SPOT_MAP)
+    RelitSpot::new(Mat4::IDENTITY, cone.light_profile().clone(), (1.0, None), SPOT_MAP)
 }
 
 /// Two texels: the filter reaches less than that. Of slopes, at the floor.
@@ -182,8 +191,8 @@ fn an_omni_lights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
     // The face of -z, whose right is x and whose up is y, is the last; the first here is drawn in its place.
     let omni = CheckedLight::new(Light::omni()).expect("a light");
     let fits = [[0.0, 0.0, 1.0, 1.0]; 6];
-    let place = OmniMapPlace { near: 0.1, mesh_error: 0.0, fits, filter: ShadowFilter::Bilinear };
-    let omni = Omni::new(Mat4::IDENTITY, omni.light_filter().clone(), None, place);
+    let place = OmniMapParams { near: 0.1, mesh_error: 0.0, fits, filter: ShadowFilter::Bilinear };
+    let omni = RelitOmni::new(Mat4::IDENTITY, omni.light_profile().clone(), None, place);
     let drawn = |face: Mat3| {
         let first = drawn((Mat4::IDENTITY, Some(0.1)), (face, 5), 0);
         let mut map = DepthMap::new(SIDE, 6);
@@ -209,16 +218,16 @@ pub(super) fn sun_places() -> Mat4 {
     ])
 }
 
-pub(super) fn sun() -> Directional {
+pub(super) fn sun() -> RelitDirectional {
     let sun = CheckedLight::new(Light::directional()).expect("a light");
-    let place = DirectionalMapPlace {
+    let place = DirectionalMapParams {
         fit: [0.0, 0.0, 1.0, 1.0],
         bottom: -3.0,
         depth_scale: 0.25,
         mesh_error: 0.0,
         filter: ShadowFilter::Bilinear,
     };
-    Directional::new(Mat4::IDENTITY, sun.light_filter().clone(), [0.0; 4], place)
+    RelitDirectional::new(Mat4::IDENTITY, sun.light_profile().clone(), [0.0; 4], place)
 }
 
 #[test]

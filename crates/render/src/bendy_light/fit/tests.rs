@@ -40,7 +40,7 @@ fn lights() -> Vec<Light> {
             point.position += numbers.vector() * reach;
         }
         if k % 4 == 1 {
-            light = light.with(FRAME, Frame::Up).with(UP, DVec3::Y);
+            light = light.with(FRAME, FrameMode::Up).with(UP, DVec3::Y);
         }
         if k % 5 == 2 {
             light.set(END_MODE.to(EndMode::Extend));
@@ -100,7 +100,7 @@ fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Ve
 }
 
 /// The face that holds a place, and x / depth and y / depth there.
-fn on_face(fit: &Fit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
+fn on_face(fit: &BendyFit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
     let depth = radius / fit.faces.slope();
     let face = match () {
         () if !fit.faces.is_cube() || depth >= v.abs().max(w.abs()) => 0,
@@ -112,7 +112,7 @@ fn on_face(fit: &Fit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
 }
 
 /// Whether a place lies in a fit whose bounds are cut by a share of their size on each side.
-fn holds(fit: &Fit, place: [f64; 4], cut: f64) -> bool {
+fn holds(fit: &BendyFit, place: [f64; 4], cut: f64) -> bool {
     let (face, at) = on_face(fit, place);
     let inside = |x: f64, [low, high]: Range| {
         let less = cut * (high - low) - 1e-12;
@@ -124,9 +124,9 @@ fn holds(fit: &Fit, place: [f64; 4], cut: f64) -> bool {
 }
 
 /// Whether what is drawn of a face reaches so many of its texels past a place, or to the rim of the tube.
-fn reaches(fit: &Fit, drawn_side: f64, place: [f64; 4], texels: f64) -> bool {
+fn reaches(fit: &BendyFit, drawn_side: f64, place: [f64; 4], texels: f64) -> bool {
     let (face, at) = on_face(fit, place);
-    let Drawn { center, half } = fit.drawn(face, drawn_side);
+    let DrawnFace { center, half } = fit.drawn(face, drawn_side);
     (0..2).all(|axis| {
         let margin = 2.0 * half[axis] * texels / SIDE - 1e-9;
         [-1.0, 1.0].into_iter().zip(fit.faces.limits(face)[axis]).all(|(sign, limit)| {
@@ -150,13 +150,13 @@ fn the_filter_reaches_no_texel_that_is_left_out() {
         let indices: Vec<u32> = (0..positions.len() as u32).collect();
         let clusters = crate::clusters::of_opaque(&positions, &indices);
         let light = (&tube, Faces::of(&light), super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0)));
-        let fit = Fit::new(light, ORIGIN, &clusters, Culling::ALL);
+        let fit = BendyFit::new(light, ORIGIN, &clusters, Culling::ALL);
         // Every direction that a receiver may have on the faces of a cube, and what casts shadows.
         let all_around = (0..4000).map(|k| {
             let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
             [radius * angle.cos(), radius * angle.sin(), 1.0, 0.0]
         });
-        let whole = Fit { bounds: [None; MOST_FACES], ..fit };
+        let whole = BendyFit { bounds: [None; MAX_FACES], ..fit };
         let places = places(&tube, &positions, &mut Numbers(seed));
         let judged = || places.iter().map(|&p| (fit, p)).chain(all_around.clone().map(|p| (whole, p)));
         for (fit, place) in judged() {
@@ -179,7 +179,7 @@ fn a_fit_holds_all_that_casts_shadows() {
         let clusters = crate::clusters::of_opaque(&positions, &indices);
         let t_max = super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0));
         let faces = Faces::of(&light);
-        let fit = Fit::new((&tube, faces, t_max), ORIGIN, &clusters, Culling::ALL);
+        let fit = BendyFit::new((&tube, faces, t_max), ORIGIN, &clusters, Culling::ALL);
         let places = places(&tube, &positions, &mut Numbers(seed));
         for &place in &places {
             assert!(holds(&fit, place, 0.0), "{place:?} of light {seed} is not in {fit:?}");
@@ -211,7 +211,7 @@ fn no_path_comes_in_where_none_is_said_to() {
                 0.0,
                 0.0,
             ));
-            let side = Side { normal: axis, offset: axis.dot(through - ORIGIN) };
+            let side = OpenSide { normal: axis, offset: axis.dot(through - ORIGIN) };
             let returns = (0..24).any(|k| {
                 let (v, w) = (0.97 * f64::from(k).cos(), 0.97 * f64::from(k).sin());
                 let mut outside = false;
@@ -222,7 +222,7 @@ fn no_path_comes_in_where_none_is_said_to() {
                     outside && height < -1e-4
                 })
             });
-            let comes_in = comes_in(&pieces, &tube, &side, ORIGIN);
+            let comes_in = may_enter(&pieces, &tube, &side, ORIGIN);
             assert!(comes_in || !returns, "a path comes back in through {side:?} of {light:?}");
             trusted += usize::from(!comes_in);
             back += usize::from(returns);

@@ -3,7 +3,7 @@
 
 use relight::DepthMap;
 
-use super::super::tests::{Seen, Setup, differing};
+use super::super::tests::{PixelInLight, Setup, differing};
 use super::MapShape;
 use crate::{Aov, Backend, Picture, ShadowSettings};
 
@@ -24,23 +24,23 @@ fn setup(resolution: u32) -> Setup {
 }
 
 /// The picture by a map that is spoiled, which afterwards is as it was.
-fn spoiled(setup: &mut Setup, fault: impl Fn(&mut DepthMap, &MapShape)) -> Picture {
+fn with_corrupt_map(setup: &mut Setup, fault: impl Fn(&mut DepthMap, &MapShape)) -> Picture {
     let mut right = DepthMap::default();
-    setup.renderer.spoil_native_maps(|map, shape| {
+    setup.renderer.corrupt_native_maps(|map, shape| {
         right = map.clone();
         fault(map, shape);
     });
     let picture = setup.picture(Aov::Visibility);
-    setup.renderer.spoil_native_maps(|map, _| *map = right.clone());
+    setup.renderer.corrupt_native_maps(|map, _| *map = right.clone());
     picture
 }
 
 /// Whether what a picture shows `near` edges is nearer to what the walk says than to the same on paths that lie a texel
 /// beside theirs, along v or along w. How many pixels differ grows with how far edges are displaced: they are by less than
 /// half a texel where those of no shift are fewest.
-fn lies_in_its_place(setup: &Setup, near: &[Seen], picture: &Picture, texel: [f64; 2]) -> bool {
+fn is_map_aligned(setup: &Setup, near: &[PixelInLight], picture: &Picture, texel: [f64; 2]) -> bool {
     let misfits = |v: f64, w: f64| {
-        let is_lit = |seen: &Seen| seen.is_lit(&setup.tube, [v * texel[0], w * texel[1]]);
+        let is_lit = |seen: &PixelInLight| seen.is_lit(&setup.tube, [v * texel[0], w * texel[1]]);
         near.iter().filter(|seen| is_lit(seen) != (picture.pixels[seen.pixel][0] >= 0.5)).count()
     };
     let here = misfits(0.0, 0.0);
@@ -55,22 +55,22 @@ fn a_map_shifted_by_one_texel_is_seen() {
     let right = setup.picture(Aov::Visibility);
     let width = right.width as usize;
     let shown = |pixel: usize| right.pixels.get(pixel).map(|pixel| pixel[0]);
-    let is_near = |seen: &Seen| {
+    let is_near = |seen: &PixelInLight| {
         let around = [1, width].map(|step| [seen.pixel.wrapping_sub(step), seen.pixel + step]);
         around.as_flattened().iter().any(|other| shown(*other) != shown(seen.pixel))
     };
-    let near: Vec<_> = setup.seen(1.0).into_iter().filter(is_near).collect();
+    let near: Vec<_> = setup.pixels_in_light(1.0).into_iter().filter(is_near).collect();
     let mut texel = [0.0; 2];
-    setup.renderer.spoil_native_maps(|map, shape| {
+    setup.renderer.corrupt_native_maps(|map, shape| {
         let [.., x, y] = shape.fits()[0];
         texel = [x, y].map(|inverse_half| 2.0 / f64::from(inverse_half) / map.side() as f64);
     });
     assert!(near.len() > 200, "{} pixels near edges", near.len());
-    assert!(lies_in_its_place(&setup, &near, &right, texel));
+    assert!(is_map_aligned(&setup, &near, &right, texel));
     let side = COARSE as usize;
     for (what, by) in [("right", 1), ("left", side * side - 1), ("down", side), ("up", side * side - side)] {
-        let shifted = spoiled(&mut setup, |map, _| change(map, |texels| texels.rotate_right(by)));
-        assert!(!lies_in_its_place(&setup, &near, &shifted, texel), "a texel {what} goes unseen");
+        let shifted = with_corrupt_map(&mut setup, |map, _| change(map, |texels| texels.rotate_right(by)));
+        assert!(!is_map_aligned(&setup, &near, &shifted, texel), "a texel {what} goes unseen");
     }
 }
 
@@ -102,16 +102,16 @@ fn mirror(map: &mut DepthMap, shape: &MapShape) {
 #[test]
 fn a_lookup_with_the_wrong_sign_of_w_is_seen() {
     let mut setup = setup(RESOLUTION);
-    let walked = setup.walked(1.0, RESOLUTION);
+    let walked = setup.traced_pixels(1.0, RESOLUTION);
     assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
-    let fault = differing(&walked, &spoiled(&mut setup, mirror));
+    let fault = differing(&walked, &with_corrupt_map(&mut setup, mirror));
     assert!(fault > walked.len() / 50, "a sign error in w changes only {fault} pixels of {}", walked.len());
 }
 
 #[test]
 fn a_band_that_its_thread_skipped_is_seen() {
     let mut setup = setup(RESOLUTION);
-    let walked = setup.walked(1.0, RESOLUTION);
+    let walked = setup.traced_pixels(1.0, RESOLUTION);
     assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
     for band in 0..RESOLUTION as usize / BAND {
         // Cleared and not drawn, or not even cleared.
@@ -120,7 +120,7 @@ fn a_band_that_its_thread_skipped_is_seen() {
                 let rows = BAND * map.side();
                 change(map, |texels| texels[band * rows..][..rows].fill(left));
             };
-            let fault = differing(&walked, &spoiled(&mut setup, skip));
+            let fault = differing(&walked, &with_corrupt_map(&mut setup, skip));
             println!("{fault} of {}", walked.len());
             assert!(fault > 0, "band {band} left at {left} goes unseen");
         }

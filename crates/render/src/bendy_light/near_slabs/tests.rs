@@ -10,8 +10,8 @@ use scene::{Material, Mesh, Node, Primitive, Scene};
 
 use super::*;
 use crate::bendy_light::tests::{BACKENDS, alone, cube, light, renderer_of, view};
-use crate::clusters::{Clusters, TRIANGLES_A_LEAF};
-use crate::{Aov, Backend, Counters, Picture, Renderer};
+use crate::clusters::{Clusters, TRIANGLES_PER_LEAF};
+use crate::{Aov, Backend, Picture, Renderer, WorkCounters};
 
 /// A ball with a seam and poles, seen counter-clockwise from outside.
 fn ball() -> Primitive {
@@ -77,13 +77,13 @@ fn with(backend: Backend, change: impl Fn(&mut Clusters)) -> Renderer {
 }
 
 /// What drawing the light's map from nothing comes to.
-fn counters(renderer: &mut Renderer) -> Counters {
+fn counters(renderer: &mut Renderer) -> WorkCounters {
     let (_, recording) = renderer.record_display(&view(Aov::Beauty), &alone(&light())).expect("drawn");
     recording.counters
 }
 
-fn all_of(shell: Shell) -> impl Fn(&mut Clusters) {
-    move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.shell = shell)
+fn all_of(shell: TriangleComponent) -> impl Fn(&mut Clusters) {
+    move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.component = shell)
 }
 
 /// One of each shape that falls on the scene from above; the spotlight's map has one face, or five.
@@ -110,12 +110,12 @@ fn backs_of_closed_surfaces_show_nowhere() {
     inside.camera.translation = AROUND_THE_EYE;
     for backend in BACKENDS {
         let mut culled = with(backend, |_| ());
-        let shells: Vec<Shell> =
-            culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.shell).collect();
-        assert!(shells.iter().all(|&shell| shell == Shell::Closed), "{shells:?}");
-        let mut whole = with(backend, all_of(Shell::Open));
+        let shells: Vec<TriangleComponent> =
+            culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.component).collect();
+        assert!(shells.iter().all(|&shell| shell == TriangleComponent::Closed), "{shells:?}");
+        let mut whole = with(backend, all_of(TriangleComponent::Open));
         // The planted fault: with fronts left out instead, light comes into what is closed.
-        let mut leaking = with(backend, all_of(Shell::InsideOut));
+        let mut leaking = with(backend, all_of(TriangleComponent::InsideOut));
         for light in lights() {
             let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
             for view in [&outside, &inside] {
@@ -140,7 +140,7 @@ fn lit(picture: &Picture) -> usize {
 #[test]
 fn backs_are_not_drawn() {
     for backend in BACKENDS {
-        let [fewer, all] = [with(backend, |_| ()), with(backend, all_of(Shell::Open))]
+        let [fewer, all] = [with(backend, |_| ()), with(backend, all_of(TriangleComponent::Open))]
             .map(|mut renderer| counters(&mut renderer));
         assert_eq!(fewer.triangles_seen, all.triangles_seen);
         let share = fewer.triangles_drawn as f64 / all.triangles_drawn as f64;
@@ -167,7 +167,7 @@ fn light_from_within_meets_backs() {
         let clusters = &mut Arc::make_mut(&mut renderer.gpu_scene().1.casters).clusters;
         // The planted fault: the ball is where the light is not.
         for leaf in &mut clusters.leaves {
-            leaf.shell_bounds.center += DVec3::splat(100.0);
+            leaf.component_bounds.center += DVec3::splat(100.0);
         }
         let moved = light().with(TRANSLATION, light().get(TRANSLATION) + DVec3::splat(1e-3));
         let leaks = lit(&shadows(&mut renderer, &moved));
@@ -193,7 +193,7 @@ fn what_lies_far_from_the_light_is_not_looked_at() {
         let near = counters(&mut renderer_of(backend, &scene()));
         let both = counters(&mut renderer_of(backend, &far));
         // Leaves are cut elsewhere where there are more triangles, so a few may reach into the light that did not.
-        let most = near.triangles_seen + 20 * TRIANGLES_A_LEAF as u64;
+        let most = near.triangles_seen + 20 * TRIANGLES_PER_LEAF as u64;
         assert!(near.triangles_seen > 0 && both.triangles_seen <= most, "{near:?}, then {both:?}");
     }
 }

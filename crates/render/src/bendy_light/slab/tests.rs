@@ -65,7 +65,7 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
     };
     let mut found = Vec::new();
     for slab in light::slabs(tube, tube.n as f64, OVERLAP) {
-        let bounds = edge_bounds(tube, &slab.piece, 1.0, TOLERANCE_TEXELS / RESOLUTION);
+        let bounds = edge_bounds(tube, &slab.slab_curve, 1.0, TOLERANCE_TEXELS / RESOLUTION);
         if bounds == NEVER_SAFE {
             continue;
         }
@@ -76,8 +76,8 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
             let [along, across] = [(); 2].map(|()| 10_f64.powf(-3.0 * random()));
             let steps = [along, 2.0 * across, 2.0 * across].map(|step| step * (2.0 * random() - 1.0));
             let b = [0, 1, 2].map(|k| (a[k] + steps[k]).clamp(if k == 0 { 0.0 } else { -1.0 }, 1.0));
-            let (a, b) = (at(&slab.piece, a), at(&slab.piece, b));
-            found.push((strays(&slab.piece, &a, &b), is_safe(bounds, &slab.piece, &a, &b)));
+            let (a, b) = (at(&slab.slab_curve, a), at(&slab.slab_curve, b));
+            found.push((strays(&slab.slab_curve, &a, &b), is_safe(bounds, &slab.slab_curve, &a, &b)));
         }
     }
     found

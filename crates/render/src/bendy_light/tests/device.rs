@@ -5,7 +5,7 @@ use light::Light;
 use light::parameters::RANGE;
 
 use super::{Setup, UNSPLIT, alone, light, renderer, scene, view};
-use crate::bendy_light::shadow_buffers::Room;
+use crate::bendy_light::shadow_buffers::Capacity;
 use crate::bendy_light::walk;
 use crate::{Aov, Backend, Picture};
 
@@ -15,19 +15,21 @@ fn room_grows_until_a_map_fits() {
     let mut ample = Setup::new(Backend::Wgpu);
     let expected = ample.picture(Aov::Visibility);
     let mut cramped = Setup::new(Backend::Wgpu);
-    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
+    cramped.renderer.bent_buffers().capacity =
+        Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
     assert_eq!(cramped.picture(Aov::Visibility), expected);
-    let room = cramped.renderer.bent_work().room;
+    let room = cramped.renderer.bent_buffers().capacity;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 
     // For a screen whether it fitted is asked with the picture.
     let shown =
         |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
     let mut cramped = Setup::new(Backend::Wgpu);
-    cramped.renderer.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
+    cramped.renderer.bent_buffers().capacity =
+        Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 0 };
     assert!(shown(&mut cramped) == shown(&mut ample));
     let again = cramped.renderer.counts();
-    assert!(cramped.renderer.bent_work().room.work > 1 && again.shadow > 1, "{again:?}");
+    assert!(cramped.renderer.bent_buffers().capacity.work > 1 && again.shadow > 1, "{again:?}");
     // Once it fits nothing is drawn twice.
     shown(&mut cramped);
     assert_eq!(cramped.renderer.counts().shadow, again.shadow);
@@ -80,7 +82,7 @@ fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
     let spot = Light::spot().with(RANGE, Some(8.0));
     let mut renderer = renderer(&scene());
     let mut picture = |kind: Light| {
-        let lights = alone(&kind.placed(light().transform()));
+        let lights = alone(&kind.with_transform(light().transform()));
         renderer.render(&view(Aov::Wireframe), &lights).expect("drawn")
     };
     let bent = light::bend(&spot, 1).expect("valid");
@@ -101,14 +103,14 @@ fn constants_are_the_models() {
     spelled(solve, &format!("const NEWTON_STEPS = {}u;", f32::NEWTON_STEPS));
     spelled(tube, &format!("const JOINT_MERGE = {:e};", f32::JOINT_MERGE));
     spelled(tube, &format!("const DIRECTION_FLOOR = {:e};", f32::DIRECTION_FLOOR));
-    spelled(tube, &format!("segments: array<Segment, {}>;", crate::bendy_light::SEGMENT_ROOM));
+    spelled(tube, &format!("segments: array<Segment, {}>;", crate::bendy_light::SEGMENT_CAPACITY));
     let map = include_str!("../../shaders/bent_map.wgsl");
-    spelled(map, &format!("slabs: array<Slab, {}>;", crate::bendy_light::slab::SLABS_A_TURN));
+    spelled(map, &format!("slabs: array<Slab, {}>;", crate::bendy_light::slab::SLABS_PER_UNIFORM));
     spelled(split, &format!("const LAST_LEVEL = {}u;", crate::bendy_light::gpu_structs::LEVELS - 1));
     for (abscissa, weight) in GAUSS_LEGENDRE {
         spelled(arc, &format!("vec2f({}, {}),", abscissa as f32, weight as f32));
     }
-    for straight in 0..crate::bendy_light::Baked::MOST_SEGMENTS {
+    for straight in 0..crate::bendy_light::Baked::MAX_UNROLLED_SEGMENTS {
         spelled(
             tube,
             &format!("if BAKED_SEGMENTS > {straight}u {{ visit_segment(&search, {straight}u, q); }}"),

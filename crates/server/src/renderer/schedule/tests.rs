@@ -3,11 +3,11 @@
 mod clients;
 
 use super::*;
-use crate::turns::{Charges, Payer};
+use crate::charges::{Charges, Payer};
 
 /// What came of an afternoon of drawing.
 #[derive(Debug, Default)]
-struct Outcome {
+struct PlayedDrag {
     /// Between the ends of two pictures of a hand's view.
     gaps: Vec<Duration>,
     /// The same of each of those who watch.
@@ -19,25 +19,30 @@ struct Outcome {
 }
 
 /// What waits for somebody, all of one client.
-fn waits(urgency: Urgency, touched: Instant) -> Waiting {
-    Waiting { urgency, charged: Charges::default().of(&Payer::program("shot")), touched, since: touched }
+fn waits(urgency: Urgency, touched: Instant) -> QueuedPicture {
+    QueuedPicture {
+        urgency,
+        charged: Charges::default().of(&Payer::program("shot")),
+        last_turn_at: touched,
+        queued_at: touched,
+    }
 }
 
 /// Turns until the first of `views` pictures of `urgency`, all of one client and each of ten turns, is drawn.
 fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
     let start = Instant::now();
-    let mut left: Vec<(Waiting, u32)> =
+    let mut left: Vec<(QueuedPicture, u32)> =
         (0..views).map(|n| (waits(urgency, start + Duration::from_millis(n)), 10)).collect();
     let mut schedule = Schedule::new();
     let mut now = start + Duration::from_secs(1);
     let mut turns = 0;
     while left.iter().all(|(_, turns)| *turns > 0) {
-        let waiting: Vec<Waiting> = left.iter().map(|(waiting, _)| *waiting).collect();
+        let waiting: Vec<QueuedPicture> = left.iter().map(|(waiting, _)| *waiting).collect();
         let began = now;
         now += TURN_WHILE_MOVING;
-        let Turn::Draw(index, _) = schedule.next(began, &waiting) else { continue };
-        schedule.note(urgency, [began, now]);
-        left[index].0.touched = now;
+        let ScheduledTurn::Draw(index, _) = schedule.next(began, &waiting) else { continue };
+        schedule.record_turn(urgency, [began, now]);
+        left[index].0.last_turn_at = now;
         left[index].1 -= 1;
         turns += 1;
     }
@@ -46,19 +51,19 @@ fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
 
 /// The planted fault is the other order: of pictures at rest each has a turn before any has two.
 #[test]
-fn of_what_a_client_watches_the_oldest_is_drawn_to_its_end() {
+fn the_oldest_watched_picture_is_finished_first() {
     assert_eq!(turns_until_one_is_drawn(Urgency::Watched, 30), 10);
     assert_eq!(turns_until_one_is_drawn(Urgency::Settling, 30), 30 * 9 + 1);
 }
 
 /// A turn that is over: whose, from when to when.
 type Over = Option<(Urgency, Instant, Instant)>;
-type Choose<'a> = &'a mut dyn FnMut(Instant, &[Waiting], Over) -> Turn;
+type Choose<'a> = &'a mut dyn FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn;
 
 /// Who drags and who watches that in a view of its own, what a picture takes, and how long after it each asks for the next.
 #[derive(Clone, Copy, Debug)]
-struct Drag {
-    hands: usize,
+struct SimulatedDrag {
+    interactive_views: usize,
     watchers: usize,
     moving: Duration,
     pause: Duration,
@@ -68,31 +73,31 @@ struct Drag {
 /// take or `piece`, if that is longer.
 fn play(
     choose: Choose,
-    Drag { hands, watchers, moving, pause }: Drag,
+    SimulatedDrag { interactive_views: hands, watchers, moving, pause }: SimulatedDrag,
     (stills, settles, piece): (usize, usize, Duration),
     seconds: u64,
-) -> Outcome {
+) -> PlayedDrag {
     let start = Instant::now();
     let mut now = start;
     let viewers = hands + watchers;
     let mut asks: Vec<Instant> = vec![start; viewers];
     let mut shown: Vec<Instant> = vec![start; viewers];
     let urgency_of = |viewer| if viewer < hands { Urgency::Moving } else { Urgency::Watched };
-    let mut rest: Vec<Waiting> = [(Urgency::Still, stills), (Urgency::Settling, settles)]
+    let mut rest: Vec<QueuedPicture> = [(Urgency::Still, stills), (Urgency::Settling, settles)]
         .into_iter()
         .flat_map(|(urgency, count)| std::iter::repeat_n(waits(urgency, start), count))
         .collect();
     let (stills, watched) = (vec![Duration::ZERO; stills], vec![Vec::new(); watchers]);
-    let mut outcome = Outcome { watched, stills, ..Outcome::default() };
+    let mut outcome = PlayedDrag { watched, stills, ..PlayedDrag::default() };
     let mut last = None;
     while now < start + Duration::from_secs(seconds) {
         let asking: Vec<usize> = (0..viewers).filter(|&viewer| asks[viewer] <= now).collect();
         let moving_tasks = asking.iter().map(|&v| waits(urgency_of(v), asks[v]));
-        let waiting: Vec<Waiting> = moving_tasks.chain(rest.iter().copied()).collect();
+        let waiting: Vec<QueuedPicture> = moving_tasks.chain(rest.iter().copied()).collect();
         let soonest = asks.iter().copied().filter(|ask| *ask > now).min();
         let began = now;
         match choose(now, &waiting, last.take()) {
-            Turn::Draw(index, _) if index < asking.len() => {
+            ScheduledTurn::Draw(index, _) if index < asking.len() => {
                 now += moving;
                 let viewer = asking[index];
                 let gaps = match viewer.checked_sub(hands) {
@@ -103,29 +108,29 @@ fn play(
                 (asks[viewer], shown[viewer]) = (now + pause, now);
                 last = Some((urgency_of(viewer), began, now));
             }
-            Turn::Draw(index, turn) => {
+            ScheduledTurn::Draw(index, turn) => {
                 let index = index - asking.len();
                 now += turn.max(piece);
-                rest[index].touched = now;
+                rest[index].last_turn_at = now;
                 match rest[index].urgency {
                     Urgency::Still => outcome.stills[index] += now - began,
                     _ => outcome.settles += now - began,
                 }
                 last = Some((rest[index].urgency, began, now));
             }
-            Turn::Wait(time) => now = soonest.map_or(now + time, |ask| ask.min(now + time)),
-            Turn::Idle => now = soonest.expect("somebody drags").max(now + Duration::from_micros(1)),
+            ScheduledTurn::Wait(time) => now = soonest.map_or(now + time, |ask| ask.min(now + time)),
+            ScheduledTurn::Idle => now = soonest.expect("somebody drags").max(now + Duration::from_micros(1)),
         }
     }
     outcome.total = now - start;
     outcome
 }
 
-fn by_schedule() -> impl FnMut(Instant, &[Waiting], Over) -> Turn {
+fn by_schedule() -> impl FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn {
     let mut schedule = Schedule::new();
     move |now, waiting, last| {
         if let Some((urgency, began, ended)) = last {
-            schedule.note(urgency, [began, ended]);
+            schedule.record_turn(urgency, [began, ended]);
         }
         schedule.next(now, waiting)
     }
@@ -134,11 +139,11 @@ fn by_schedule() -> impl FnMut(Instant, &[Waiting], Over) -> Turn {
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
 /// Whether a drag beside other work kept its pace, and the others theirs.
-fn fair(choose: Choose, drag: Drag, piece: Duration) -> Result<(), String> {
+fn fair(choose: Choose, drag: SimulatedDrag, piece: Duration) -> Result<(), String> {
     let seconds = 60;
     let stills = 8;
     let outcome = play(choose, drag, (stills, 0, piece), seconds);
-    let Drag { hands, moving, pause, .. } = drag;
+    let SimulatedDrag { interactive_views: hands, moving, pause, .. } = drag;
     // Alone, a viewer waits for the others' pictures or for its own pause.
     let usual = (moving * hands as u32).max(moving + pause);
     let alone = seconds as f64 / usual.as_secs_f64() * hands as f64;
@@ -149,12 +154,12 @@ fn fair(choose: Choose, drag: Drag, piece: Duration) -> Result<(), String> {
     }
     // A piece of work can be longer than a turn.
     let turn = piece.max(TURN_WHILE_MOVING);
-    if longest > usual + turn + usual.mul_f64(REST_SHARE) + MS(2) {
+    if longest > usual + turn + usual.mul_f64(SETTLING_TIME_SHARE) + MS(2) {
         return Err(format!("a gap of {longest:?} where {usual:?} is usual"));
     }
     let had: Duration = outcome.stills.iter().sum();
     let share = had.as_secs_f64() / outcome.total.as_secs_f64();
-    if !(0.5 * REST_SHARE..=1.1 * REST_SHARE).contains(&share) {
+    if !(0.5 * SETTLING_TIME_SHARE..=1.1 * SETTLING_TIME_SHARE).contains(&share) {
         return Err(format!("a share of {share:.3}"));
     }
     let (least, most) = (outcome.stills.iter().min(), outcome.stills.iter().max());
@@ -170,7 +175,12 @@ const DRAGS: [(usize, u64, u64); 5] = [(1, 150, 15), (1, 3, 13), (1, 30, 100), (
 fn a_drag_keeps_its_pace_beside_stills() {
     for (viewers, moving, pause) in DRAGS {
         for piece in [1, 20, 40] {
-            let drag = Drag { hands: viewers, watchers: 0, moving: MS(moving), pause: MS(pause) };
+            let drag = SimulatedDrag {
+                interactive_views: viewers,
+                watchers: 0,
+                moving: MS(moving),
+                pause: MS(pause),
+            };
             assert_eq!(fair(&mut by_schedule(), drag, MS(piece)), Ok(()), "{drag:?} {piece}");
         }
     }
@@ -180,46 +190,47 @@ fn a_drag_keeps_its_pace_beside_stills() {
 /// stills in every pause.
 #[test]
 fn faults_are_seen() {
-    let drag = Drag { hands: 1, watchers: 0, moving: MS(150), pause: MS(15) };
-    let first = |waiting: &[Waiting], urgency| least_charged(waiting, urgency);
-    let mut patience = |now: Instant, waiting: &[Waiting], _: Over| {
-        let left = waiting.iter().position(|task| now - task.touched >= MS(500));
+    let drag = SimulatedDrag { interactive_views: 1, watchers: 0, moving: MS(150), pause: MS(15) };
+    let first = |waiting: &[QueuedPicture], urgency| least_charged(waiting, urgency);
+    let mut patience = |now: Instant, waiting: &[QueuedPicture], _: Over| {
+        let left = waiting.iter().position(|task| now - task.last_turn_at >= MS(500));
         let next = left.or(first(waiting, Urgency::Moving)).or(first(waiting, Urgency::Still));
-        next.map_or(Turn::Idle, |index| Turn::Draw(index, MS(8_000)))
+        next.map_or(ScheduledTurn::Idle, |index| ScheduledTurn::Draw(index, MS(8_000)))
     };
     assert!(fair(&mut patience, drag, MS(20)).is_err());
-    let mut starve = |_: Instant, waiting: &[Waiting], _: Over| {
-        first(waiting, Urgency::Moving).map_or(Turn::Wait(MS(1)), |index| Turn::Draw(index, MS(50)))
+    let mut starve = |_: Instant, waiting: &[QueuedPicture], _: Over| {
+        first(waiting, Urgency::Moving)
+            .map_or(ScheduledTurn::Wait(MS(1)), |index| ScheduledTurn::Draw(index, MS(50)))
     };
     assert!(fair(&mut starve, drag, MS(20)).is_err());
-    let mut greedy = |_: Instant, waiting: &[Waiting], _: Over| {
+    let mut greedy = |_: Instant, waiting: &[QueuedPicture], _: Over| {
         let next = first(waiting, Urgency::Moving).or(first(waiting, Urgency::Still));
-        next.map_or(Turn::Idle, |index| Turn::Draw(index, MS(50)))
+        next.map_or(ScheduledTurn::Idle, |index| ScheduledTurn::Draw(index, MS(50)))
     };
     assert!(fair(&mut greedy, drag, MS(20)).is_err());
 }
 
 #[test]
-fn at_rest_nothing_is_held_back() {
-    let nobody = Drag { hands: 0, watchers: 0, moving: MS(1), pause: MS(1) };
+fn without_interaction_nothing_is_throttled() {
+    let nobody = SimulatedDrag { interactive_views: 0, watchers: 0, moving: MS(1), pause: MS(1) };
     let outcome = play(&mut by_schedule(), nobody, (3, 0, MS(1)), 10);
     assert_eq!(outcome.stills.iter().sum::<Duration>(), outcome.total);
     // Views at rest go before stills, which still get on.
     let outcome = play(&mut by_schedule(), nobody, (3, 1, MS(1)), 10);
     let stills = outcome.stills.iter().sum::<Duration>().as_secs_f64() / outcome.total.as_secs_f64();
-    assert!((0.5 * REST_SHARE..=1.1 * REST_SHARE).contains(&stills), "{stills}");
+    assert!((0.5 * SETTLING_TIME_SHARE..=1.1 * SETTLING_TIME_SHARE).contains(&stills), "{stills}");
     assert!(outcome.settles > outcome.total * 8 / 10);
 }
 
 /// Whether a hand's pictures come before those of who watches, and theirs come all the same.
-fn hand_first(choose: Choose, drag: Drag) -> Result<(), String> {
+fn interactive_first(choose: Choose, drag: SimulatedDrag) -> Result<(), String> {
     let seconds = 60;
     let outcome = play(choose, drag, (0, 0, MS(1)), seconds);
-    let Drag { watchers, moving, pause, .. } = drag;
+    let SimulatedDrag { watchers, moving, pause, .. } = drag;
     // Of what the hand has alone those who watch take their share of the time at most.
     let alone = seconds as f64 / (moving + pause).as_secs_f64();
     let rate = outcome.gaps.len() as f64 / alone;
-    if rate < 0.9 * (1.0 - WATCH_SHARE) {
+    if rate < 0.9 * (1.0 - WATCHED_TIME_SHARE) {
         return Err(format!("{:.0} % of the hand's pictures", 100.0 * rate));
     }
     // Never two of theirs between two of the hand's, where that asks again within what one takes.
@@ -229,7 +240,8 @@ fn hand_first(choose: Choose, drag: Drag) -> Result<(), String> {
     }
     let had: Vec<usize> = outcome.watched.iter().map(Vec::len).collect();
     let share = had.iter().sum::<usize>() as f64 * moving.as_secs_f64() / outcome.total.as_secs_f64();
-    let wanted = (watchers as f64 * moving.as_secs_f64() / (moving + pause).as_secs_f64()).min(WATCH_SHARE);
+    let wanted =
+        (watchers as f64 * moving.as_secs_f64() / (moving + pause).as_secs_f64()).min(WATCHED_TIME_SHARE);
     // What is owed to who asks for nothing lapses: some of the share goes by in their own pauses.
     if share < 0.5 * wanted {
         return Err(format!("a share of {share:.3} for those who watch"));
@@ -244,30 +256,33 @@ const WATCHED_DRAGS: [(usize, u64, u64); 5] =
     [(1, 100, 15), (3, 100, 15), (3, 30, 5), (8, 50, 10), (2, 5, 20)];
 
 #[test]
-fn a_hand_comes_before_those_who_watch_and_they_are_not_starved() {
+fn interactive_views_come_first_and_watched_ones_do_not_starve() {
     for (watchers, moving, pause) in WATCHED_DRAGS {
-        let drag = Drag { hands: 1, watchers, moving: MS(moving), pause: MS(pause) };
-        assert_eq!(hand_first(&mut by_schedule(), drag), Ok(()), "{drag:?}");
+        let drag = SimulatedDrag { interactive_views: 1, watchers, moving: MS(moving), pause: MS(pause) };
+        assert_eq!(interactive_first(&mut by_schedule(), drag), Ok(()), "{drag:?}");
     }
     // Where no hand moves, those who watch have all of the time.
-    let drag = Drag { hands: 0, watchers: 2, moving: MS(50), pause: MS(10) };
+    let drag = SimulatedDrag { interactive_views: 0, watchers: 2, moving: MS(50), pause: MS(10) };
     let outcome = play(&mut by_schedule(), drag, (0, 0, MS(1)), 10);
     assert!(outcome.watched.iter().all(|gaps| gaps.len() >= 99), "{outcome:?}");
 }
 
 /// The planted faults: everybody in turn, as it was; and those who watch only where the hand rests.
 #[test]
-fn unfairness_to_a_hand_and_to_those_who_watch_is_seen() {
-    let drag = Drag { hands: 1, watchers: 3, moving: MS(100), pause: MS(15) };
-    let mut in_turn = |_: Instant, waiting: &[Waiting], _: Over| {
-        let first = waiting.iter().enumerate().min_by_key(|(_, task)| task.touched);
-        first.map_or(Turn::Idle, |(index, _)| Turn::Draw(index, MS(50)))
+fn planted_unfair_schedules_are_caught() {
+    let drag = SimulatedDrag { interactive_views: 1, watchers: 3, moving: MS(100), pause: MS(15) };
+    let mut in_turn = |_: Instant, waiting: &[QueuedPicture], _: Over| {
+        let first = waiting.iter().enumerate().min_by_key(|(_, task)| task.last_turn_at);
+        first.map_or(ScheduledTurn::Idle, |(index, _)| ScheduledTurn::Draw(index, MS(50)))
     };
-    assert!(hand_first(&mut in_turn, drag).is_err());
+    assert!(interactive_first(&mut in_turn, drag).is_err());
     let mut schedule = by_schedule();
-    let mut starve = |now: Instant, waiting: &[Waiting], last: Over| match schedule(now, waiting, last) {
-        Turn::Draw(index, _) if waiting[index].urgency == Urgency::Watched => Turn::Wait(MS(1)),
+    let mut starve = |now: Instant, waiting: &[QueuedPicture], last: Over| match schedule(now, waiting, last)
+    {
+        ScheduledTurn::Draw(index, _) if waiting[index].urgency == Urgency::Watched => {
+            ScheduledTurn::Wait(MS(1))
+        }
         turn => turn,
     };
-    assert!(hand_first(&mut starve, drag).is_err());
+    assert!(interactive_first(&mut starve, drag).is_err());
 }

@@ -19,8 +19,8 @@ struct Load {
 impl Load {
     fn at(&self, detail: Detail, chance: f64) -> Duration {
         let [stays, maps, pixels] = self.parts;
-        let maps = if self.drew_map { maps * detail.texels() } else { 0.0 };
-        let ms = stays + maps + pixels * detail.pixels();
+        let maps = if self.drew_map { maps * detail.texel_ratio() } else { 0.0 };
+        let ms = stays + maps + pixels * detail.pixel_ratio();
         Duration::from_secs_f64(ms * (1.0 + self.noise * (2.0 * chance - 1.0)) / 1000.0)
     }
 }
@@ -37,7 +37,7 @@ fn drag(choice: &mut DetailChoice, load: Load, (from, seconds): (Instant, u64), 
         let detail = choice.detail();
         let took = load.at(detail, (state >> 11) as f64 / (1_u64 << 53) as f64);
         now += took.max(MS(16));
-        choice.note(Made { detail, took, drew_map: load.drew_map }, now);
+        choice.record_picture(TimedPicture { detail, took, drew_map: load.drew_map }, now);
         if choice.detail() != detail {
             changes.push((now, choice.detail()));
         }
@@ -57,7 +57,7 @@ fn loads() -> impl Strategy<Value = Load> {
 
 /// What is wrong with the changes of a drag.
 fn wrong(interaction: Interaction, changes: &Changes) -> Option<String> {
-    let too_soon = changes.windows(2).find(|pair| pair[1].0 - pair[0].0 < CHANGE_AT_MOST_EVERY);
+    let too_soon = changes.windows(2).find(|pair| pair[1].0 - pair[0].0 < MIN_CHANGE_INTERVAL);
     let forbidden = changes.iter().find(|(_, detail)| !detail.is_allowed_by(interaction));
     too_soon.map(|pair| format!("too soon: {pair:?}")).or(forbidden.map(|f| format!("forbidden: {f:?}")))
 }
@@ -91,7 +91,7 @@ proptest! {
         };
         for detail in Detail::ALL.into_iter().filter(|detail| detail.is_allowed_by(interaction)) {
             let took = load.at(detail, 0.5);
-            prop_assume!(!near(took, TARGET) && !near(took, TARGET.mul_f64(ROOM)));
+            prop_assume!(!near(took, TARGET_TIME) && !near(took, TARGET_TIME.mul_f64(HEADROOM)));
         }
         let (mut choice, start) = (DetailChoice::new(interaction), Instant::now());
         let settle = Detail::ALL.len() as u64 + 4;
@@ -99,7 +99,7 @@ proptest! {
         let changes = drag(&mut choice, load, (start + Duration::from_secs(settle), 30), !seed);
         prop_assert_eq!(&changes, &Changes::new());
         let (rests_at, typical) = (choice.detail(), |detail| load.at(detail, 0.5));
-        let slow = typical(rests_at) > TARGET.mul_f64(1.0 + load.noise);
+        let slow = typical(rests_at) > TARGET_TIME.mul_f64(1.0 + load.noise);
         let quickest = Detail::ALL.into_iter().filter(|d| d.is_allowed_by(interaction)).map(typical).min();
         let quickest = quickest.unwrap_or_default().mul_f64(1.0 + 3.0 * load.noise);
         prop_assert!(!slow || typical(rests_at) <= quickest, "{rests_at:?}");
@@ -144,7 +144,7 @@ fn faults_are_seen() {
     let hasty: Changes = (0..4).map(|k| (now + MS(300 * k), Detail::FULL)).collect();
     assert!(wrong(none, &hasty).is_some());
     assert!(wrong(none, &vec![(now, Detail::ALL[2])]).is_some());
-    assert!(wrong(none, &vec![(now, Detail::FULL), (now + CHANGE_AT_MOST_EVERY, Detail::FULL)]).is_none());
+    assert!(wrong(none, &vec![(now, Detail::FULL), (now + MIN_CHANGE_INTERVAL, Detail::FULL)]).is_none());
 }
 
 #[test]

@@ -44,17 +44,17 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
     let (mut views, mut now, mut ended) = (views.collect::<Vec<View>>(), start, Vec::new());
     while now < start + Duration::from_secs(seconds) {
         let asking: Vec<usize> = (0..views.len()).filter(|&view| views[view].asks_at <= now).collect();
-        let waiting: Vec<Waiting> = asking
+        let waiting: Vec<QueuedPicture> = asking
             .iter()
-            .map(|&view| Waiting {
+            .map(|&view| QueuedPicture {
                 urgency: Urgency::Moving,
                 charged: charges.of(&payers[views[view].client]),
-                touched: views[view].asks_at,
-                since: views[view].asks_at,
+                last_turn_at: views[view].asks_at,
+                queued_at: views[view].asks_at,
             })
             .collect();
         match schedule.next(now, &waiting) {
-            Turn::Draw(index, turn) => {
+            ScheduledTurn::Draw(index, turn) => {
                 let view = &mut views[asking[index]];
                 let Client { picture, pause, .. } = clients[view.client];
                 let takes = if fault == Fault::NoYield { view.left } else { view.left.min(turn) };
@@ -62,7 +62,7 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
                 now += takes;
                 view.left -= takes;
                 let is_finished = view.left == Duration::ZERO;
-                schedule.note(Urgency::Moving, [began, now]);
+                schedule.record_turn(Urgency::Moving, [began, now]);
                 match fault {
                     Fault::NoCharge => {}
                     Fault::CostByPictureCount if !is_finished => {}
@@ -80,8 +80,8 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
                     }
                 }
             }
-            Turn::Wait(time) => now += time,
-            Turn::Idle => now = views.iter().map(|view| view.asks_at).min().expect("a view"),
+            ScheduledTurn::Wait(time) => now += time,
+            ScheduledTurn::Idle => now = views.iter().map(|view| view.asks_at).min().expect("a view"),
         }
     }
     ended
@@ -115,7 +115,7 @@ fn one_client_does_not_stop_another() {
 }
 
 #[test]
-fn what_stops_another_is_seen() {
+fn planted_unfair_charging_is_caught() {
     let victim = Client { views: 1, picture: MS(25), pause: MS(15) };
     let beside = |fault| {
         let others = OTHERS.map(|(views, picture)| Client { views, picture: MS(picture), pause: MS(0) });
@@ -128,7 +128,7 @@ fn what_stops_another_is_seen() {
 
 /// Turns that a client's watched view gets before the hand of another, which has been charged less, gets its next one, where
 /// each is spent on a moving picture that the scene's thread was in the middle of.
-fn turns_before_a_hand(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
+fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
     let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
     let [ada, bob] = ["ada", "bob"].map(|name| Payer::new(&name.into(), name));
     charges.charge(&bob, 0.01);
@@ -136,19 +136,16 @@ fn turns_before_a_hand(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
     let mut turns = 0;
     // The hand alone at first, until the one who watches is owed a turn.
     for _ in 0..100 {
-        let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| Waiting {
-            urgency,
-            charged: charges.of(payer),
-            touched: now,
-            since: now,
+        let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| {
+            QueuedPicture { urgency, charged: charges.of(payer), last_turn_at: now, queued_at: now }
         });
-        let Turn::Draw(index, turn) = schedule.next(now, &waiting) else { panic!("somebody waits") };
+        let ScheduledTurn::Draw(index, turn) = schedule.next(now, &waiting) else { panic!("somebody waits") };
         let began = now;
         now += turn;
         charges.charge([&ada, &bob][index], turn.as_secs_f64());
         match index {
             0 if turns > 0 => return turns,
-            0 => schedule.note(Urgency::Moving, [began, now]),
+            0 => schedule.record_turn(Urgency::Moving, [began, now]),
             _ => pays(&mut schedule, [began, now]),
         }
         turns += index;
@@ -159,10 +156,13 @@ fn turns_before_a_hand(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
 /// The planted fault: the account of what was drawn pays, and so nobody does, and who watches goes on.
 #[test]
 fn who_got_a_turn_pays_for_it_whatever_was_drawn() {
-    assert_eq!(turns_before_a_hand(|schedule, span| schedule.note(Urgency::Moving, span)), 1);
-    let unpaid = turns_before_a_hand(|schedule, span| {
-        schedule.turn_of = Some(Urgency::Moving);
-        schedule.note(Urgency::Moving, span);
+    assert_eq!(
+        turns_before_interactive_view(|schedule, span| schedule.record_turn(Urgency::Moving, span)),
+        1
+    );
+    let unpaid = turns_before_interactive_view(|schedule, span| {
+        schedule.turn_class = Some(Urgency::Moving);
+        schedule.record_turn(Urgency::Moving, span);
     });
     assert!(unpaid > 50, "{unpaid}");
 }

@@ -6,7 +6,7 @@
 //   CUT           bool  whether it begins or ends somewhere along its way
 
 // Where a point lies in a light, whatever its shape.
-struct Place {
+struct LightCoords {
     t: f32,
     // Across the light, in radii.
     vw: vec2f,
@@ -16,7 +16,7 @@ struct Place {
     direction: vec3f,
 }
 
-struct LightFilter {
+struct LightProfile {
     // Factor of all that the light emits.
     tint: vec3f,
     // Light falls off no further nearer to its source.
@@ -56,26 +56,26 @@ const MAX_EMISSION = 1e15;
 const MAX_DECAY = 1e15;
 
 // Irradiance on a surface square to the light, without visibility and `tint`. What is emitted is held to what stays finite.
-fn irradiance(f: LightFilter, emission: vec3f, place: Place) -> vec3f {
-    let along = cut_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
+fn irradiance(f: LightProfile, emission: vec3f, place: LightCoords) -> vec3f {
+    let along = distance_ramps_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
     return min(emission, vec3f(MAX_EMISSION)) * (across(f, place.vw) * along);
 }
 
 // The share of the light that arrives where `visibility` of it is not in the way of anything.
-fn light_filter_arriving(f: LightFilter, visibility: f32) -> vec3f {
+fn light_profile_arriving(f: LightProfile, visibility: f32) -> vec3f {
     return mix(f.shadow_color, vec3f(1.0), visibility);
 }
 
 // What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
-fn across(f: LightFilter, vw: vec2f) -> f32 {
-    let share = radial_share(f, vw);
-    let rho2 = section_rho2(f, vw) / (share * share);
+fn across(f: LightProfile, vw: vec2f) -> f32 {
+    let share = edge_outline_share(f, vw);
+    let rho2 = section_outline_rho2(f, vw) / (share * share);
     let is_outside = (SUPERELLIPSE || RADIAL) && rho2 > 1.0;
-    return select(profile_at(f, rho2), 0.0, is_outside);
+    return select(cross_falloff_at(f, rho2), 0.0, is_outside);
 }
 
 // The square of how far out a place lies, 1 on the outline.
-fn section_rho2(f: LightFilter, vw: vec2f) -> f32 {
+fn section_outline_rho2(f: LightProfile, vw: vec2f) -> f32 {
     if !SUPERELLIPSE {
         return dot(vw, vw);
     }
@@ -87,7 +87,7 @@ fn section_rho2(f: LightFilter, vw: vec2f) -> f32 {
 }
 
 // The share of its way out at which the light has its edge, in the direction of `vw`.
-fn radial_share(f: LightFilter, vw: vec2f) -> f32 {
+fn edge_outline_share(f: LightProfile, vw: vec2f) -> f32 {
     if !RADIAL {
         return 1.0;
     }
@@ -123,7 +123,7 @@ fn angle_around(vw: vec2f) -> f32 {
 }
 
 // In the cosine of the angle that rho = |(v, w)| stands for, by 1 - cos as a share of that at the edge; or in rho itself.
-fn profile_at(f: LightFilter, rho2: f32) -> f32 {
+fn cross_falloff_at(f: LightProfile, rho2: f32) -> f32 {
     if PROFILE == PROFILE_COSINE {
         return pow(1.0 + rho2 * f.tan2_outer, -0.5 * f.profile_power);
     }
@@ -147,7 +147,7 @@ fn secants(tan2: f32) -> f32 {
     return h * (1.0 + h);
 }
 
-fn cut_at(f: LightFilter, s: f32) -> f32 {
+fn distance_ramps_at(f: LightProfile, s: f32) -> f32 {
     if !CUT {
         return 1.0;
     }
@@ -156,6 +156,6 @@ fn cut_at(f: LightFilter, s: f32) -> f32 {
     return ramps.x * (1.0 - ramps.y);
 }
 
-fn decay_at(f: LightFilter, s: f32) -> f32 {
+fn decay_at(f: LightProfile, s: f32) -> f32 {
     return 1.0 / max(dot(f.decay, vec3f(1.0, s, s * s)), 1.0 / MAX_DECAY);
 }

@@ -7,17 +7,17 @@
 use glam::Vec3;
 
 use super::clip::Polygon;
-use super::large::{Large, Plane};
+use super::large::{LargeTriangle, Plane};
 use super::project::Projection;
-use super::rule::Rule;
+use super::rule::DepthTest;
 use super::wide::{Floats, LANES};
-use super::{BAND, Band, HoledTriangle};
+use super::{AlphaTestedTriangle, BAND, Band};
 use crate::alpha_test::AlphaTests;
 
 /// A triangle.
 #[derive(Debug)]
-struct Holed {
-    large: Large,
+struct AlphaTestedLarge {
+    large: LargeTriangle,
     /// Of u / w, v / w and alpha / w.
     over_w: [Plane; 3],
     test: usize,
@@ -25,15 +25,15 @@ struct Holed {
 
 /// Some triangles of a face, set up.
 #[derive(Debug, Default)]
-pub(super) struct HoledPiece {
-    triangles: Vec<Holed>,
+pub(super) struct AlphaTestedPiece {
+    triangles: Vec<AlphaTestedLarge>,
     /// Of each band: places in `triangles`.
     in_bands: Vec<Vec<u32>>,
 }
 
-impl HoledPiece {
+impl AlphaTestedPiece {
     /// Sets these triangles up instead of those before.
-    pub fn set_up(&mut self, triangles: &[HoledTriangle], projection: &Projection) {
+    pub fn set_up(&mut self, triangles: &[AlphaTestedTriangle], projection: &Projection) {
         self.triangles.clear();
         self.in_bands.resize_with(projection.side.div_ceil(BAND), Vec::new);
         self.in_bands.iter_mut().for_each(Vec::clear);
@@ -42,24 +42,24 @@ impl HoledPiece {
         }
     }
 
-    fn add(&mut self, triangle: &HoledTriangle, projection: &Projection) {
+    fn add(&mut self, triangle: &AlphaTestedTriangle, projection: &Projection) {
         let corners: [[f32; 7]; 3] = std::array::from_fn(|k| {
             let ([x, y, w, value], [u, v, alpha]) =
                 (projection.clip(triangle.corners[k]), triangle.uv_alpha[k]);
             [x, y, w, value, u, v, alpha]
         });
-        for corners in Polygon::cut(corners, projection.least_w, projection.guard).triangles() {
+        for corners in Polygon::clip(corners, projection.least_w, projection.guard).triangles() {
             let over_w =
                 [4, 5, 6].map(|axis| corners.map(|corner| f64::from(corner[axis]) / f64::from(corner[2])));
             let on_face = corners.map(|[x, y, w, value, ..]| projection.corner([x, y, w, value]));
-            let Some((large, over_w)) = Large::with_planes(on_face, over_w, projection.side) else {
+            let Some((large, over_w)) = LargeTriangle::with_planes(on_face, over_w, projection.side) else {
                 continue;
             };
             let [first, last] = large.rows.map(|row| row as usize / BAND);
             for band in first..=last {
                 self.in_bands[band].push(self.triangles.len() as u32);
             }
-            self.triangles.push(Holed { large, over_w, test: triangle.test as usize });
+            self.triangles.push(AlphaTestedLarge { large, over_w, test: triangle.test as usize });
         }
     }
 
@@ -70,7 +70,7 @@ impl HoledPiece {
 
     /// Draws one of those. Returns the texels of its bounding box.
     #[inline(always)]
-    pub fn draw<R: Rule>(
+    pub fn draw<R: DepthTest>(
         &self,
         rule: R,
         tests: AlphaTests,
@@ -83,9 +83,9 @@ impl HoledPiece {
     }
 }
 
-impl Holed {
+impl AlphaTestedLarge {
     #[inline(always)]
-    fn draw<R: Rule>(&self, rule: R, tests: AlphaTests, band: &mut Band) {
+    fn draw<R: DepthTest>(&self, rule: R, tests: AlphaTests, band: &mut Band) {
         let first = (self.large.rows[0] as usize).max(band.first);
         let end = (self.large.rows[1] as usize + 1).min(band.end);
         for row in first..end {
@@ -94,8 +94,8 @@ impl Holed {
             let mut done = 0;
             while done < run.count {
                 let Some(texels) = band.texels[at + done..].first_chunk_mut::<LANES>() else { return };
-                let (covered, n, d) = run.sixteen(done, band.count);
-                let stored = rule.stored(covered, n, d, rule.in_row(row), Floats(*texels));
+                let (covered, n, d) = run.lanes_from(done, band.lane_indices);
+                let stored = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels));
                 for (lane, texel) in texels.iter_mut().enumerate() {
                     // What something nearer hides needs no test.
                     if stored.0[lane] != *texel && !self.is_hole(tests, run.first + done + lane, row) {

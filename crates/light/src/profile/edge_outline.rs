@@ -1,26 +1,26 @@
 //! How far out a light reaches around its axis.
 
-use super::own;
+use super::own_value;
 use crate::lanes::Lanes;
 use crate::parameters::RADIAL_FALLOFF;
-use crate::{Light, Piece};
+use crate::{Light, LinearPiece};
 
 /// The share of its way out at which a light has its edge, over the angle around its axis.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Radial {
+pub struct EdgeOutline {
     /// In order, from before 0 degrees to after 360; none for an edge that is the same all around.
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<LinearPiece>,
 }
 
-impl Radial {
+impl EdgeOutline {
     /// That of a checked light.
     pub fn of(light: &Light) -> Self {
-        let falloff = own(light, RADIAL_FALLOFF).flatten();
+        let falloff = own_value(light, RADIAL_FALLOFF).flatten();
         Self { pieces: falloff.map_or_else(Vec::new, |falloff| falloff.pieces()) }
     }
 
     /// Whether it is 1 all around.
-    pub fn is_even(&self) -> bool {
+    pub fn is_uniform(&self) -> bool {
         self.pieces.is_empty()
     }
 
@@ -28,7 +28,7 @@ impl Radial {
     #[inline(always)]
     pub fn share<F: Lanes>(&self, v: F, w: F) -> F {
         let (zero, one) = (F::of(0.0), F::of(1.0));
-        if self.is_even() {
+        if self.is_uniform() {
             return one;
         }
         let degrees = angle_around(v, w);
@@ -36,9 +36,9 @@ impl Radial {
         // The last piece that begins before it counts.
         for piece in &self.pieces {
             let [from, to] = piece.values.map(F::of);
-            let past = (degrees - F::of(piece.from)) * F::of(piece.inverse_length);
+            let past = (degrees - F::of(piece.start_degrees)) * F::of(piece.inverse_length);
             let there = from + (to - from) * past.within(zero, one);
-            share = F::select(degrees.ge(F::of(piece.from)), there, share);
+            share = F::select(degrees.ge(F::of(piece.start_degrees)), there, share);
         }
         share
     }

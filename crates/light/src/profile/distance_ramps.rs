@@ -1,6 +1,6 @@
 //! What becomes of light along its way.
 
-use super::own;
+use super::own_value;
 use crate::lanes::Lanes;
 use crate::parameters::{CUT_OFF, CUT_ON, FAR_EDGE, NEAR_EDGE};
 use crate::{Decay, Light};
@@ -9,7 +9,7 @@ use crate::{Decay, Light};
 /// units: `smooth((s - on_start) / on_width) (1 - smooth((s - off_start) / off_width))`, `smooth(x) = x^2 (3 - 2 x)` over
 /// 0 to 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cut {
+pub struct DistanceRamps {
     /// Where light begins to come up.
     pub on_start: f64,
     /// 1 over the length in which it does; infinite for a step.
@@ -20,7 +20,7 @@ pub struct Cut {
     pub off_inverse_width: f64,
 }
 
-impl Cut {
+impl DistanceRamps {
     /// No cut at all: every path length lies past the first ramp and before the second.
     pub const NONE: Self =
         Self { on_start: -1.0, on_inverse_width: 1.0, off_start: 0.0, off_inverse_width: 0.0 };
@@ -28,11 +28,11 @@ impl Cut {
     /// The cuts of a checked light.
     pub fn of(light: &Light) -> Self {
         let mut cut = Self::NONE;
-        if let Some(on) = own(light, CUT_ON).flatten() {
+        if let Some(on) = own_value(light, CUT_ON).flatten() {
             let width = light.get(NEAR_EDGE);
             (cut.on_start, cut.on_inverse_width) = (on - width, width.recip());
         }
-        if let Some(off) = own(light, CUT_OFF).flatten() {
+        if let Some(off) = own_value(light, CUT_OFF).flatten() {
             (cut.off_start, cut.off_inverse_width) = (off, light.get(FAR_EDGE).recip());
         }
         cut
@@ -56,7 +56,7 @@ fn ramp<F: Lanes>(past: F, inverse_width: F) -> F {
 
 impl Decay {
     /// The factor `1 / (x + y s + z s^2)` of the path length `s` as `[x, y, z]`.
-    pub fn weights(self) -> [f64; 3] {
+    pub fn denominator_coefficients(self) -> [f64; 3] {
         match self {
             Self::None => [1.0, 0.0, 0.0],
             Self::Linear => [0.0, 1.0, 0.0],

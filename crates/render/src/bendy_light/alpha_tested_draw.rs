@@ -6,10 +6,10 @@ use wgpu::{Buffer, BufferBinding, RenderPass, RenderPipeline, VertexBufferLayout
 
 use super::gpu_structs::BentCounts;
 use super::shadow_buffers::{Buffers, VERTEX_BYTES};
-use crate::alpha_test::AlphaTests;
+use crate::alpha_test::GpuAlphaTests;
 use crate::geometry::Geometry;
 use crate::gpu_structs::Mat4;
-use crate::pipeline::least_depth_wins;
+use crate::pipeline::least_depth_test;
 use crate::{Gpu, shaders};
 
 #[cfg(test)]
@@ -17,11 +17,11 @@ mod tests;
 
 /// The pipeline, which outlives scenes and lights.
 #[derive(Debug)]
-pub(super) struct MaskedDraw(RenderPipeline);
+pub(super) struct AlphaTestedDraw(RenderPipeline);
 
-impl MaskedDraw {
+impl AlphaTestedDraw {
     pub fn new(gpu: &Gpu) -> Self {
-        let module = gpu.module("bent masked", shaders::BENT_MASKED);
+        let module = gpu.shader_module("bent masked", shaders::BENT_MASKED);
         let layout = |attributes| {
             Some(VertexBufferLayout {
                 array_stride: VERTEX_BYTES,
@@ -41,7 +41,7 @@ impl MaskedDraw {
                 buffers: &[layout(&mapped), layout(&place)],
             },
             primitive: wgpu::PrimitiveState::default(),
-            depth_stencil: Some(least_depth_wins()),
+            depth_stencil: Some(least_depth_test()),
             multisample: wgpu::MultisampleState::default(),
             fragment: Some(wgpu::FragmentState {
                 module: &module,
@@ -60,7 +60,7 @@ impl MaskedDraw {
         &self,
         gpu: &Gpu,
         pass: &mut RenderPass,
-        (geometry, tests): (&Geometry, &AlphaTests),
+        (geometry, tests): (&Geometry, &GpuAlphaTests),
         (mapped, face): (&Buffers, &Buffer),
     ) {
         // The uniform begins with the matrix.
@@ -77,8 +77,9 @@ impl MaskedDraw {
             geometry.indices.as_entire_binding(),
         ];
         let tests = [tests.tests.as_entire_binding(), tests.texels.as_entire_binding()];
-        let group =
-            |index, bindings: &[_]| gpu.group("bent masked", &self.0.get_bind_group_layout(index), bindings);
+        let group = |index, bindings: &[_]| {
+            gpu.bind_group("bent masked", &self.0.get_bind_group_layout(index), bindings)
+        };
         pass.set_pipeline(&self.0);
         pass.set_bind_group(0, &group(0, &triangles), &[]);
         pass.set_bind_group(1, &group(1, &tests), &[]);

@@ -2,11 +2,11 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::bounds::Bounds;
+use crate::bounds::BoundsF32;
 
 /// What a triangle is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Shell {
+pub(crate) enum TriangleComponent {
     /// A surface with an edge, or whose triangles do not agree which side is the front.
     Open,
     /// A closed surface, seen counter-clockwise from outside.
@@ -17,34 +17,34 @@ pub(crate) enum Shell {
 
 /// The connected surfaces of a list of triangles.
 #[derive(Debug)]
-pub(crate) struct Shells {
+pub(crate) struct ClosedComponents {
     /// One a triangle: which part.
     part_of: Vec<u32>,
-    parts: Vec<(Shell, Bounds)>,
+    parts: Vec<(TriangleComponent, BoundsF32)>,
 }
 
 /// A connected surface while its triangles are gone through.
 #[derive(Debug)]
-struct Part {
+struct ComponentBuilder {
     first: DVec3,
-    bounds: Bounds,
-    closed: bool,
+    bounds: BoundsF32,
+    is_closed: bool,
     /// Six times what it encloses, and the same were every triangle seen from its front.
     volume: f64,
     volume_at_most: f64,
 }
 
 /// Less than this share of what a part could enclose is rounding: that has no inside.
-const LEAST_VOLUME: f64 = 1e-6;
+const MIN_VOLUME_RATIO: f64 = 1e-6;
 
-impl Part {
+impl ComponentBuilder {
     fn at(first: Vec3) -> Self {
-        let bounds = Bounds { min: first, max: first };
-        Self { first: first.as_dvec3(), bounds, closed: true, volume: 0.0, volume_at_most: 0.0 }
+        let bounds = BoundsF32 { min: first, max: first };
+        Self { first: first.as_dvec3(), bounds, is_closed: true, volume: 0.0, volume_at_most: 0.0 }
     }
 
     fn add(&mut self, corners: [Vec3; 3]) {
-        self.bounds = Bounds::union([self.bounds, Bounds::of(corners.into_iter())].into_iter());
+        self.bounds = BoundsF32::union([self.bounds, BoundsF32::of(corners.into_iter())].into_iter());
         // Around a point of its own: far from it rounding would decide.
         let [a, b, c] = corners.map(|corner| corner.as_dvec3() - self.first);
         let volume = a.dot(b.cross(c));
@@ -52,23 +52,23 @@ impl Part {
         self.volume_at_most += volume.abs();
     }
 
-    fn shell(&self) -> Shell {
-        if !self.closed || self.volume.abs() <= LEAST_VOLUME * self.volume_at_most {
-            Shell::Open
+    fn component(&self) -> TriangleComponent {
+        if !self.is_closed || self.volume.abs() <= MIN_VOLUME_RATIO * self.volume_at_most {
+            TriangleComponent::Open
         } else if self.volume > 0.0 {
-            Shell::Closed
+            TriangleComponent::Closed
         } else {
-            Shell::InsideOut
+            TriangleComponent::InsideOut
         }
     }
 }
 
-impl Shell {
+impl TriangleComponent {
     /// In the order of their numbers, which `bent_map.wgsl` has too.
     pub const ALL: [Self; 3] = [Self::Open, Self::Closed, Self::InsideOut];
 
     /// The same in a mirror.
-    pub fn turned(self) -> Self {
+    pub fn mirrored(self) -> Self {
         match self {
             Self::Open => Self::Open,
             Self::Closed => Self::InsideOut,
@@ -77,7 +77,7 @@ impl Shell {
     }
 }
 
-impl Shells {
+impl ClosedComponents {
     /// Vertices in one place are one.
     ///
     /// A part is closed where each edge is passed as often one way as the other. Every path that begins and ends outside
@@ -88,13 +88,13 @@ impl Shells {
             triangles.iter().map(|triangle| triangle.map(|k| first_at[k as usize])).collect();
         let root_of = connected(positions.len(), &welded);
         let mut number_of = vec![u32::MAX; positions.len()];
-        let mut parts: Vec<Part> = Vec::new();
+        let mut parts: Vec<ComponentBuilder> = Vec::new();
         let mut part_of = Vec::with_capacity(welded.len());
         for corners in &welded {
             let number = &mut number_of[root_of[corners[0] as usize] as usize];
             if *number == u32::MAX {
                 *number = parts.len() as u32;
-                parts.push(Part::at(Vec3::from(positions[corners[0] as usize])));
+                parts.push(ComponentBuilder::at(Vec3::from(positions[corners[0] as usize])));
             }
             part_of.push(*number);
             parts[*number as usize].add(corners.map(|k| Vec3::from(positions[k as usize])));
@@ -108,24 +108,24 @@ impl Shells {
         edges.sort_unstable();
         for edge in edges.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
             if 2 * edge.iter().filter(|edge| edge.2).count() != edge.len() {
-                parts[edge[0].3 as usize].closed = false;
+                parts[edge[0].3 as usize].is_closed = false;
             }
         }
-        let parts = parts.into_iter().map(|part| (part.shell(), part.bounds)).collect();
+        let parts = parts.into_iter().map(|part| (part.component(), part.bounds)).collect();
         Self { part_of, parts }
     }
 
     /// What that triangle is of.
-    pub fn of(&self, triangle: u32) -> Shell {
+    pub fn component_of(&self, triangle: u32) -> TriangleComponent {
         self.part(triangle).0
     }
 
     /// Around all that it is connected with.
-    pub fn bounds(&self, triangle: u32) -> Bounds {
+    pub fn bounds(&self, triangle: u32) -> BoundsF32 {
         self.part(triangle).1
     }
 
-    fn part(&self, triangle: u32) -> (Shell, Bounds) {
+    fn part(&self, triangle: u32) -> (TriangleComponent, BoundsF32) {
         self.parts[self.part_of[triangle as usize] as usize]
     }
 }
@@ -164,26 +164,26 @@ mod tests {
         (positions, triangles.collect())
     }
 
-    fn shells_of((positions, triangles): &(Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<Shell> {
-        let shells = Shells::new(positions, triangles);
-        (0..triangles.len() as u32).map(|triangle| shells.of(triangle)).collect()
+    fn shells_of((positions, triangles): &(Vec<[f32; 3]>, Vec<[u32; 3]>)) -> Vec<TriangleComponent> {
+        let shells = ClosedComponents::new(positions, triangles);
+        (0..triangles.len() as u32).map(|triangle| shells.component_of(triangle)).collect()
     }
 
     #[test]
     fn a_box_is_closed_with_every_face_and_open_without_one() {
         let whole = cube(0.0);
-        assert_eq!(shells_of(&whole), [Shell::Closed; 12]);
+        assert_eq!(shells_of(&whole), [TriangleComponent::Closed; 12]);
         let inside_out = (whole.0.clone(), whole.1.iter().map(|&[a, b, c]| [a, c, b]).collect::<Vec<_>>());
-        assert_eq!(shells_of(&inside_out), [Shell::InsideOut; 12]);
+        assert_eq!(shells_of(&inside_out), [TriangleComponent::InsideOut; 12]);
         for missing in 0..12 {
             let mut open = whole.clone();
             open.1.remove(missing);
-            assert_eq!(shells_of(&open), [Shell::Open; 11], "without triangle {missing}");
+            assert_eq!(shells_of(&open), [TriangleComponent::Open; 11], "without triangle {missing}");
         }
         for turned in 0..12 {
             let mut mixed = whole.clone();
             mixed.1[turned].swap(0, 1);
-            assert_eq!(shells_of(&mixed), [Shell::Open; 12], "triangle {turned} is turned round");
+            assert_eq!(shells_of(&mixed), [TriangleComponent::Open; 12], "triangle {turned} is turned round");
         }
     }
 
@@ -193,9 +193,12 @@ mod tests {
         let positions = [near.0, far.0].concat();
         let triangles: Vec<_> =
             near.1.into_iter().chain(far.1[1..].iter().map(|t| t.map(|k| k + 24))).collect();
-        let shells = Shells::new(&positions, &triangles);
-        assert_eq!([shells.of(0), shells.of(12)], [Shell::Closed, Shell::Open]);
-        let Bounds { min, max } = shells.bounds(3);
+        let shells = ClosedComponents::new(&positions, &triangles);
+        assert_eq!(
+            [shells.component_of(0), shells.component_of(12)],
+            [TriangleComponent::Closed, TriangleComponent::Open]
+        );
+        let BoundsF32 { min, max } = shells.bounds(3);
         assert_eq!([min, max], [Vec3::ZERO, Vec3::ONE]);
     }
 
@@ -203,8 +206,14 @@ mod tests {
     #[test]
     fn what_encloses_nothing_is_open() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.3]];
-        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 1, 2], [0, 2, 1]])), [Shell::Open; 2]);
-        assert_eq!(shells_of(&(positions.to_vec(), vec![[0, 0, 1], [2, 2, 2]])), [Shell::Open; 2]);
+        assert_eq!(
+            shells_of(&(positions.to_vec(), vec![[0, 1, 2], [0, 2, 1]])),
+            [TriangleComponent::Open; 2]
+        );
+        assert_eq!(
+            shells_of(&(positions.to_vec(), vec![[0, 0, 1], [2, 2, 2]])),
+            [TriangleComponent::Open; 2]
+        );
         assert_eq!(shells_of(&(Vec::new(), Vec::new())), []);
     }
 }

@@ -7,7 +7,7 @@ use tokio::net::TcpStream;
 use tokio::spawn;
 
 use crate::client::{ask_with, bearer, get};
-use crate::server::{Door, SHARED};
+use crate::server::{SHARED, ServerDoor};
 
 /// Rules: HTTP-24
 #[test]
@@ -31,7 +31,7 @@ fn what_never_changes_has_a_tag_by_which_clients_keep_it() {
 }
 
 /// Asks one connection for a path so many times, one after the other.
-async fn ask_repeatedly(door: Door, path: &'static str, headers: String, count: usize) {
+async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, count: usize) {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n");
     for _ in 0..count {
@@ -63,7 +63,7 @@ async fn time_of(path: &'static str, headers: &str, connections: usize, count: u
 ///
 /// Rules: HTTP-25
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
-async fn strangers_wait_for_each_other_and_who_has_the_token_for_none_of_them() {
+async fn anonymous_requests_delay_only_each_other() {
     const CONNECTIONS: usize = 40;
     const EACH: usize = 20;
     // 16 at once, 25 ms each.

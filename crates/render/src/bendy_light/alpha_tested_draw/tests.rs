@@ -7,7 +7,7 @@ use light::parameters::{CONE_ANGLE, DECAY, RANGE, ROTATION, TRANSLATION};
 use light::{Decay, Light};
 use scene::{Image, Material, Mesh, Node, Primitive, Sampler, Scene, TextureRef, Wrap};
 
-use crate::bendy_light::shadow_buffers::Room;
+use crate::bendy_light::shadow_buffers::Capacity;
 use crate::bendy_light::tests::{alone, renderer, view};
 use crate::{Aov, Picture, ShadowSettings};
 
@@ -154,15 +154,15 @@ fn only_holes_take_room() {
     let [_, bent] = lights();
     let expected = visibility(&scene(WRAPS), &bent, ShadowSettings::default());
     let mut cramped = renderer(&scene(WRAPS));
-    cramped.bent_work().room = Room { work: 1, patches: 1, split_vertices: 3, masked_vertices: 3 };
+    cramped.bent_buffers().capacity = Capacity { work: 1, patches: 1, split_vertices: 3, masked_vertices: 3 };
     let found = cramped.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
     assert_eq!(found, expected);
-    assert!(cramped.bent_work().room.masked_vertices >= 3 * 2 * CARDS * CARDS);
+    assert!(cramped.bent_buffers().capacity.masked_vertices >= 3 * 2 * CARDS * CARDS);
 
     let mut solid = scene(WRAPS);
     solid.materials.iter_mut().for_each(|material| material.alpha_cutoff = None);
     let mut solid = renderer(&solid);
     solid.render(&view(Aov::Visibility), &alone(&bent)).expect("drawn");
-    assert_eq!(solid.bent_work().room.masked_vertices, 0);
+    assert_eq!(solid.bent_buffers().capacity.masked_vertices, 0);
     assert!(solid.gpu_scene().1.alpha_tests.is_none());
 }

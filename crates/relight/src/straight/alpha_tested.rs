@@ -5,19 +5,19 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::casters::{HoledCasters, HoledRun, StraightFace, StraightMap};
+use super::casters::{AlphaTestedCasters, AlphaTestedRun, StraightFace, StraightMap};
 use crate::Workers;
-use crate::raster::{HoledTriangle, Triangle};
+use crate::raster::{AlphaTestedTriangle, RasterTriangle};
 
 /// Triangles that a thread lists at once.
-const A_TURN: usize = 1024;
+const TRIANGLES_PER_CHUNK: usize = 1024;
 
 /// Lists what a face may show of them, in the place of what was listed before.
-pub(super) fn list(
+pub(super) fn list_triangles(
     workers: &Workers,
     (map, face): (&StraightMap, &StraightFace),
-    casters: &HoledCasters,
-    into: &mut Vec<Vec<HoledTriangle>>,
+    casters: &AlphaTestedCasters,
+    into: &mut Vec<Vec<AlphaTestedTriangle>>,
 ) {
     let turns: Vec<(Range<u32>, u32)> = casters.runs.iter().flat_map(turns).collect();
     into.resize_with(turns.len(), Vec::new);
@@ -25,10 +25,11 @@ pub(super) fn list(
         into.par_iter_mut().zip(turns).for_each(|(listed, (triangles, test))| {
             listed.clear();
             for triangle in triangles {
-                let corners = casters.scene.corners(triangle).map(|corner| map.place(corner.to_array()));
-                if !is_beside(face, &corners) {
+                let corners =
+                    casters.scene.corners(triangle).map(|corner| map.map_position(corner.to_array()));
+                if !is_outside_face(face, &corners) {
                     let uv_alpha = casters.scene.uv_alpha(triangle).map(|corner| corner.to_array());
-                    listed.push(HoledTriangle { corners, uv_alpha, test });
+                    listed.push(AlphaTestedTriangle { corners, uv_alpha, test });
                 }
             }
         });
@@ -36,14 +37,16 @@ pub(super) fn list(
 }
 
 /// A run in pieces, with its test.
-fn turns(HoledRun { triangles, test }: &HoledRun) -> impl Iterator<Item = (Range<u32>, u32)> {
+fn turns(AlphaTestedRun { triangles, test }: &AlphaTestedRun) -> impl Iterator<Item = (Range<u32>, u32)> {
     let (Range { start, end }, test) = (triangles.clone(), *test);
-    (start..end).step_by(A_TURN).map(move |first| (first..end.min(first + A_TURN as u32), test))
+    (start..end)
+        .step_by(TRIANGLES_PER_CHUNK)
+        .map(move |first| (first..end.min(first + TRIANGLES_PER_CHUNK as u32), test))
 }
 
 /// Whether a triangle lies on the outer side of one of the sides of a face.
-fn is_beside(face: &StraightFace, corners: &Triangle) -> bool {
-    let [a, b, c] = corners.map(|[x, y, z, _]| face.clip_from_place * Vec3::new(x, y, z));
+fn is_outside_face(face: &StraightFace, corners: &RasterTriangle) -> bool {
+    let [a, b, c] = corners.map(|[x, y, z, _]| face.clip_from_map * Vec3::new(x, y, z));
     let all = |outside: fn(Vec3) -> bool| outside(a) && outside(b) && outside(c);
     all(|p| p.x > p.z) || all(|p| p.x < -p.z) || all(|p| p.y > p.z) || all(|p| p.y < -p.z)
 }

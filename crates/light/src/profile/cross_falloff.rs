@@ -17,7 +17,7 @@ use crate::{Light, ProfileCurve};
 /// cone is too narrow for: with `x = tan^2 theta` and `h = sqrt(1 + x)`, `1 - cos theta = x / (h (1 + h))`. GPUs do inverse
 /// trigonometry badly, and none is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Profile {
+pub struct CrossFalloff {
     /// By which of them it falls.
     pub curve: ProfileCurve,
     /// The exponent of those that have one.
@@ -31,7 +31,7 @@ pub struct Profile {
     pub inverse_span: f64,
 }
 
-impl Profile {
+impl CrossFalloff {
     /// The same everywhere: of lights that have no edge.
     pub const FLAT: Self =
         Self { curve: ProfileCurve::Smooth, power: 1.0, tan2_outer: 0.0, edge: 2.0, inverse_span: 0.0 };

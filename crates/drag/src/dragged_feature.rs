@@ -3,17 +3,17 @@
 use std::cell::RefCell;
 
 use glam::{DMat2, DVec2, DVec3};
-use light::{CheckedLight, Rays};
-use raycast::{Bvh, Seen};
+use light::{CheckedLight, LightRays};
+use raycast::{Bvh, SeenPoint};
 use scene::{ViewRay, pixel_of};
 
-use crate::goal::Taken;
-use crate::place::{Place, Placed};
+use crate::goal::TakenFeature;
+use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{Feature, Viewport};
-use crate::work::Work;
+use crate::work::WorkBudget;
 
 /// The angle within which a surface is turned to the light, radians: 0.1 degrees.
-const TURNED: f64 = 0.1 * std::f64::consts::PI / 180.0;
+const ALIGNED_RADIANS: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// How far a highlight's centre is from a pixel of it at most, as a share of the picture's width.
 const NEAR_HIGHLIGHT: f64 = 0.1;
@@ -26,47 +26,56 @@ const BESIDE_PX: f64 = 0.25;
 /// width.
 pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: DVec2) -> Option<DVec2> {
     let origin = bvh.posed.origin_in_world;
-    let seen = bvh.seen(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
-    let work = Work::new(&|_| true);
-    let placed = Placed::new(light.rays(), origin, seen.position, &work);
+    let seen = bvh.visible_point(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
+    let work = WorkBudget::new(&|_| true);
+    let placed = SceneLight::new(light.rays(), origin, seen.position, &work);
     let place = placed.locate(seen.position, None)?;
-    let directions = [place.to_light, seen.mirrored()];
+    let directions = [place.to_light, seen.mirror_direction()];
     let near_t = place.t;
-    let taken = Taken { feature: Feature::Highlight, from: seen, to: seen, pivot: None, place, directions };
-    let centre = Lies { bvh, view, taken: &taken, placed: &placed }.nearest_turned(near_t, pixel)?;
+    let taken = TakenFeature {
+        feature: Feature::Highlight,
+        from: seen,
+        to: seen,
+        pivot: None,
+        start_coords: place,
+        directions,
+    };
+    let centre =
+        DraggedFeature { bvh, view, taken: &taken, placed: &placed }.nearest_aligned_pixel(near_t, pixel)?;
     // It is to be what is under the pointer, of light that is there.
     let [width, height] = view.size.map(f64::from);
     let is_near = centre.distance(pixel) <= NEAR_HIGHLIGHT * width;
     let is_in_picture = (0.0..width).contains(&centre.x) && (0.0..height).contains(&centre.y);
-    let there = bvh.seen(&ViewRay::new(&view.camera, view.size, centre, origin))?;
+    let there = bvh.visible_point(&ViewRay::new(&view.camera, view.size, centre, origin))?;
     let place = placed.locate(there.position, Some(near_t))?;
-    let is_lit = placed.out2(&place) <= 1.0 && place.from_ends >= 0.0;
+    let is_lit = placed.rho2(&place) <= 1.0 && place.distance_to_ends >= 0.0;
     (is_near && is_in_picture && is_lit && there.node == seen.node).then_some(centre)
 }
 
 /// A light that has been dragged.
-pub(crate) struct Lies<'a> {
+pub(crate) struct DraggedFeature<'a> {
     pub bvh: &'a Bvh,
     pub view: &'a Viewport,
-    pub taken: &'a Taken,
-    pub placed: &'a Placed<'a>,
+    pub taken: &'a TakenFeature,
+    pub placed: &'a SceneLight<'a>,
 }
 
-impl Lies<'_> {
+impl DraggedFeature<'_> {
     /// On the screen, from `cursor` to where the feature lies, in pixels; infinite where it is not in the picture.
     pub fn distance_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         match self.taken.feature {
-            Feature::Shadow | Feature::Hotspot => self.nearest_on_way(near, cursor),
-            Feature::Highlight | Feature::Diffuse => {
-                self.nearest_turned(near[0], cursor).map_or(f64::INFINITY, |pixel| pixel.distance(cursor))
-            }
+            Feature::Shadow | Feature::Hotspot => self.nearest_on_path_px(near, cursor),
+            Feature::Highlight | Feature::Diffuse => self
+                .nearest_aligned_pixel(near[0], cursor)
+                .map_or(f64::INFINITY, |pixel| pixel.distance(cursor)),
         }
     }
 
     /// Of the surfaces that the feature's way meets, the distance of the one that is seen nearest to the cursor.
-    fn nearest_on_way(&self, near: [f64; 2], cursor: DVec2) -> f64 {
+    fn nearest_on_path_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         let pivot = self.taken.pivot.and_then(|pivot| self.placed.locate(pivot, Some(near[1])));
-        let (across, after) = pivot.map_or((self.taken.place.across, 0.0), |pivot| (pivot.across, pivot.t));
+        let (across, after) =
+            pivot.map_or((self.taken.start_coords.cross_coords, 0.0), |pivot| (pivot.cross_coords, pivot.t));
         let distance = |position: &DVec3| {
             let pixel = self.pixel(*position)?;
             let seen = self.seen(pixel)?;
@@ -77,28 +86,29 @@ impl Lies<'_> {
         let Some(place) = self.placed.locate(self.taken.to.position, Some(near[0])) else {
             return f64::INFINITY;
         };
-        let met = self.met_by(&place, across, after);
+        let met = self.surfaces_on_path(&place, across, after);
         met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
     }
 
-    /// Positions of all surfaces that the way of a place across the light meets past `after`.
-    fn met_by(&self, place: &Place, across: DVec2, after: f64) -> Vec<DVec3> {
+    /// Positions of all surfaces that the way of a place across the light meets past `to`.
+    fn surfaces_on_path(&self, place: &PointInLight, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);
         let size = self.bvh.posed.half_extent.length();
         // Whatever throws shadows: they fall on everything.
-        let is_solid =
-            |triangle: usize, weights: DVec3| self.bvh.is_solid(&self.bvh.triangles[triangle], weights);
+        let is_solid = |triangle: usize, weights: DVec3| {
+            self.bvh.passes_alpha_test(&self.bvh.triangles[triangle], weights)
+        };
         match self.placed.rays {
-            Rays::Bent(tube) => {
-                let path = self.bvh.path(tube, across.x, across.y);
+            LightRays::Bent(tube) => {
+                let path = self.bvh.bent_path(tube, across.x, across.y);
                 let last = &tube.segments[tube.segments.len() - 1].curve;
                 let speed = 2.0 * last.d1.length() * tube.placement.world_per_tube;
                 // As far past the end as the scene reaches, where the light goes on.
                 let reach = 4.0 * (size + self.placed.source().length());
                 let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
-                self.bvh.first_bent_hit_counted(&path, t_end, spend, |hit| {
-                    if hit.t > after && is_solid(hit.triangle, hit.weights) {
+                self.bvh.first_bent_hit_budgeted(&path, t_end, spend, |hit| {
+                    if hit.t > after && is_solid(hit.triangle, hit.barycentrics) {
                         met.borrow_mut().push(hit.position);
                     }
                     false
@@ -106,14 +116,16 @@ impl Lies<'_> {
             }
             rays => {
                 let point = self.taken.to.position;
-                let (from, level) = self.placed.straight_way(place, across, point, 4.0 * size);
+                let (from, level) = self.placed.straight_path(place, across, point, 4.0 * size);
                 let way = level - from;
                 let far = 4.0 * (size + from.length()) / way.length();
                 let t_of =
                     |distance: f64| self.placed.locate(from + way * distance, None).map(|place| place.t);
-                let near = if matches!(rays, Rays::Parallel(_)) { -far } else { 0.0 };
-                self.bvh.first_hit_counted(from, way, [near, far], spend, |hit| {
-                    if t_of(hit.distance).is_some_and(|t| t > after) && is_solid(hit.triangle, hit.weights) {
+                let near = if matches!(rays, LightRays::Parallel(_)) { -far } else { 0.0 };
+                self.bvh.first_hit_budgeted(from, way, [near, far], spend, |hit| {
+                    if t_of(hit.distance).is_some_and(|t| t > after)
+                        && is_solid(hit.triangle, hit.barycentrics)
+                    {
                         met.borrow_mut().push(from + way * hit.distance);
                     }
                     false
@@ -125,15 +137,15 @@ impl Lies<'_> {
 
     /// Newton's method over the picture, from the cursor to a surface point near to it at which light arrives as it should;
     /// `None` where it leads to none.
-    fn nearest_turned(&self, near_t: f64, cursor: DVec2) -> Option<DVec2> {
+    fn nearest_aligned_pixel(&self, near_t: f64, cursor: DVec2) -> Option<DVec2> {
         let mut pixel = cursor;
         for _ in 0..20 {
-            let off = self.off(pixel, near_t)?;
-            let enough = if self.taken.feature == Feature::Diffuse { TURNED } else { 1e-9 };
+            let off = self.direction_error(pixel, near_t)?;
+            let enough = if self.taken.feature == Feature::Diffuse { ALIGNED_RADIANS } else { 1e-9 };
             if off.length() <= enough {
                 return Some(pixel);
             }
-            let beside = |step: DVec2| Some((self.off(pixel + step, near_t)? - off) / BESIDE_PX);
+            let beside = |step: DVec2| Some((self.direction_error(pixel + step, near_t)? - off) / BESIDE_PX);
             let slope = DMat2::from_cols(beside(DVec2::X * BESIDE_PX)?, beside(DVec2::Y * BESIDE_PX)?);
             if slope.determinant().abs() < 1e-300 {
                 return None;
@@ -149,11 +161,11 @@ impl Lies<'_> {
     }
 
     /// How far light at a pixel is from arriving as it should, in radians, across the direction that it should have.
-    fn off(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
+    fn direction_error(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
         let seen = self.seen(pixel)?;
         let place = self.placed.locate(seen.position, Some(near_t))?;
         let wanted = match self.taken.feature {
-            Feature::Highlight => seen.mirrored(),
+            Feature::Highlight => seen.mirror_direction(),
             _ => seen.normal,
         };
         let (right, up) = wanted.any_orthonormal_pair();
@@ -161,13 +173,14 @@ impl Lies<'_> {
             .then(|| DVec2::new(place.to_light.dot(right), place.to_light.dot(up)))
     }
 
-    fn seen(&self, pixel: DVec2) -> Option<Seen> {
+    fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let Viewport { camera, size } = self.view;
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);
-        self.bvh.seen_counted(&ViewRay::new(camera, *size, pixel, self.placed.origin), spend)
+        self.bvh
+            .visible_point_budgeted(&ViewRay::new(camera, *size, pixel, self.placed.origin_in_world), spend)
     }
 
     fn pixel(&self, position: DVec3) -> Option<DVec2> {
-        pixel_of(&self.view.camera, self.view.size, position, self.placed.origin)
+        pixel_of(&self.view.camera, self.view.size, position, self.placed.origin_in_world)
     }
 }

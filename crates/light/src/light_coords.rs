@@ -4,7 +4,7 @@ use glam::DVec3;
 
 /// The place of a point in a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct LightCoords {
     /// Along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0 without).
     pub t: f64,
     /// Across the light along `v_hat`: in radii where it has a cone, in halves of a directional light's width (0 without),

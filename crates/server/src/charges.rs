@@ -9,12 +9,12 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// Accounts that are kept at most; past them those that have been charged least are dropped.
-pub const ACCOUNTS: usize = 256;
+pub const MAX_ACCOUNTS: usize = 256;
 
 /// Seconds that who has asked for nothing for a while may have saved up, since a hand that drags asks for nothing while a picture is
 /// on its way to the viewer. Whoever else saves draws that much at once: beside views that open 30 at a time a drag's longest gap is
 /// 92 ms with 50 ms, 70 with these, and as many of its pictures come.
-const SAVED_AT_MOST: f64 = 0.03;
+const MAX_CREDIT_SECONDS: f64 = 0.03;
 
 /// Who is charged for work: an actor in a session.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,7 +28,7 @@ pub struct Payer {
 /// Seconds that each session and each actor has been charged.
 ///
 /// This is start-time fair queueing (Goyal, Vin, Cheng, 1996) with equal weights: who has asked for nothing for a while starts
-/// where those are who have been served lately, less [`SAVED_AT_MOST`].
+/// where those are who have been served lately, less [`MAX_CREDIT_SECONDS`].
 #[derive(Clone, Debug, Default)]
 pub struct Charges {
     sessions: Accounts,
@@ -40,12 +40,12 @@ pub struct Charges {
 struct Accounts {
     seconds: BTreeMap<Arc<str>, f64>,
     /// What who was served last had been charged before.
-    start: f64,
+    virtual_time: f64,
 }
 
 /// How much a payer has been charged: less goes first. The larger of its session's and its own, then its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Charged(f64, f64);
+pub struct ChargedSeconds(f64, f64);
 
 impl Payer {
     /// The actor of that id in a session.
@@ -69,7 +69,7 @@ impl Payer {
     }
 }
 
-impl Charged {
+impl ChargedSeconds {
     /// Less goes first.
     pub fn order(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
@@ -78,10 +78,10 @@ impl Charged {
 
 impl Charges {
     /// What a payer that asks now has been charged.
-    pub fn of(&self, payer: &Payer) -> Charged {
+    pub fn of(&self, payer: &Payer) -> ChargedSeconds {
         let session = self.sessions.of(&payer.session);
         let actor = payer.actor.as_deref().map_or(session, |actor| self.actors.of(actor));
-        Charged(session.max(actor), actor)
+        ChargedSeconds(session.max(actor), actor)
     }
 
     /// Charges a payer for a turn that took so many seconds.
@@ -96,19 +96,21 @@ impl Charges {
 impl Accounts {
     fn of(&self, name: &str) -> f64 {
         // Who is new has saved nothing: else a name for each picture would always be first.
-        self.seconds.get(name).map_or(self.start, |charged| charged.max(self.start - SAVED_AT_MOST))
+        self.seconds
+            .get(name)
+            .map_or(self.virtual_time, |charged| charged.max(self.virtual_time - MAX_CREDIT_SECONDS))
     }
 
     fn charge(&mut self, name: &Arc<str>, seconds: f64) {
         let before = self.of(name);
-        self.start = self.start.max(before);
+        self.virtual_time = self.virtual_time.max(before);
         self.seconds.insert(Arc::clone(name), before + seconds);
-        if self.seconds.len() > ACCOUNTS {
+        if self.seconds.len() > MAX_ACCOUNTS {
             // The half that has been charged least starts together from now on.
             let mut all: Vec<f64> = self.seconds.values().copied().collect();
             all.sort_by(f64::total_cmp);
-            self.start = self.start.max(all[all.len() / 2]);
-            self.seconds.retain(|_, charged| *charged > self.start);
+            self.virtual_time = self.virtual_time.max(all[all.len() / 2]);
+            self.seconds.retain(|_, charged| *charged > self.virtual_time);
         }
     }
 }
@@ -162,7 +164,7 @@ mod tests {
 
     /// The planted fault: an account that starts at nothing has the other wait for as long as it was away.
     #[test]
-    fn who_was_away_has_saved_little() {
+    fn an_idle_client_saves_little_credit() {
         let (ada, bob) = (payer("shot", "ada"), payer("other", "bob"));
         let mut charges = Charges::default();
         (0..1_000).for_each(|_| charges.charge(&ada, 0.01));
@@ -172,12 +174,15 @@ mod tests {
             turns += 1;
         }
         // Turns of a hundredth, and three of those that are level.
-        let most = (SAVED_AT_MOST / 0.01) as usize + 3;
+        let most = (MAX_CREDIT_SECONDS / 0.01) as usize + 3;
         assert!((1..=most).contains(&turns), "{turns} turns before the other goes on");
-        charges.sessions.start = 0.0;
-        charges.actors.start = 0.0;
+        charges.sessions.virtual_time = 0.0;
+        charges.actors.virtual_time = 0.0;
         let late = payer("late", "eve");
-        assert!(charges.of(&late).order(&charges.of(&ada)).is_lt() && charges.of(&late) == Charged(0.0, 0.0));
+        assert!(
+            charges.of(&late).order(&charges.of(&ada)).is_lt()
+                && charges.of(&late) == ChargedSeconds(0.0, 0.0)
+        );
     }
 
     #[test]
@@ -186,6 +191,6 @@ mod tests {
         for k in 0..10_000 {
             charges.charge(&payer(&k.to_string(), &k.to_string()), 0.01);
         }
-        assert!(charges.sessions.seconds.len() <= ACCOUNTS + 1);
+        assert!(charges.sessions.seconds.len() <= MAX_ACCOUNTS + 1);
     }
 }

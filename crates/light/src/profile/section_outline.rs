@@ -1,13 +1,13 @@
 //! What a light's cross-section looks like.
 
-use super::own;
+use super::own_value;
 use crate::lanes::{Lanes, choose};
 use crate::parameters::{CROSS_SECTION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH};
 use crate::{CrossSection, Light};
 
 /// The outline across a light, in radii: how far out a place lies as a share of the way to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Section {
+pub enum SectionOutline {
     /// The circle of radius 1.
     Circle,
     /// The superellipse `(|v| / a)^p + (|w| / b)^p = 1` (Barzel), which lies in that circle: what would reach past it is
@@ -20,15 +20,15 @@ pub enum Section {
     },
 }
 
-impl Section {
+impl SectionOutline {
     /// The outline of a checked light.
     pub fn of(light: &Light) -> Self {
-        match own(light, CROSS_SECTION) {
+        match own_value(light, CROSS_SECTION) {
             None | Some(CrossSection::Circle) => Self::Circle,
             Some(CrossSection::Superellipse) => {
                 let half = [light.get(SECTION_WIDTH), light.get(SECTION_HEIGHT)];
                 let power = 2.0 / light.get(SECTION_ROUNDNESS);
-                let shrunk = farthest(half, power).max(1.0);
+                let shrunk = max_extent(half, power).max(1.0);
                 Self::Superellipse { scale: half.map(|half| shrunk / half), power }
             }
         }
@@ -49,7 +49,7 @@ impl Section {
 
 /// How far from its middle the superellipse with those half extents reaches: the greatest of `|a^2 X + b^2 Y|` over
 /// `X^(p/2) + Y^(p/2) = 1`, which Hölder's inequality has as the norm of `(a^2, b^2)` with the exponent `q = p / (p - 2)`.
-fn farthest([a, b]: [f64; 2], power: f64) -> f64 {
+fn max_extent([a, b]: [f64; 2], power: f64) -> f64 {
     let q = if power.is_infinite() { 1.0 } else { power / (power - 2.0) };
     let (most, least) = (a.max(b), a.min(b));
     if q.is_infinite() {

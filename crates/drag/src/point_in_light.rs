@@ -1,9 +1,9 @@
 //! Where a point lies in a light, whatever its shape, followed while the light moves.
 
 use glam::{DVec2, DVec3};
-use light::{Rays, Root, Tube};
+use light::{LightRays, Tube, TubeRoot};
 
-use crate::work::Work;
+use crate::work::WorkBudget;
 
 /// Steps of finding a place: one that is followed in a tube, one in any other light, and one that is looked for in a segment.
 const STEPS_OF_PLACE: u64 = 300;
@@ -12,11 +12,11 @@ const STEPS_OF_ROOT: u64 = 50;
 
 /// Where a point lies in a light.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Place {
+pub(crate) struct PointInLight {
     /// How far along its way, growing from the source: t of a tube, else a length in world units.
     pub t: f64,
     /// Which way it lies on: (v, w) of a tube and of a cone; of others a place across the light.
-    pub across: DVec2,
+    pub cross_coords: DVec2,
     /// World units for a unit of `across` there.
     pub width: f64,
     /// Unit vector to where its light comes from.
@@ -24,9 +24,9 @@ pub(crate) struct Place {
     /// The same along its way, which is what visibility goes by: of a tube the tangent of the path.
     pub along_path: DVec3,
     /// Of a tube `1 - kappa r.N`, which is 0 where ways meet; else 1.
-    pub spread: f64,
+    pub path_spacing: f64,
     /// How far from the light's ends, in widths, less than 0 beyond one; infinite where it has none.
-    pub from_ends: f64,
+    pub distance_to_ends: f64,
 }
 
 /// The gnomonic axes about a direction of an omni light, in its own axes: what `across` is measured by.
@@ -45,121 +45,122 @@ impl Chart {
     }
 
     /// The way in the light's axes that lies at `across`.
-    pub fn way(&self, across: DVec2) -> DVec3 {
+    pub fn direction_at(&self, across: DVec2) -> DVec3 {
         self.ahead + self.right * across.x + self.up * across.y
     }
 }
 
 /// A light as rays about the origin of scene space.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed<'a> {
-    pub rays: &'a Rays,
+pub(crate) struct SceneLight<'a> {
+    pub rays: &'a LightRays,
     /// Where scene space begins, in the world.
-    pub origin: DVec3,
+    pub origin_in_world: DVec3,
     /// Of an omni light.
     pub chart: Chart,
     /// What finding places costs.
-    pub work: &'a Work<'a>,
+    pub work: &'a WorkBudget<'a>,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> SceneLight<'a> {
     /// `rays` in a scene, and what an omni light is measured by: the direction to `about`.
-    pub fn new(rays: &'a Rays, origin: DVec3, about: DVec3, work: &'a Work<'a>) -> Self {
+    pub fn new(rays: &'a LightRays, origin_in_world: DVec3, about: DVec3, work: &'a WorkBudget<'a>) -> Self {
         let ahead = match rays {
-            Rays::Omni(omni) => {
-                omni.rotation.transpose() * (about - (omni.translation - origin)).normalize_or(DVec3::Z)
+            LightRays::Omni(omni) => {
+                omni.rotation.transpose()
+                    * (about - (omni.translation - origin_in_world)).normalize_or(DVec3::Z)
             }
             _ => DVec3::Z,
         };
-        Self { rays, origin, chart: Chart::about(ahead), work }
+        Self { rays, origin_in_world, chart: Chart::about(ahead), work }
     }
 
     /// The same with another light of that shape.
-    pub fn with(&self, rays: &'a Rays) -> Self {
+    pub fn with(&self, rays: &'a LightRays) -> Self {
         Self { rays, ..*self }
     }
 
     /// Where the source is, in scene space; of a directional light any point of its axis.
     pub fn source(&self) -> DVec3 {
-        self.translation() - self.origin
+        self.translation() - self.origin_in_world
     }
 
     /// Steps to find a place: one that is followed, or one that is looked for in every segment.
-    fn steps_of_place(&self, is_followed: bool) -> u64 {
+    fn locate_cost_steps(&self, is_followed: bool) -> u64 {
         match self.rays {
-            Rays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
-            Rays::Bent(_) => STEPS_OF_PLACE,
-            Rays::Cone(_) | Rays::Omni(_) | Rays::Parallel(_) => STEPS_OF_STRAIGHT_PLACE,
+            LightRays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
+            LightRays::Bent(_) => STEPS_OF_PLACE,
+            LightRays::Cone(_) | LightRays::Omni(_) | LightRays::Parallel(_) => STEPS_OF_STRAIGHT_PLACE,
         }
     }
 
     fn translation(&self) -> DVec3 {
         match self.rays {
-            Rays::Bent(tube) => tube.placement.translation,
-            Rays::Cone(cone) => cone.translation,
-            Rays::Omni(omni) => omni.translation,
-            Rays::Parallel(parallel) => parallel.translation,
+            LightRays::Bent(tube) => tube.placement.translation,
+            LightRays::Cone(cone) => cone.translation,
+            LightRays::Omni(omni) => omni.translation,
+            LightRays::Parallel(parallel) => parallel.translation,
         }
     }
 
     /// Where a point in scene space lies, in the light or beside it; of a tube the place that is followed from `near`, or that
     /// counts where there is none. `None` where it lies nowhere: behind a source, outside a tube that nothing is followed in.
-    pub fn locate(&self, point: DVec3, near: Option<f64>) -> Option<Place> {
-        if !self.work.spend(self.steps_of_place(near.is_some())) {
+    pub fn locate(&self, point: DVec3, near: Option<f64>) -> Option<PointInLight> {
+        if !self.work.spend(self.locate_cost_steps(near.is_some())) {
             return None;
         }
         let way = point - self.source();
         match self.rays {
-            Rays::Bent(tube) => {
+            LightRays::Bent(tube) => {
                 let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
                 let root = match near {
                     None => tube.nearest_root(q)?,
-                    Some(t) => follow(tube, q, t),
+                    Some(t) => track_root(tube, q, t),
                 };
-                Some(on_tube(tube, &root))
+                Some(tube_coords(tube, &root))
             }
-            Rays::Cone(cone) => {
+            LightRays::Cone(cone) => {
                 let local = cone.rotation.transpose() * way;
                 let depth = -local.z;
                 let across = DVec2::new(-local.x, local.y) / (depth * cone.tan_outer);
                 let width = depth * cone.tan_outer;
                 let from_ends = cone.range.map_or(f64::INFINITY, |range| (range - depth) / width);
-                (depth > 0.0).then(|| straight(way, across, width, from_ends))
+                (depth > 0.0).then(|| straight_coords(way, across, width, from_ends))
             }
-            Rays::Omni(omni) => {
+            LightRays::Omni(omni) => {
                 let (local, chart) = (omni.rotation.transpose() * way, self.chart);
                 let ahead = local.dot(chart.ahead);
                 let across = DVec2::new(local.dot(chart.right), local.dot(chart.up)) / ahead;
                 let from_ends = omni.range.map_or(f64::INFINITY, |range| (range - way.length()) / ahead);
-                (ahead > 0.0).then(|| straight(way, across, ahead, from_ends))
+                (ahead > 0.0).then(|| straight_coords(way, across, ahead, from_ends))
             }
-            Rays::Parallel(parallel) => {
+            LightRays::Parallel(parallel) => {
                 let local = parallel.rotation.transpose() * way;
                 let across = DVec2::new(-local.x, local.y);
-                let place = straight(way, across, 1.0, f64::INFINITY);
+                let place = straight_coords(way, across, 1.0, f64::INFINITY);
                 let to_light = parallel.direction();
-                Some(Place { t: -local.z, to_light, along_path: to_light, ..place })
+                Some(PointInLight { t: -local.z, to_light, along_path: to_light, ..place })
             }
         }
     }
 
     /// The same, with the largest component of the irradiance there on a surface square to the light, without shadows; 0 outside
     /// the light.
-    pub fn locate_lit(&self, point: DVec3, near: f64) -> Option<(Place, f64)> {
-        if !self.work.spend(self.steps_of_place(true)) {
+    pub fn locate_with_irradiance(&self, point: DVec3, near: f64) -> Option<(PointInLight, f64)> {
+        if !self.work.spend(self.locate_cost_steps(true)) {
             return None;
         }
         let way = point - self.source();
         let irradiance = match self.rays {
-            Rays::Bent(tube) => {
+            LightRays::Bent(tube) => {
                 let q = tube.placement.rotation.transpose() * way / tube.placement.world_per_tube;
-                let root = follow(tube, q, near);
-                return Some((on_tube(tube, &root), tube.irradiance(&root).max_element()));
+                let root = track_root(tube, q, near);
+                return Some((tube_coords(tube, &root), tube.irradiance(&root).max_element()));
             }
-            Rays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
-            Rays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
-            Rays::Parallel(parallel) => {
-                parallel.locate(point + self.origin).map(|place| parallel.irradiance(&place))
+            LightRays::Cone(cone) => cone.locate(way).map(|place| cone.irradiance(&place)),
+            LightRays::Omni(omni) => omni.locate(way).map(|place| omni.irradiance(&place)),
+            LightRays::Parallel(parallel) => {
+                parallel.locate(point + self.origin_in_world).map(|place| parallel.irradiance(&place))
             }
         };
         Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
@@ -167,33 +168,39 @@ impl<'a> Placed<'a> {
 
     /// Of a light without a tube: where its way `across` begins, and where it is level with `point`, which lies at `place`.
     /// A sun's way begins `far` before that.
-    pub fn straight_way(&self, place: &Place, across: DVec2, point: DVec3, far: f64) -> (DVec3, DVec3) {
+    pub fn straight_path(
+        &self,
+        place: &PointInLight,
+        across: DVec2,
+        point: DVec3,
+        far: f64,
+    ) -> (DVec3, DVec3) {
         let source = self.source();
         let level = |way: DVec3| (source, source + way);
         match self.rays {
-            Rays::Cone(cone) => {
+            LightRays::Cone(cone) => {
                 let depth = place.width / cone.tan_outer;
                 level(cone.rotation * DVec3::new(-across.x * place.width, across.y * place.width, -depth))
             }
-            Rays::Omni(omni) => level(omni.rotation * self.chart.way(across) * place.width),
-            Rays::Parallel(parallel) => {
-                let beside = across - place.across;
+            LightRays::Omni(omni) => level(omni.rotation * self.chart.direction_at(across) * place.width),
+            LightRays::Parallel(parallel) => {
+                let beside = across - place.cross_coords;
                 let to = point + parallel.rotation * DVec3::new(-beside.x, beside.y, 0.0);
                 (to + parallel.direction() * far, to)
             }
-            Rays::Bent(_) => level(DVec3::ZERO),
+            LightRays::Bent(_) => level(DVec3::ZERO),
         }
     }
 
     /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
-    pub fn out2(&self, place: &Place) -> f64 {
+    pub fn rho2(&self, place: &PointInLight) -> f64 {
         match self.rays {
-            Rays::Bent(_) | Rays::Cone(_) => place.across.length_squared(),
-            Rays::Omni(_) => 0.0,
-            Rays::Parallel(parallel) => {
+            LightRays::Bent(_) | LightRays::Cone(_) => place.cross_coords.length_squared(),
+            LightRays::Omni(_) => 0.0,
+            LightRays::Parallel(parallel) => {
                 let share = |along: f64, half: Option<f64>| half.map_or(0.0, |half| (along / half).abs());
-                let out =
-                    share(place.across.x, parallel.half[0]).max(share(place.across.y, parallel.half[1]));
+                let out = share(place.cross_coords.x, parallel.half_size[0])
+                    .max(share(place.cross_coords.y, parallel.half_size[1]));
                 out * out
             }
         }
@@ -201,7 +208,7 @@ impl<'a> Placed<'a> {
 }
 
 /// The root near `t`, with the radius left aside: Newton's method on `(q - P) . P'`, each step squaring the error.
-fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
+fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     const STEPS: usize = 12;
     // The error after such a step is its square.
     const ENOUGH: f64 = 1e-9;
@@ -235,18 +242,35 @@ fn follow(tube: &Tube<f64>, q: DVec3, near: f64) -> Root<f64> {
     let u_hat = curve.u_hat(u);
     let (v_hat, w_hat) = tube.cross_section(curve, u_hat);
     let r = curve.offset(q, u);
-    Root { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: curve.radius(u), v_hat, u_hat }
+    TubeRoot {
+        segment,
+        u,
+        r,
+        v_len: r.dot(v_hat),
+        w_len: r.dot(w_hat),
+        radius: curve.radius(u),
+        v_hat,
+        u_hat,
+    }
 }
 
 /// The place of a point that light reaches by the straight `way`.
-fn straight(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> Place {
+fn straight_coords(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> PointInLight {
     let t = way.length();
     let to_light = -way / t;
-    Place { t, across, width, to_light, along_path: to_light, spread: 1.0, from_ends }
+    PointInLight {
+        t,
+        cross_coords: across,
+        width,
+        to_light,
+        along_path: to_light,
+        path_spacing: 1.0,
+        distance_to_ends: from_ends,
+    }
 }
 
 /// The place of a root.
-fn on_tube(tube: &Tube<f64>, root: &Root<f64>) -> Place {
+fn tube_coords(tube: &Tube<f64>, root: &TubeRoot<f64>) -> PointInLight {
     let curve = &tube.segments[root.segment].curve;
     let turn = curve.u_hat_derivative(root.u, root.u_hat);
     let speed = 2.0 * curve.d(root.u).length();
@@ -260,13 +284,13 @@ fn on_tube(tube: &Tube<f64>, root: &Root<f64>) -> Place {
         (tube.n as f64 - root.t()) * speed / radius - beyond
     };
     let from_source = root.t() * speed / radius + beyond;
-    Place {
+    PointInLight {
         t: root.t(),
-        across: DVec2::new(root.v_len, root.w_len) / radius,
+        cross_coords: DVec2::new(root.v_len, root.w_len) / radius,
         width: radius * scale,
         to_light: tube.placement.rotation * tube.direction_at(root),
         along_path: tube.placement.rotation * tube.path_direction_at(root),
-        spread: if speed > 0.0 { 1.0 - root.r.dot(turn) / speed } else { 0.0 },
-        from_ends: from_end.min(from_source),
+        path_spacing: if speed > 0.0 { 1.0 - root.r.dot(turn) / speed } else { 0.0 },
+        distance_to_ends: from_end.min(from_source),
     }
 }

@@ -1,0 +1,192 @@
+//! As near to the cursor as limits let the light: where a feature cannot lie under it, and control points that are dragged
+//! themselves.
+
+use glam::DVec3;
+use light::CheckedLight;
+
+use crate::goal::{DIFFERENCE, Goal, Objective, TrackedPoints};
+use crate::matrix::length;
+use crate::moves::Unknowns;
+use crate::point_in_light::SceneLight;
+use crate::quadratic::{Hold, RowSelection};
+use crate::reach::{SAMPLE_COUNT_RANGE, SAMPLE_SPACING};
+use crate::request::{DragLimit, RadiusMode};
+use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
+use crate::work::WorkBudget;
+
+/// Halvings between the last place on a straight way that can be had and the wall.
+const LIMIT_HALVINGS: usize = 20;
+
+/// Steps where nothing lands: on the way, and at its end until they are [`MIN_STEP`], so many at most.
+const SLIDE_STEPS: usize = 24;
+const MAX_SETTLE_STEPS: usize = 40;
+
+/// A step this small is none, in the units of what moves.
+const MIN_STEP: f64 = 1e-7;
+
+/// The longest step.
+const MAX_STEP: f64 = 0.03;
+
+/// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
+const OBJECTIVE_COMPLIANCE: f64 = 1e-2;
+
+/// Quarterings of a step that makes nothing better.
+const QUARTERINGS: usize = 4;
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Slide {
+    /// The light, which can be evaluated.
+    pub light: CheckedLight,
+    /// What keeps the control point from where it was to go; `None` where it is there.
+    pub limit: Option<DragLimit>,
+    /// How far it is from there, in light-local units.
+    pub distance_left: f64,
+}
+
+/// `light` with a control point at `to` in light-local space, or as near to that as no fold lets it; with [`RadiusMode::Follow`] radii
+/// that would make the tube fold shrink, and nothing is in the way. It depends on the light and on `to` alone.
+///
+/// `None` where the light has no such control point, or it is the source; and for [`RadiusMode::Solve`], since radii do nothing
+/// for a position.
+pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusMode) -> Option<Slide> {
+    let points = light.light().points();
+    if !(1..points.len()).contains(&point) || radii == RadiusMode::Solve || !to.is_finite() {
+        return None;
+    }
+    light.tube()?;
+    let unit = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+    let moves = Unknowns::Points { points: vec![point], radii, unit };
+    let asked = Objective::Position { point, to };
+    let work = WorkBudget::new(&|_| true);
+    let placed = SceneLight::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
+    let goal = Goal::new(asked, (light, moves), placed, Vec::new());
+    let near = vec![[0.0; 2]];
+    // Where nothing is in the way it is there, to the last bit.
+    let all_of_it = ((to - points[point].position) / unit).to_array();
+    let reaches = goal
+        .evaluate(&all_of_it, 1.0, &near)
+        .is_some_and(|at| at.bounds.iter().all(|bound| bound.value >= 0.0));
+    if reaches {
+        let mut moved = points.to_vec();
+        moved[point].position = to;
+        goal.unknowns.shrink_radii(light.light(), &mut moved);
+        let moved = light.light().clone().map_points(|index, point| *point = moved[index]);
+        if let Ok(light) = CheckedLight::new(moved) {
+            return Some(Slide { light, limit: None, distance_left: 0.0 });
+        }
+    }
+    let found = solve_position(&goal, &near, &all_of_it)?;
+    let moved = CheckedLight::new(goal.unknowns.light(light.light(), &found.iterate.x));
+    // What the solver passes is no fold, and so can be evaluated; the light as it was can be in any case.
+    let light = moved.unwrap_or_else(|_| light.clone());
+    let short_by = light.light().points()[point].position.distance(to);
+    Some(Slide {
+        light,
+        limit: Some(found.strongest_limit.unwrap_or(DragLimit::NoDescent)),
+        distance_left: short_by,
+    })
+}
+
+/// Straight to where the control point first meets a limit, which of each share of the way is one place to look at, and on along that.
+fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solution> {
+    let mut found = Solution::begin(goal, near)?;
+    let at = |share: f64| {
+        let x: Vec<f64> = way.iter().map(|way| way * share).collect();
+        let at = Iterate { evaluation: goal.evaluate(&x, share, near)?, x };
+        at.is_converged().then_some(at)
+    };
+    let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
+    let mut share = 0.0;
+    let mut step = 1.0 / places;
+    for _ in 0..places as usize + LIMIT_HALVINGS {
+        match at(share + step).filter(|_| share + step <= 1.0) {
+            Some(next) => (found.iterate, share) = (next, share + step),
+            None => step *= 0.5,
+        }
+    }
+    found.slide(goal, share);
+    Some(found)
+}
+
+/// What is least where a light glides to.
+struct Cost<'a> {
+    /// Where it could go no further with the feature where it should be.
+    limit_x: &'a [f64],
+    /// What a change from there costs beside what is off.
+    compliance: f64,
+}
+
+impl Cost<'_> {
+    /// How far the feature stays off, squared, and what the light's change and all that is soft cost beside that.
+    fn of(&self, at: &Iterate) -> f64 {
+        let rows = at.evaluation.residual.iter().zip(at.evaluation.rows.iter());
+        let of_rows = rows.map(|(off, row)| if let Hold::Soft(give) = row { off * off / give } else { 0.0 });
+        let springs = at.evaluation.bounds.iter().filter(|bound| bound.compliance > 0.0);
+        let of_springs = springs.map(|bound| {
+            let broken = bound.value.min(0.0);
+            broken * broken / bound.compliance
+        });
+        let soft: f64 = of_rows.chain(of_springs).sum();
+        let (off, gone) = (at.objective_error(), length_between(&at.x, self.limit_x));
+        off * off + self.compliance * (gone * gone + soft)
+    }
+}
+
+impl Solution {
+    /// Goes on where nothing more has the feature where it should be, to where it is off the least: weighed against how far the light
+    /// goes for that, so that it neither jumps nor runs away for little. Where the feature should be need not be in the light there.
+    pub fn slide(&mut self, to_land: &Goal, from: f64) {
+        let wall = self.iterate.x.clone();
+        let Some(evaluation) = to_land.evaluate(&wall, from, &self.iterate.evaluation.tracked) else {
+            return;
+        };
+        let pull = objective_trace(&to_land.linearize(&wall, from, &evaluation, DIFFERENCE));
+        let cost = Cost { limit_x: &wall, compliance: OBJECTIVE_COMPLIANCE * pull };
+        let goal = to_land.with_edge_compliance(cost.compliance);
+        for step in 1..=SLIDE_STEPS {
+            let share = from + (1.0 - from) * step as f64 / SLIDE_STEPS as f64;
+            self.cheaper_step(&goal, share, &cost, MAX_STEP);
+        }
+        let mut longest = MAX_STEP;
+        for _ in 0..MAX_SETTLE_STEPS {
+            match self.cheaper_step(&goal, 1.0, &cost, longest) {
+                Some(moved) if moved > MIN_STEP => longest = (2.0 * moved).min(MAX_STEP),
+                _ => break,
+            }
+        }
+        if let (Objective::Feature(_), Some(at)) =
+            (&to_land.objective, self.newton_to(to_land, 1.0, RowSelection::Firm))
+        {
+            self.iterate = at;
+        }
+    }
+
+    /// A step that costs less, or back to where limits hold, and how long it is; `None` where there is none.
+    fn cheaper_step(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
+        self.iterations += 1;
+        self.iterate.evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;
+        let at = self.iterate.clone();
+        let linear = goal.linearize(&at.x, share, &at.evaluation, DIFFERENCE);
+        let x = self.step_target(goal, cost.limit_x, &at, &linear, (cost.compliance, RowSelection::All));
+        let way: Vec<f64> = x.iter().zip(&at.x).map(|(wanted, x)| wanted - x).collect();
+        let (before, was_allowed) = (cost.of(&at), at.is_feasible());
+        let mut factor = (longest / length(&way)).min(1.0);
+        for _ in 0..QUARTERINGS {
+            let x: Vec<f64> = at.x.iter().zip(&way).map(|(x, way)| x + factor * way).collect();
+            let next =
+                goal.evaluate(&x, share, &at.evaluation.tracked).map(|evaluation| Iterate { x, evaluation });
+            if let Some(next) = next {
+                let next =
+                    restore_feasibility(goal, share, &linear, &next, RowSelection::Fixed).unwrap_or(next);
+                if next.is_feasible() && (cost.of(&next) < before || !was_allowed) {
+                    let moved = length_between(&next.x, &at.x);
+                    self.iterate = next;
+                    return Some(moved);
+                }
+            }
+            factor *= 0.25;
+        }
+        None
+    }
+}
