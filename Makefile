@@ -1,5 +1,6 @@
 # make demo     the demo scene in a browser, from a fresh clone; LISTEN=9000 for another port
 # make test     everything that must hold
+# make check    formatting, clippy and unit tests, while you work
 # make build    the program with its page inside, target/release/bendylights
 # make install  the same, put where cargo puts programs: ~/.cargo/bin
 # make studies  target/release/bendylights-studies, measurements of the light model that do not ship
@@ -8,7 +9,7 @@
 
 SHELL := bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build install studies page demo test packages test-packages openapi-tools
+.PHONY: build install studies page demo test check packages test-packages openapi-tools
 
 DATA := demo-data
 LISTEN := 127.0.0.1:8080
@@ -39,9 +40,15 @@ test: packages test-packages page openapi-tools
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
-	cargo test --workspace --locked
 	@$(if $(SHARED_ASSETS),,echo "../shared/assets is missing: what needs it stays ignored")
-	cargo test --workspace --locked --tests -- --ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
+	cargo test --workspace --locked --tests -- --include-ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
+	cargo test --workspace --locked --doc
+
+# The inner loop: what a change of code breaks at once.
+check: packages
+	cargo fmt --all --check
+	cargo clippy --workspace --all-targets --locked -- -D warnings
+	cargo test --workspace --locked --lib --bins
 
 # Scenes of other makers, beside the checkout and not part of it. CI promises them: where they are missing its tests fail.
 SHARED_ASSETS := $(or $(wildcard ../shared/assets),$(filter true,$(CI)))

@@ -1,10 +1,6 @@
 //! What one row of the table brings: a parameter that exists in this test alone is set, refused, undone, hashed, exported,
 //! replayed, in the schemas and on the page, and no other code has heard of it.
 
-#[path = "browser.rs"]
-mod browser;
-#[path = "program.rs"]
-mod program;
 
 use std::ops::Bound::Included;
 use std::process::Command;
@@ -12,9 +8,9 @@ use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use bench::ServerAddress;
-use browser::run_in_browser;
+use crate::browser::run_in_browser;
 use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
-use program::program;
+use crate::program::program;
 use protocol::{SchemaSide, json_schema};
 use serde_json::{Value as Json, json};
 use server::{Server, ServerConfig};

@@ -206,7 +206,7 @@ fn planted_circles_are_caught() {
 #[test]
 fn sqlite_is_named_in_one_folder() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");
-    let strangers = |name: &str| -> Vec<String> {
+    let others = |name: &str| -> Vec<String> {
         let mut modules = Crate::new();
         read(&crates.join(name).join("src"), &[], &mut modules);
         let says = modules.iter().filter(|(_, text)| text.contains("rusqlite") || text.contains("SELECT "));
@@ -214,7 +214,7 @@ fn sqlite_is_named_in_one_folder() {
         named.filter(|module| module.split("::").next() != Some("sqlite")).collect()
     };
     assert_eq!(
-        [strangers("store"), strangers("server"), strangers("bendylights")],
+        [others("store"), others("server"), others("bendylights")],
         [const { Vec::<String>::new() }; 3]
     );
     let mut modules = Crate::new();

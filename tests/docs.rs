@@ -1,12 +1,10 @@
 //! Commands of README and docs do what these say, links lead to files, and a newcomer's first hour leads somewhere.
 
-#[path = "program.rs"]
-mod program;
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-use bench::ServerProcess;
+use bench::{Address, ServerProcess};
 use image::RgbImage;
 
 use crate::program::program;
@@ -192,10 +190,10 @@ fn ten_lines_light_a_shot() {
     }
     assert!(!has("rim.shine"), "a channel that is in no file");
     let log = beside.server.get("/sessions/shot-020/log").expect("answered").text();
-    let deeds = ["loadScene", "addLight", "bendLight", "dragFeature"];
+    let actions = ["loadScene", "addLight", "bendLight", "dragFeature"];
     assert!(
         log.lines().count() == 4
-            && deeds.iter().all(|deed| log.contains(&format!(r#""command":{{"type":"{deed}""#)))
+            && actions.iter().all(|action| log.contains(&format!(r#""command":{{"type":"{action}""#)))
     );
     let refused = beside.run(&script.replace("shot-020", "shot-021").replace("bendLight", "straightenLight"));
     assert!(!refused.status.success(), "a planted fault is caught");
@@ -233,7 +231,7 @@ fn hour(script: &str, args: &[&std::ffi::OsStr]) {
 
 #[test]
 #[ignore = "needs the page and a browser: make page test-packages"]
-fn a_strangers_first_hour() {
+fn a_first_hour_by_the_docs() {
     hour("stranger.sh", &["dev".as_ref()]);
 }
 
@@ -242,4 +240,95 @@ fn a_strangers_first_hour() {
 fn a_pipeline_engineers_first_hour() {
     let python = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/openapi-tools/bin/python3");
     hour("engineer.sh", &[program().as_os_str(), python.as_os_str()]);
+}
+
+/// The example lights a shot and says what the server refuses.
+///
+/// Rules: HTTP-4, HTTP-6
+#[test]
+#[ignore = "needs Python"]
+fn a_scene_is_lit_over_http_by_the_example() {
+    let beside = Beside::start();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/examples/light_a_scene.py");
+    let run = || {
+        let mut python = Command::new("python3");
+        let Address { host, token } = &beside.server.address;
+        python.arg(&script).args([&format!("http://{host}"), token]).arg(beside.folder.path().join("out.png"));
+        python.output().expect("Python runs")
+    };
+    let done = run();
+    let said = String::from_utf8_lossy(&done.stdout);
+    assert!(done.status.success() && said.contains("\"drag\": \"landed\""), "{said}");
+    assert_eq!(beside.colors("out.png").dimensions(), (640, 360));
+    // The session is there already.
+    let again = run();
+    let said = String::from_utf8_lossy(&again.stderr);
+    assert!(!again.status.success() && said.contains("shot-030"), "{said}");
+}
+
+/// Rules: REC-1, LOG-1, LOG-4
+#[test]
+#[ignore = "needs Python"]
+fn a_log_is_a_test_case_in_the_example() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/examples/test_shot.py");
+    let done = Command::new("python3").arg("-B").arg(script).output().expect("Python runs");
+    let said = String::from_utf8_lossy(&done.stderr);
+    assert!(done.status.success() && said.contains("Ran 3 tests"), "{said}");
+}
+
+/// The example of `light` prints where points lie in a light before and after it is bent.
+#[test]
+fn the_light_model_is_a_library_in_the_example() {
+    let example = program().parent().expect("a folder").join("examples/bend");
+    let done = Command::new(example).output().expect("`cargo test` has built it");
+    let said = String::from_utf8_lossy(&done.stdout);
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(done.status.success() && lines.len() == 6, "{said}");
+    assert!(lines[..3] != lines[3..], "a light that is bent lies elsewhere: {said}");
+}
+
+const TABLE: [&str; 2] = ["<!-- parameters: generated -->\n", "<!-- /parameters -->"];
+
+/// The parameters of lights and control points as a table in Markdown, from what the program lists.
+fn parameter_table() -> String {
+    let listed = |more: &[&str]| {
+        let done = Command::new(program()).arg("parameters").args(more).output().expect("the program runs");
+        String::from_utf8(done.stdout).expect("UTF-8")
+    };
+    let plain = listed(&[]);
+    let mut lines = plain.lines().map(|line| line.chars().collect::<Vec<_>>());
+    let head: String = lines.next().expect("a head").into_iter().collect();
+    let starts = ["of", "name", "values", "default", "touches"].map(|column| head.find(column).expect("a column"));
+    let json: serde_json::Value = serde_json::from_str(&listed(&["--json"])).expect("JSON");
+    let mut table = String::from("| field | of | values | default | meaning |\n|---|---|---|---|---|\n");
+    for (line, row) in lines.zip(json["parameters"].as_array().expect("rows")) {
+        let cell = |index: usize| {
+            let end = starts.get(index + 1).map_or(line.len(), |end| *end.min(&line.len()));
+            let text: String = line.get(starts[index]..end).unwrap_or_default().iter().collect();
+            text.trim().replace('|', "\\|")
+        };
+        if cell(0) == "camera" {
+            continue;
+        }
+        let [path, doc] = ["path", "doc"].map(|field| row[field].as_str().expect("text"));
+        let field = path.replace('/', ".");
+        table += &format!("| `{field}` | {} | {} | `{}` | {doc} |\n", cell(0), cell(2), cell(3));
+    }
+    table
+}
+
+/// docs/light-files.md has the parameters of the program; `BENDYLIGHTS_BLESS=1` writes them anew.
+#[test]
+fn light_files_have_the_parameters_of_the_program() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/light-files.md");
+    let page = std::fs::read_to_string(&path).expect("the page");
+    let (before, rest) = page.split_once(TABLE[0]).expect("where the table begins");
+    let (committed, after) = rest.split_once(TABLE[1]).expect("where it ends");
+    let table = format!("\n{}\n", parameter_table());
+    if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
+        std::fs::write(&path, [before, TABLE[0], &table, TABLE[1], after].concat()).expect("written");
+    } else {
+        assert!(committed == table, "the table is not the program's: run this test with BENDYLIGHTS_BLESS=1");
+    }
+    assert!(table.contains("`coneAngle`") && table.lines().count() > 40, "{table}");
 }

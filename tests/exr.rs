@@ -1,7 +1,5 @@
 //! EXR files as other programs read them.
 
-#[path = "program.rs"]
-mod program;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -108,17 +108,17 @@ fn a_planted_change_of_any_value_is_noticed() {
 #[test]
 fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
     /// A place for a parameter in a record: in a whole light, or as what is set.
-    type Place = fn(&mut Value) -> Option<&mut Value>;
+    type Part = fn(&mut Value) -> Option<&mut Value>;
     fn change<'a>(record: &'a mut Value, of: &str, side: &str) -> Option<&'a mut Value> {
         let changes = record["changes"].as_array_mut()?;
         changes.iter_mut().find(|change| change["type"] == of && change[side].is_object())?.get_mut(side)
     }
-    let inside: [Place; 3] = [
+    let inside: [Part; 3] = [
         |record| change(record, "light", "new")?.get_mut("light"),
         |record| change(record, "light", "old")?.get_mut("light"),
         |record| record["action"]["command"].get_mut("light").filter(|light| light.is_object()),
     ];
-    let set: [Place; 3] = [
+    let set: [Part; 3] = [
         |record| change(record, "lightParameter", "new"),
         |record| change(record, "point", "new"),
         |record| record["action"]["command"].get_mut("parameter"),

@@ -1,7 +1,5 @@
 //! What `/openapi.json` says is enough to make a client of.
 
-#[path = "program.rs"]
-mod program;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

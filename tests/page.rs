@@ -1,15 +1,11 @@
 //! The page in a real browser, on a real server.
 
-#[path = "browser.rs"]
-mod browser;
-#[path = "program.rs"]
-mod program;
 
 use std::path::Path;
 
 use bench::{ServerAddress, ServerProcess};
-use browser::run_in_browser;
-use program::program;
+use crate::browser::run_in_browser;
+use crate::program::program;
 
 /// The session of a server that was started with a scene.
 const MAIN: Option<&str> = Some("main");

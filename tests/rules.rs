@@ -2,12 +2,10 @@
 //!
 //! A test cites rules in a line of its comment: `Rules: SOCK-1, HTTP-2`.
 
-#[path = "sources.rs"]
-mod sources;
 
 use std::collections::BTreeSet;
 
-use sources::{Source, sources};
+use crate::sources::{Source, sources};
 
 /// Folders whose every test must cite a rule.
 const OF_THE_PROTOCOL: &[&str] = &["crates/edit/tests/", "crates/server/tests/", "tests/sessions/"];

@@ -5,12 +5,11 @@
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
-mod boxes;
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use boxes::{SIZE, boxes, looking, room, view};
+use crate::boxes::{SIZE, boxes, looking, room, view};
 use glam::{DAffine3, DVec3, Vec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, RANGE, TRANSLATION};
 use light::{Decay, Light, LightInstance, Transform};

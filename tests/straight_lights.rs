@@ -4,12 +4,11 @@
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
-mod boxes;
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use boxes::{SIZE, boxes, looking, room, view};
+use crate::boxes::{SIZE, boxes, looking, room, view};
 use glam::{DQuat, DVec2, DVec3};
 use light::parameters::{COLOR, CONE_ANGLE, HEIGHT, INTENSITY, RANGE, ROTATION, TRANSLATION, WIDTH};
 use light::{Light, LightInstance};

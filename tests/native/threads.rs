@@ -28,7 +28,7 @@ fn threads_that_relight() -> usize {
 /// One of the tests below alone.
 fn child(name: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().expect("it runs"));
-    command.args(["--ignored", "--exact", &format!("threads::{name}"), "--nocapture"]);
+    command.args(["--ignored", "--exact", &format!("native::threads::{name}"), "--nocapture"]);
     command
 }
 

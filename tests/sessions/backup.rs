@@ -14,7 +14,7 @@ use serde_json::json;
 use store::Store;
 
 use crate::program::program;
-use crate::support::Server;
+use crate::sessions::support::Server;
 
 /// What is acknowledged in a second.
 const EDITS_A_SECOND: u32 = 60;

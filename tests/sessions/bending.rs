@@ -4,7 +4,7 @@ use light::ParameterOwner;
 use light::parameters::RANGE;
 use protocol::{Action, ClientMessage, Command, GestureStatus, Record, Scope};
 
-use crate::support::{Mirror, Server, committed, move_point, moved, rename, state_of};
+use crate::sessions::support::{Mirror, Server, committed, move_point, moved, rename, state_of};
 
 /// How many values differ by more than 1 of 255.
 fn apart(a: &[u8], b: &[u8]) -> usize {

@@ -12,7 +12,7 @@ use bench::{Client, Incoming, ServerAddress};
 use protocol::{ClientMessage, LogLine, LogReader, ServerMessage};
 
 use crate::program::program;
-use crate::support::Server;
+use crate::sessions::support::Server;
 
 const CLIENTS: u64 = 4;
 const EDITS: u64 = 1_000;

@@ -5,7 +5,7 @@ use std::process::{Child, Command, Stdio};
 
 use protocol::{ClientMessage, ErrorCode, Outcome, Problem};
 
-use crate::support::{Mirror, Server, committed, rename};
+use crate::sessions::support::{Mirror, Server, committed, rename};
 
 /// Edits that are tried until the disk fails, or works again.
 const TRIES: usize = 200;

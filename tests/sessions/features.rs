@@ -7,7 +7,7 @@ use protocol::{
 use serde_json::{Value, json};
 
 use crate::program::program;
-use crate::support::{Mirror, Server, committed, rejected, state_of};
+use crate::sessions::support::{Mirror, Server, committed, rejected, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// In the shadow of the blue vase's neck.

@@ -7,7 +7,7 @@ use protocol::{ClientMessage, Command, Document, Interaction, Reduction, ServerM
 use serde_json::json;
 use stream::{Codec, FrameHeader};
 
-use crate::support::{Mirror, Server, frame_pixels, move_point, moved, rename};
+use crate::sessions::support::{Mirror, Server, frame_pixels, move_point, moved, rename};
 
 /// How often the server rendered and encoded.
 fn work(server: &Server) -> [f64; 2] {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::DVec3;
 use protocol::{ClientMessage, Command, DragRadii, ErrorCode, GestureState, GestureStatus, Scope};
 
-use crate::support::{Mirror, Server, committed, move_point, moved, rejected, rename, state_of};
+use crate::sessions::support::{Mirror, Server, committed, move_point, moved, rejected, rename, state_of};
 
 fn begin(mirror: &mut Mirror, gesture: &str) {
     let (light, base_seq) = (mirror.light(), mirror.seq);
@@ -125,11 +125,11 @@ fn a_control_point_slides_along_the_wall() {
     assert_eq!(committed(&ada.result("commit")), seq + 1);
 
     let distance = |a: [f64; 3], b: [f64; 3]| DVec3::from(a).distance(b.into());
-    let glided = ada.point(2);
-    assert!(distance(glided, start) > 0.1, "it moved");
-    assert!(distance(glided, past_the_wall) < distance(start, past_the_wall), "and nearer to the cursor");
+    let slid = ada.point(2);
+    assert!(distance(slid, start) > 0.1, "it moved");
+    assert!(distance(slid, past_the_wall) < distance(start, past_the_wall), "and nearer to the cursor");
     ben.catch_up(seq + 1);
-    assert_eq!(ben.point(2), glided);
+    assert_eq!(ben.point(2), slid);
     let op_id = ada.op_id();
     ada.send(&ClientMessage::Undo { op_id: op_id.clone(), scope: Scope::Mine });
     committed(&ada.result(&op_id));

@@ -7,7 +7,7 @@ use light::parameters::EXPOSURE;
 use protocol::{ClientMessage, Command};
 use stream::FrameHeader;
 
-use crate::support::{Mirror, Server, move_point, moved};
+use crate::sessions::support::{Mirror, Server, move_point, moved};
 
 /// One update an animation frame.
 const UPDATE_EVERY: Duration = Duration::from_micros(16_667);

@@ -3,7 +3,7 @@
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, RADIUS};
 use protocol::{ClientMessage, Command, ErrorCode, History, Outcome, Scope, ServerMessage};
 
-use crate::support::{Mirror, Server, committed, rejected, rename};
+use crate::sessions::support::{Mirror, Server, committed, rejected, rename};
 
 fn history(mirror: &mut Mirror) -> History {
     mirror.send(&ClientMessage::History {});

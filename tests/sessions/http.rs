@@ -8,7 +8,7 @@ use protocol::{
 use serde_json::json;
 
 use crate::program::program;
-use crate::support::{Server, pixels};
+use crate::sessions::support::{Server, pixels};
 
 fn post(server: &Server, path: &str, body: &serde_json::Value) -> bench::Response {
     server.process.post(path, body.to_string().as_bytes()).expect("answered")

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use bench::{Incoming, stills};
 
 use crate::program::program;
-use crate::support::{Mirror, Server};
+use crate::sessions::support::{Mirror, Server};
 
 /// A still of 2048 x 2048 pixels takes a hundred times as long as a frame of this drag. While a sample of a whole still was
 /// the smallest piece of work, eight of them left the drag less than a tenth of its frames, with gaps of a whole still.

@@ -11,7 +11,7 @@ use bench::{Client, Incoming};
 use protocol::{ClientMessage, ErrorCode, ServerMessage, ViewSource};
 use stream::FrameHeader;
 
-use crate::support::{Mirror, Server, move_point, moved};
+use crate::sessions::support::{Mirror, Server, move_point, moved};
 
 /// A still of another session whose scene takes minutes to draw, asked for by a connection that is not read.
 fn heavy_still(server: &Server, name: &str, scene: &[u8]) -> TcpStream {

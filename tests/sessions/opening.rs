@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use crate::support::Server;
+use crate::sessions::support::Server;
 
 fn edit(server: &Server, edit: &Value) {
     let body = json!({"edits": [edit]}).to_string();

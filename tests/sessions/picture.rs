@@ -2,7 +2,7 @@
 
 use protocol::{ClientMessage, Scope};
 
-use crate::support::{Server, move_point, moved, pixels};
+use crate::sessions::support::{Server, move_point, moved, pixels};
 
 /// Rules: FRAME-1, UNDO-4, HTTP-8
 #[test]

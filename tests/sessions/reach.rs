@@ -7,7 +7,7 @@ use bench::{Client, Incoming, ServerProcess};
 use protocol::{ClientMessage, ErrorCode, LogLine, LogReader, Problem, ServerMessage, ViewSource};
 
 use crate::program::program;
-use crate::support::{Server, rejected};
+use crate::sessions::support::{Server, rejected};
 
 /// Rules: CMD-2
 #[test]

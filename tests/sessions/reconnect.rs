@@ -3,7 +3,7 @@
 use bench::{Client, KnownHistory};
 use protocol::State;
 
-use crate::support::{Server, rename};
+use crate::sessions::support::{Server, rename};
 
 /// Rules: SOCK-2
 #[test]

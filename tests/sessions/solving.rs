@@ -13,7 +13,7 @@ use protocol::{
 };
 use serde_json::{Value, json};
 
-use crate::support::{Mirror, Server, committed, rejected, rename, state_of};
+use crate::sessions::support::{Mirror, Server, committed, rejected, rename, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
 /// More edits of others than a session acknowledges that waits for a drag: the one that came before it, and the one that waited with it.

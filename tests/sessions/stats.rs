@@ -12,7 +12,7 @@ use protocol::{
 use serde_json::json;
 use stream::{FrameHeader, HEADER_BYTES};
 
-use crate::support::{Mirror, Server, move_point, moved};
+use crate::sessions::support::{Mirror, Server, move_point, moved};
 
 /// Opens a view of 160 x 90 of one's own, or of whom one follows.
 fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {

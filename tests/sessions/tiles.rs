@@ -7,7 +7,7 @@ use image::RgbImage;
 use protocol::{ClientMessage, Command, Interaction, Reduction};
 use stream::{FrameHeader, FrameTile};
 
-use crate::support::{Mirror, Server, committed, move_point, moved};
+use crate::sessions::support::{Mirror, Server, committed, move_point, moved};
 
 const SIZE: [u16; 2] = [640, 360];
 

@@ -3,7 +3,7 @@
 use light::parameters::{CONE_SOFTNESS, RADIUS};
 use protocol::{ClientMessage, Command, Committed, ErrorCode, Outcome, Scope, ServerMessage};
 
-use crate::support::{Server, committed, move_point, moved, rejected, rename};
+use crate::sessions::support::{Server, committed, move_point, moved, rejected, rename};
 
 /// Rules: SOCK-3, SOCK-4, SOCK-5, DOC-4, REC-1, REC-2
 #[test]

@@ -102,8 +102,8 @@ fn changes_of(
             let placed = light(document, *id)?;
             match drag::slide_point(&placed.light, *point, *position, radii) {
                 // The one by which people call it comes first.
-                Some(glided) => {
-                    let moved = point_move_changes((*id, placed), glided.light.light().points());
+                Some(slid) => {
+                    let moved = point_move_changes((*id, placed), slid.light.light().points());
                     let (dragged, others): (Vec<_>, Vec<_>) =
                         moved.into_iter().partition(|change| change.overrides(&set));
                     [dragged, others].concat()

@@ -100,7 +100,7 @@ pub struct MapFace {
 #[derive(Debug, Default)]
 pub struct RasterMemory {
     pieces: Vec<OpaquePiece>,
-    holed: Vec<AlphaTestedPiece>,
+    alpha_tested: Vec<AlphaTestedPiece>,
     /// For [`DepthTest::row_factor`].
     rows: Vec<f32>,
 }
@@ -135,32 +135,32 @@ pub fn draw_face_with_alpha_tests<
 >(
     face: &MapFace,
     chunks: &[Chunk],
-    holed: &AlphaTestedTriangles<HoledChunk>,
+    alpha_tested: &AlphaTestedTriangles<HoledChunk>,
     workers: &Workers,
     scratch: &mut RasterMemory,
     texels: &mut [f32],
     side: usize,
 ) -> Result<(), Cancelled> {
     assert!(side <= MAX_SIDE && texels.len() == side * stride(side), "a face of {side} texels a side");
-    let RasterMemory { pieces, holed: holed_pieces, rows } = scratch;
+    let RasterMemory { pieces, alpha_tested: alpha_tested_pieces, rows } = scratch;
     let slices: Vec<&[RasterTriangle]> =
         chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
     pieces.resize_with(slices.len(), OpaquePiece::default);
-    let holed_slices: Vec<&[AlphaTestedTriangle]> =
-        holed.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
-    holed_pieces.resize_with(holed_slices.len(), AlphaTestedPiece::default);
+    let alpha_tested_slices: Vec<&[AlphaTestedTriangle]> =
+        alpha_tested.chunks.iter().flat_map(|chunk| chunk.as_ref().chunks(TRIANGLES_PER_PIECE)).collect();
+    alpha_tested_pieces.resize_with(alpha_tested_slices.len(), AlphaTestedPiece::default);
     let projection = Projection::new(face, side);
     let set_up = |(piece, triangles): (&mut OpaquePiece, &[RasterTriangle])| {
         Arch::new().dispatch(SetUp { piece, triangles, projection: &projection });
     };
-    let set_up_holed = |(piece, triangles): (&mut AlphaTestedPiece, &[AlphaTestedTriangle])| {
+    let set_up_alpha_tested = |(piece, triangles): (&mut AlphaTestedPiece, &[AlphaTestedTriangle])| {
         piece.set_up(triangles, &projection);
     };
     workers.run(|| {
         pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
-        holed_pieces.par_iter_mut().zip(holed_slices.into_par_iter()).for_each(set_up_holed);
+        alpha_tested_pieces.par_iter_mut().zip(alpha_tested_slices.into_par_iter()).for_each(set_up_alpha_tested);
     });
-    let seen = SetUpTriangles { pieces, holed: holed_pieces, tests: holed.tests };
+    let seen = SetUpTriangles { pieces, alpha_tested: alpha_tested_pieces, tests: alpha_tested.tests };
     match face.depths {
         DepthRule::Bent { row_divisor: [first, each], depth_per_value } => {
             let in_row = |row: usize| (first + each * (row as f32 + 0.5)) / depth_per_value;
@@ -177,7 +177,7 @@ pub fn draw_face_with_alpha_tests<
 #[derive(Clone, Copy)]
 struct SetUpTriangles<'a> {
     pieces: &'a [OpaquePiece],
-    holed: &'a [AlphaTestedPiece],
+    alpha_tested: &'a [AlphaTestedPiece],
     tests: AlphaTests<'a>,
 }
 
@@ -241,7 +241,7 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
         let mut band =
             Band { first, end: first + height, stride, texels, lane_indices: black_box(LANE_INDICES) };
         let mut looked_at = 0;
-        while piece < seen.pieces.len() + seen.holed.len() {
+        while piece < seen.pieces.len() + seen.alpha_tested.len() {
             if let Some(of_piece) = seen.pieces.get(piece) {
                 let (large, small) = (&of_piece.large_by_band[index], &of_piece.small_by_band[index]);
                 while triangle < large.len() {
@@ -270,9 +270,9 @@ impl<R: DepthTest> WithSimd for DrawBand<'_, '_, R> {
                     }
                 }
             } else {
-                let holed = &seen.holed[piece - seen.pieces.len()];
-                while triangle < holed.count_in(index) {
-                    looked_at += holed.draw(rule, seen.tests, (index, triangle), &mut band);
+                let alpha_tested = &seen.alpha_tested[piece - seen.pieces.len()];
+                while triangle < alpha_tested.count_in(index) {
+                    looked_at += alpha_tested.draw(rule, seen.tests, (index, triangle), &mut band);
                     triangle += 1;
                     if looked_at > YIELD_CHECK_TEXELS {
                         looked_at = 0;

@@ -89,13 +89,13 @@ pub(crate) fn draw_map(
         test,
     };
     let runs: Vec<_> = casting.alpha_tested.iter().zip(0..).map(run).collect();
-    let holed = AlphaTestedCasters {
+    let alpha_tested = AlphaTestedCasters {
         scene: &caster_scene(scene, linked),
         runs: &runs,
         tests: casting.alpha_tests.map_or_else(AlphaTests::default, |tests| tests.host()),
     };
     let casters = (&host.positions[..], &seen.blocks[..], &host.indices[..]);
-    work.draw(gpu.workers(), &map, casters, &holed, into)?;
+    work.draw(gpu.workers(), &map, casters, &alpha_tested, into)?;
     gpu.stages.record_stage(FrameStage::Draw);
     gpu.stages.count(|counters| {
         counters.triangles_seen += seen.triangles;

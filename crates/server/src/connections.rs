@@ -55,13 +55,13 @@ struct AnonymousConnections {
 }
 
 impl Connection {
-    fn of(strangers: &Arc<AnonymousConnections>, permit: OwnedSemaphorePermit) -> Self {
-        let (number, given_up) = strangers.enter();
+    fn of(anonymous: &Arc<AnonymousConnections>, permit: OwnedSemaphorePermit) -> Self {
+        let (number, given_up) = anonymous.enter();
         let (asked, is_known) = (AtomicBool::new(false), AtomicBool::new(false));
-        let strangers = Arc::clone(strangers);
+        let anonymous = Arc::clone(anonymous);
         Self(Arc::new(ConnectionState {
             number,
-            anonymous: strangers,
+            anonymous,
             close_token: given_up,
             has_requested: asked,
             is_authenticated: is_known,
@@ -158,7 +158,7 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
         tracing::debug!("connections have buffers as large as the system likes: {error}");
     }
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS));
-    let strangers = Arc::new(AnonymousConnections::default());
+    let anonymous = Arc::new(AnonymousConnections::default());
     let (open, late) = (TaskTracker::new(), TaskTracker::new());
     let (over, ended) = (CancellationToken::new(), ending.clone());
     let are_over = async {
@@ -174,7 +174,7 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
             accepted = accept(&listener, Arc::clone(&permits)) => accepted,
         };
         let Some((stream, permit)) = accepted else { break };
-        let connection = Connection::of(&strangers, permit);
+        let connection = Connection::of(&anonymous, permit);
         let router = router.clone();
         let is_late = ending.draining.is_cancelled();
         let ends = if is_late {
@@ -277,8 +277,8 @@ mod tests {
     #[test]
     fn the_oldest_anonymous_connection_is_evicted() {
         let permits = Arc::new(Semaphore::new(MAX_ANONYMOUS_CONNECTIONS + 3));
-        let strangers = Arc::new(AnonymousConnections::default());
-        let enter = || Connection::of(&strangers, Arc::clone(&permits).try_acquire_owned().unwrap());
+        let anonymous = Arc::new(AnonymousConnections::default());
+        let enter = || Connection::of(&anonymous, Arc::clone(&permits).try_acquire_owned().unwrap());
         let (known, oldest) = (enter(), enter());
         known.mark_authenticated();
         let rest: Vec<Connection> = (1..MAX_ANONYMOUS_CONNECTIONS).map(|_| enter()).collect();
@@ -289,6 +289,6 @@ mod tests {
             !known.0.close_token.is_cancelled() && rest.iter().all(|one| !one.0.close_token.is_cancelled())
         );
         drop(rest);
-        assert_eq!(strangers.waiting.lock().unwrap().len(), 1);
+        assert_eq!(anonymous.waiting.lock().unwrap().len(), 1);
     }
 }

@@ -231,7 +231,7 @@ fn measure(
     step(5);
     let alone_after = self::alone(&victim, options.time);
     let timeline = victim.leave()?;
-    let deeds = other.counts();
+    let actions = other.counts();
     let (alone, with, alone_after) = (timeline.pace(alone), timeline.pace(with), timeline.pace(alone_after));
     let faster = if alone_after.frames_per_second > alone.frames_per_second { alone_after } else { alone };
     let measured = JudgedRow {
@@ -243,7 +243,7 @@ fn measure(
         writes: other.writes().map(|writes| writes.ratio),
         is_connected: timeline.disconnect_reason.is_none(),
         is_other_idle: row != NeighbourRow::Nobody
-            && (deeds.done == 0 || row.expects_answers() && deeds.answered == 0),
+            && (actions.done == 0 || row.expects_answers() && actions.answered == 0),
     };
     let missed = measured.missed();
     Ok(RowReport {
@@ -266,7 +266,7 @@ fn measure(
         busy_threads,
         server_cpu_share,
         bench_cpu_share,
-        other: deeds,
+        other: actions,
         writes: other.writes(),
         victim_broke: timeline.disconnect_reason,
     })

@@ -2,7 +2,7 @@
 
 mod bounded;
 mod continuity;
-mod gliding;
+mod sliding;
 mod highlights;
 mod many;
 mod pins;

@@ -123,15 +123,15 @@ impl BentMapBuilder {
         let Self { listed, split, scratch, .. } = self;
         let whole = listed.iter().map(|listed| listed.unsplit.as_slice());
         let whole: Vec<_> = whole.chain(split.iter().map(|drawn| drawn.opaque.as_slice())).collect();
-        let holed: Vec<_> = split.iter().map(|drawn| drawn.alpha_tested.as_slice()).collect();
+        let alpha_tested: Vec<_> = split.iter().map(|drawn| drawn.alpha_tested.as_slice()).collect();
         let side = into.side();
         for (index, face) in map.faces.iter().enumerate() {
             let depths = DepthRule::Bent { row_divisor: face.row_divisor, depth_per_value: face.depth_per_t };
             let drawn = MapFace { clip_from_map: face.clip_from_mapped, depths };
             let (whole, chunks) =
-                if face.has_casters { (&whole[..], &holed[..]) } else { (&[][..], &[][..]) };
-            let holed = AlphaTestedTriangles { chunks, tests: casters.alpha_tests };
-            draw_face_with_alpha_tests(&drawn, whole, &holed, workers, scratch, into.face_mut(index), side)?;
+                if face.has_casters { (&whole[..], &alpha_tested[..]) } else { (&[][..], &[][..]) };
+            let alpha_tested = AlphaTestedTriangles { chunks, tests: casters.alpha_tests };
+            draw_face_with_alpha_tests(&drawn, whole, &alpha_tested, workers, scratch, into.face_mut(index), side)?;
         }
         let count = |drawn: &SplitTriangles| drawn.opaque.len() + drawn.alpha_tested.len();
         let split = split.iter().map(count).sum::<usize>();

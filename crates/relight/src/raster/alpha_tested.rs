@@ -77,9 +77,9 @@ impl AlphaTestedPiece {
         (index, triangle): (usize, usize),
         band: &mut Band,
     ) -> usize {
-        let holed = &self.triangles[self.in_bands[index][triangle] as usize];
-        holed.draw(rule, tests, band);
-        holed.large.texels_in(band)
+        let alpha_tested = &self.triangles[self.in_bands[index][triangle] as usize];
+        alpha_tested.draw(rule, tests, band);
+        alpha_tested.large.texels_in(band)
     }
 }
 

@@ -27,7 +27,7 @@ const POSITION_ROUNDING: f32 = 1.0 / 4_194_304.0;
 pub struct StraightMapBuilder {
     map_positions: Vec<[f32; 4]>,
     listed: Vec<Vec<RasterTriangle>>,
-    holed: Vec<Vec<AlphaTestedTriangle>>,
+    alpha_tested: Vec<Vec<AlphaTestedTriangle>>,
     scratch: RasterMemory,
 }
 
@@ -39,7 +39,7 @@ impl StraightMapBuilder {
         workers: &Workers,
         map: &StraightMap,
         (positions, blocks, indices): (&[[f32; 3]], &[u32], &[u32]),
-        holed: &AlphaTestedCasters,
+        alpha_tested: &AlphaTestedCasters,
         into: &mut DepthMap,
     ) -> Result<(), Cancelled> {
         self.map_vertices(workers, map, (positions, blocks));
@@ -51,7 +51,7 @@ impl StraightMapBuilder {
                 workers.run(|| texels.par_chunks_mut(side).for_each(|some| some.fill(0.0)));
                 continue;
             }
-            let Self { map_positions: places, listed, holed: listed_holed, scratch } = self;
+            let Self { map_positions: places, listed, alpha_tested: listed_alpha_tested, scratch } = self;
             let snap = snap(face, side);
             let turns = face.leaves.len().div_ceil(LEAVES_PER_CHUNK);
             listed.resize_with(turns, Vec::new);
@@ -62,9 +62,9 @@ impl StraightMapBuilder {
                     simd::run(List { near: map.near, snap, map_positions: places, indices, leaves, listed });
                 });
             });
-            alpha_tested::list_triangles(workers, (map, face), holed, listed_holed);
+            alpha_tested::list_triangles(workers, (map, face), alpha_tested, listed_alpha_tested);
             let drawn = MapFace { clip_from_map: face.clip_from_map, depths };
-            let with_holes = AlphaTestedTriangles { chunks: listed_holed, tests: holed.tests };
+            let with_holes = AlphaTestedTriangles { chunks: listed_alpha_tested, tests: alpha_tested.tests };
             draw_face_with_alpha_tests(&drawn, listed, &with_holes, workers, scratch, texels, side)?;
         }
         Ok(())

@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn on_loopback_only_names_that_no_stranger_can_have_lead_here() {
+    fn on_loopback_only_names_that_nobody_else_can_have_lead_here() {
         let local = hosts("127.0.0.1:8080", &[]);
         for own in ["127.0.0.1:8080", "localhost", "LOCALHOST:9000", "[::1]:8080", "192.168.0.7"] {
             assert!(local.is_known_host(own), "{own}");

@@ -19,15 +19,15 @@ use crate::request::ClientRequest;
 /// longer than they may come apart, and the picture would fall behind the cursor.
 fn drop_superseded_drags(messages: &mut Vec<RoomMessage>) {
     let mut latest: BTreeMap<ClientId, usize> = BTreeMap::new();
-    let mut outrun = vec![false; messages.len()];
+    let mut superseded = vec![false; messages.len()];
     for (number, message) in messages.iter().enumerate() {
         let before = message.editing_client().and_then(|client| latest.insert(client, number));
         if let Some(before) = before {
-            outrun[before] = message.supersedes(&messages[before]);
+            superseded[before] = message.supersedes(&messages[before]);
         }
     }
-    let mut outrun = outrun.into_iter();
-    messages.retain(|_| !outrun.next().unwrap_or_default());
+    let mut superseded = superseded.into_iter();
+    messages.retain(|_| !superseded.next().unwrap_or_default());
 }
 
 impl Room {

@@ -70,16 +70,16 @@ async fn anonymous_requests_delay_only_each_other() {
     let bound = Duration::from_millis(25) * (CONNECTIONS * EACH / 16 - 1) as u32;
     let token = format!("Authorization: {}\r\n", bearer(&SHARED));
     for path in ["/nowhere", "/sessions", "/healthz"] {
-        let strangers = time_of(path, "", CONNECTIONS, EACH).await;
-        assert!(strangers >= bound, "{path}: {strangers:?} is less than {bound:?}");
+        let anonymous = time_of(path, "", CONNECTIONS, EACH).await;
+        assert!(anonymous >= bound, "{path}: {anonymous:?} is less than {bound:?}");
     }
     let known = time_of("/nowhere", &token, CONNECTIONS, EACH).await;
     assert!(known < bound, "who has the token waits as strangers do: {known:?}");
-    let strangers = spawn(time_of("/openapi.json", "", CONNECTIONS, EACH));
+    let anonymous = spawn(time_of("/openapi.json", "", CONNECTIONS, EACH));
     let asked = Instant::now();
     time_of("/healthz", "", 1, 1).await;
     let health = asked.elapsed();
     time_of("/nowhere", &token, 1, 1).await;
-    assert!(!strangers.is_finished(), "signs of life are answered while others load pages: {health:?}");
-    strangers.abort();
+    assert!(!anonymous.is_finished(), "signs of life are answered while others load pages: {health:?}");
+    anonymous.abort();
 }

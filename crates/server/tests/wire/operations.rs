@@ -95,9 +95,9 @@ async fn what_is_mine_is_what_the_named_actor_did_under_the_token() {
         let body = json!({"actor": actor, "edits": [{"undo": "mine"}]}).to_string();
         post(door, "/sessions/main/edits", &body)
     };
-    let stranger = ServerDoor { token: "0".repeat(32), ..own.door.clone() };
+    let anonymous = ServerDoor { token: "0".repeat(32), ..own.door.clone() };
     let the_same = json!({"id": "ada", "name": "Ada's script"});
-    assert_eq!(undo(&stranger, the_same.clone()).refusal(), (401, "unauthorized".into()));
+    assert_eq!(undo(&anonymous, the_same.clone()).refusal(), (401, "unauthorized".into()));
     let by_ben = undo(&own.door, json!({"id": "ben", "name": "Ada"})).json();
     assert_eq!(by_ben["results"][0]["code"], "nothingToUndo", "a name is not who somebody is");
     let by_ada = undo(&own.door, the_same).json();

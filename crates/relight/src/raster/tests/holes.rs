@@ -23,11 +23,11 @@ fn drawn(
 ) -> Vec<f32> {
     let face = MapFace { clip_from_map: Mat3::IDENTITY, depths };
     let mut texels = vec![f32::NAN; side * stride(side)];
-    let holed = AlphaTestedTriangles { chunks: &[triangles], tests };
+    let alpha_tested = AlphaTestedTriangles { chunks: &[triangles], tests };
     draw_face_with_alpha_tests(
         &face,
         &[plain],
-        &holed,
+        &alpha_tested,
         &Workers::with_threads(2),
         &mut RasterMemory::default(),
         &mut texels,

@@ -21,9 +21,9 @@ fn light_comes_through_holes_and_nowhere_else() {
         let face = StraightFace { clip_from_map: SPOT_FACE, leaves: &[], has_casters: true };
         let map = StraightMap { map_from_scene: Mat4::IDENTITY, near: Some(0.1), faces: &[face] };
         let mut into = DepthMap::new(SIDE, 1);
-        let holed = AlphaTestedCasters { scene: &scene, runs, tests };
+        let alpha_tested = AlphaTestedCasters { scene: &scene, runs, tests };
         StraightMapBuilder::default()
-            .draw(&Workers::with_threads(2), &map, (&[], &[], &[]), &holed, &mut into)
+            .draw(&Workers::with_threads(2), &map, (&[], &[], &[]), &alpha_tested, &mut into)
             .expect("not cancelled");
         into
     };

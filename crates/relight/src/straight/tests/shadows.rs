@@ -151,11 +151,11 @@ pub(super) fn drawn(
     }));
     let map = StraightMap { map_from_scene: place_from_scene, near, faces: &faces };
     let scene = scene(&positions, &[], 2);
-    let holed = AlphaTestedCasters { scene: &scene, runs: &[], tests: AlphaTests::default() };
+    let alpha_tested = AlphaTestedCasters { scene: &scene, runs: &[], tests: AlphaTests::default() };
     let mut into = DepthMap::new(SIDE, 1 + others);
     let casters = (&positions[..], &[0][..], &INDICES[..]);
     StraightMapBuilder::default()
-        .draw(&Workers::with_threads(2), &map, casters, &holed, &mut into)
+        .draw(&Workers::with_threads(2), &map, casters, &alpha_tested, &mut into)
         .expect("not cancelled");
     into
 }

@@ -53,15 +53,15 @@ fn control_points_slide_along_the_fold() {
                 let is_valid = at(&light, point, from.lerp(to, middle)).is_ok();
                 if is_valid { valid = middle } else { folded = middle }
             }
-            let glided = slide_point(&light, point, to, RadiusMode::Keep).expect("a control point");
+            let slid = slide_point(&light, point, to, RadiusMode::Keep).expect("a control point");
             let followed = slide_point(&light, point, to, RadiusMode::Follow).expect("a control point");
             let reaches = [
                 valid,
-                covered_share(from, glided.light.light().points()[point].position, to),
+                covered_share(from, slid.light.light().points()[point].position, to),
                 covered_share(from, followed.light.light().points()[point].position, to),
             ];
-            writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", glided.limit).expect("into text");
-            assert_eq!(glided.limit.is_none(), glided.distance_left == 0.0);
+            writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", slid.limit).expect("into text");
+            assert_eq!(slid.limit.is_none(), slid.distance_left == 0.0);
             // The tube's limit for drags is .97 of the fold's.
             assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
             sums.iter_mut().zip(reaches).for_each(|(sum, reach)| *sum += reach);
@@ -80,8 +80,8 @@ fn a_control_point_comes_back_from_the_wall() {
     let light = demo_light();
     let points = light.light().points();
     let near = points[2].position + DVec3::new(0.01, -0.02, 0.015);
-    let glided = slide_point(&light, 2, near, RadiusMode::Keep).expect("a control point");
-    assert_eq!(glided.light, at(&light, 2, near).expect("valid"));
+    let slid = slide_point(&light, 2, near, RadiusMode::Keep).expect("a control point");
+    assert_eq!(slid.light, at(&light, 2, near).expect("valid"));
     for radii in [RadiusMode::Keep, RadiusMode::Follow] {
         assert_eq!(slide_point(&light, 2, points[2].position, radii).expect("a control point").light, light);
     }
@@ -101,8 +101,8 @@ fn sliding_on_and_off_a_limit_is_smooth() {
             .map(|step| {
                 let angle = std::f64::consts::TAU * f64::from(step) / 500.0;
                 let to = from + DVec3::new(libm::sin(angle), 0.0, 1.0 - libm::cos(angle)) * 1.5;
-                let glided = slide_point(&light, 3, to, radii).expect("a control point");
-                (to, glided.light.light().points()[3].position, glided.limit.is_some())
+                let slid = slide_point(&light, 3, to, radii).expect("a control point");
+                (to, slid.light.light().points()[3].position, slid.limit.is_some())
             })
             .collect();
         let mut steps: Vec<f64> = positions.windows(2).map(|pair| pair[0].1.distance(pair[1].1)).collect();
@@ -142,10 +142,10 @@ fn sliding_is_fast() {
     let mut worst = 0.0_f64;
     for direction in directions() {
         let to = from + direction * 1.5;
-        let glided = fastest(&|| {
+        let slid = fastest(&|| {
             slide_point(&light, 3, to, RadiusMode::Keep).expect("a control point");
         });
-        worst = worst.max(glided);
+        worst = worst.max(slid);
     }
     println!("{:.0} of {prepared:e} s", worst / prepared);
     assert!(worst < 600.0 * prepared, "{:.0} of {prepared:e} s", worst / prepared);

@@ -6,7 +6,5 @@
 
 mod bent;
 mod both;
-#[path = "../boxes.rs"]
-mod boxes;
 mod straight;
 mod threads;

@@ -1,7 +1,5 @@
 //! Broken and malicious files are refused with a reason, or made sound, in little time and memory.
 
-mod support;
-
 use std::time::Instant;
 
 /// The bars of the collection: seconds a file, and bytes for this whole process.
@@ -29,7 +27,7 @@ fn expectation(text: &str) -> Expectation {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn every_hostile_file_of_shared_assets_is_handled_as_expected() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let folder = folder.join("hostile");
     let table = std::fs::read_to_string(folder.join("EXPECT.tsv")).unwrap();
     let (mut slowest, mut files) = ((0.0, String::new()), 0);
@@ -45,7 +43,7 @@ fn every_hostile_file_of_shared_assets_is_handled_as_expected() {
             Ok(loaded) => {
                 println!("{name}: loaded {:?}", loaded.notes);
                 assert!(expected.may_load, "{name} loaded: {line}");
-                support::assert_sound(&loaded, name);
+                crate::support::assert_sound(&loaded, name);
             }
             Err(error) => {
                 let message = error.to_string();
@@ -82,7 +80,7 @@ fn expectations_differ() {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn changed_bytes_of_shared_assets_never_panic() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let scratch = tempfile::tempdir().unwrap();
     let (mut loads, mut refusals) = (0, 0);
     let mut random = 1_u64;
@@ -110,7 +108,7 @@ fn changed_bytes_of_shared_assets_never_panic() {
             std::fs::write(&path, &bytes).unwrap();
             match assets::load(&path) {
                 Ok(loaded) => {
-                    support::assert_sound(&loaded, name);
+                    crate::support::assert_sound(&loaded, name);
                     loads += 1;
                 }
                 Err(error) => {

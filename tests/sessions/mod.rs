@@ -14,8 +14,6 @@ mod load;
 mod neighbours;
 mod opening;
 mod picture;
-#[path = "../program.rs"]
-mod program;
 mod proxies;
 mod reach;
 mod reconnect;

@@ -1,7 +1,5 @@
 //! Real files of many exporters load, or are refused with the feature named.
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -27,7 +25,7 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let files = [scene_files(&folder.join("gltf")), scene_files(&folder.join("scenes"))].concat();
     let mut refused = Vec::new();
     for path in &files {
@@ -35,7 +33,7 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
         match assets::load(path) {
             Ok(loaded) => {
                 let scene = &loaded.scene;
-                support::assert_sound(&loaded, &name);
+                crate::support::assert_sound(&loaded, &name);
                 let triangles = scene::pose(scene.clone()).triangle_count();
                 let SceneContents { lights, cameras } = &loaded.contents;
                 let (lights, cameras, images) = (lights.len(), cameras.len(), scene.images.len());
@@ -61,7 +59,7 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn counts_are_those_of_the_files_of_shared_assets() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     // Triangles as the collection's LICENSES.md lists them; then spotlights and cameras.
     for (file, triangles, lights, cameras) in [
         ("scenes/bench.glb", 106_242, 1, 1),
@@ -86,7 +84,7 @@ fn counts_are_those_of_the_files_of_shared_assets() {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let bounds = |file: &str| scene::world_bounds(&assets::load(&folder.join(file)).unwrap().scene).unwrap();
     let (min, max) = bounds("scenes/horse_morph.glb");
     for file in ["gltf/compressed/horse_morph-quantized.glb", "gltf/compressed/horse_morph-sparse.glb"] {
@@ -101,7 +99,7 @@ fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn packed_shared_assets_stay_what_they_are() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let (mut same, mut inlined) = (0, 0);
     for path in scene_files(&folder) {
         let file = assets::load(&path);
@@ -169,7 +167,7 @@ fn left_out(notes: &[String]) -> usize {
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn no_light_of_shared_assets_is_dropped() {
-    let folder = support::assets_folder();
+    let folder = crate::support::assets_folder();
     let mut files_by_lights: BTreeMap<usize, usize> = BTreeMap::new();
     for path in scene_files(&folder) {
         let Ok(loaded) = assets::load(&path) else { continue };

@@ -1,5 +1,5 @@
 //! Habits of this repository that can be checked.
 
+mod docs;
 mod ignored;
-#[path = "../sources.rs"]
-mod sources;
+mod names;

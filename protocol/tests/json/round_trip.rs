@@ -6,7 +6,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use protocol::{Document, ErrorCode, LogLine, LogReader, Record, Refused, SessionCheckpoint};
 
-#[path = "../../crates/document/tests/editing/random.rs"]
+#[path = "../../../crates/document/tests/editing/random.rs"]
 mod random;
 
 const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];

@@ -1,0 +1,6 @@
+//! Frames: headers, encoders, tiles and pacing.
+
+mod encode;
+mod frame;
+mod pace;
+mod tiles;

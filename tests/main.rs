@@ -1,0 +1,30 @@
+//! Tests of the whole workspace: its rules, and what crosses crates.
+
+mod accuracy;
+mod added_parameter;
+mod boxes;
+mod browser;
+mod circles;
+mod conventions;
+mod cutouts;
+mod docs;
+mod drag_log;
+mod exr;
+mod first_sight;
+mod layering;
+mod links;
+mod log_vectors;
+mod native;
+mod old_logs;
+mod openapi;
+mod page;
+mod picture_sweep;
+mod program;
+mod rules;
+mod sessions;
+mod shadow_maps;
+mod sources;
+mod straight_lights;
+mod stress;
+mod sweep;
+mod textures;
