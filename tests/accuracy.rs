@@ -1,8 +1,7 @@
-//! Pictures are what the reference says they should be, whoever draws shadows and lights: real scenes and the demo under a
-//! bent light.
+//! Compares pictures of both backends with the reference: real scenes and the demo under a bent light.
 //!
-//! `BENDYLIGHTS_ACCURACY_SIZE=WIDTHxHEIGHT` compares pictures of another size, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` keeps
-//! the differences as pictures.
+//! `BENDYLIGHTS_ACCURACY_SIZE=WIDTHxHEIGHT` compares pictures of another size, `BENDYLIGHTS_ACCURACY_PICTURES=DIR`
+//! saves the differences as pictures.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,10 +14,9 @@ use light::{Light, LightInstance, ParameterOwner};
 use render::{Backend, Culling, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::View;
 
-/// Who may draw shadows and lights.
 const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
-/// A scene's file, and control points and radii in the world of a light of three segments that bends strongly.
+/// File of a scene, and control points and radii in world units of a light of three segments with strong bends.
 struct AccuracyScene {
     file: &'static str,
     points: [[f64; 3]; 5],
@@ -53,14 +51,14 @@ const SETTINGS: [AccuracyScene; 4] = [
     },
 ];
 
-/// The folder of scenes, which lies beside the checkout. Tests that need it are ignored unless they are asked for.
+/// Folder of scenes beside the checkout. Tests that need it are ignored by default.
 fn scenes_folder() -> PathBuf {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/assets/scenes"));
     assert!(folder.is_dir(), "{} is missing", folder.display());
     folder
 }
 
-/// Pixels: those of the table in docs/accuracy.md, or as the environment says.
+/// Size of the pictures: that of the table in docs/accuracy.md, or that of the environment variable.
 fn size() -> [u32; 2] {
     let Ok(size) = std::env::var("BENDYLIGHTS_ACCURACY_SIZE") else { return [686, 382] };
     let (width, height) = size.split_once('x').expect("the size is written WIDTHxHEIGHT");
@@ -100,7 +98,8 @@ fn renderers() -> [(Backend, Renderer); 2] {
     })
 }
 
-/// Holds what each draws of `subject` to the bars of [`fault`]. The reference's picture takes longest, and is one.
+/// Tests both backends' pictures of `subject` by [`fault`]. The reference's picture is drawn once, because it takes
+/// longest.
 fn is_what_the_reference_says(renderers: &mut [(Backend, Renderer)], subject: &ComparisonSubject) {
     let expected = ExpectedPicture::new(subject, || {}).expect("the light is valid");
     for (backend, renderer) in renderers {
@@ -127,20 +126,20 @@ fn compared_with(
     (drawn, comparison)
 }
 
-/// What docs/accuracy.md says of a picture, column by column; why not, or nothing.
+/// Tests a comparison by the columns of docs/accuracy.md. Returns the first violated one.
 fn fault(subject: &ComparisonSubject, found: &Comparison) -> Option<&'static str> {
     let Comparison { pixels, .. } = *found;
-    // The bedroom's carpets have two layers in one place; no other scene has.
+    // The bedroom's carpets have two coincident layers; no other scene has.
     let may_coincide = subject.name == "bedroom";
     let faults = [
         (found.in_light <= pixels / 20 || found.displacement_pixels.count <= 30, "little to see"),
         (found.not_finite > 0, "numbers that are not finite"),
         (found.silhouettes + found.rim > pixels / 1000, "more left out than silhouettes"),
         (found.coincident > 0 && !may_coincide, "two surfaces in one place"),
-        // Normals are packed to 2^-15, and where light grazes, a cosine of 0.03 is off by a thousandth with them.
+        // Normals are packed to 2^-15, and at grazing light a cosine of 0.03 is off by a thousandth with them.
         (found.radiance_rmse > 1e-3, "another radiance"),
         (found.displacement_texels.p99 > 1.5, "edges more than 1.5 texels beside their place"),
-        // A texel is half a pixel, or less: 686 pixels show two or three radii, 2048 texels two.
+        // A texel is half a pixel or less: 686 pixels show two or three radii, 2048 texels two.
         (found.displacement_pixels.p99 > 0.5, "edges more than half a pixel beside their place"),
         (found.missed + found.false_shadow > 0, "wrong far from an edge on the map"),
         (found.off_edge > 0, "wrong far from an edge in the picture"),
@@ -148,7 +147,7 @@ fn fault(subject: &ComparisonSubject, found: &Comparison) -> Option<&'static str
     faults.into_iter().find_map(|(wrong, what)| wrong.then_some(what))
 }
 
-/// Radiance is right where both see the same surface, and shadows lie where they should.
+/// Radiance is correct where both see the same surface, and shadows are at the right position.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn pictures_of_shared_assets_are_what_the_reference_says() {
@@ -166,7 +165,7 @@ fn are_what_the_reference_says(subjects: impl Iterator<Item = ComparisonSubject>
     subjects.for_each(|subject| is_what_the_reference_says(&mut renderers, &subject));
 }
 
-/// Planted: casters that stray from the scene by two hundredths of a unit, and a highlight whose factor is dropped.
+/// Planted: casters that deviate from the scene by two hundredths of a unit, and a highlight without its factor.
 #[test]
 fn casters_that_stray_and_highlights_left_out_are_seen() {
     let subject = demo();
@@ -189,7 +188,7 @@ fn casters_that_stray_and_highlights_left_out_are_seen() {
     }
 }
 
-/// What is not drawn changes no error: with each kind drawn all the same the comparison finds the same, to the last digit.
+/// Culling changes no error: with each kind of culling off, the comparison is the same to the last digit.
 fn are_the_same_with_nothing_left_out(subjects: impl Iterator<Item = ComparisonSubject>) {
     let mut renderers = renderers();
     for subject in subjects {
@@ -222,12 +221,12 @@ fn is_the_same_with_nothing_left_out(
 
         println!("{} {what}: {}", subject.name, told(&found));
         assert_eq!(fault(subject, &found), None, "{} with {what}", subject.name);
-        // With floors in them maps are fitted to more: their texels are others, and edges are off within those.
+        // With floors in them, maps are fitted to larger boxes. Their texels differ, and edges are off within those.
         if culling.sides {
             assert_eq!(told(&found), told(&usual), "{} with {what}", subject.name);
         }
     }
-    // The planted fault: maps of other texels have other errors.
+    // The planted fault: maps with different texels have different errors.
     let coarse = ShadowSettings { resolution: 1500, ..ShadowSettings::default() };
     assert_ne!(told(&found(coarse)), told(&usual), "{}", subject.name);
 }
@@ -244,7 +243,7 @@ fn what_is_left_out_of_shared_assets_changes_no_error() {
     are_the_same_with_nothing_left_out(SETTINGS.iter().map(|setting| subject(&folder, setting)));
 }
 
-/// Nothing comes and goes while a control point is dragged: where light grazes the neck of the goblet, each frame is right.
+/// Nothing pops while a control point is dragged: each frame is correct where light grazes the neck of the goblet.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn nothing_pops_while_a_light_is_dragged_in_shared_assets() {

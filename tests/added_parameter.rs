@@ -1,16 +1,15 @@
-//! What one row of the table brings: a parameter that exists in this test alone is set, refused, undone, hashed, exported,
-//! replayed, in the schemas and on the page, and no other code has heard of it.
-
+//! Tests that one row of the parameter table is enough: a parameter that exists in this test only is set, refused,
+//! undone, hashed, exported, replayed, and is in the schemas and on the page, without any other code for it.
 
 use std::ops::Bound::Included;
 use std::process::Command;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use bench::ServerAddress;
 use crate::browser::run_in_browser;
-use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
 use crate::program::program;
+use bench::ServerAddress;
+use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
 use protocol::{SchemaSide, json_schema};
 use serde_json::{Value as Json, json};
 use server::{Server, ServerConfig};
@@ -18,7 +17,6 @@ use store::{Store, replay_log};
 use tokio::net::TcpListener;
 use tokio::runtime::Runtime;
 
-/// The row.
 static DIMMER: Parameter = Parameter {
     name: "dimmer",
     path: "dimmer",
@@ -48,7 +46,7 @@ static DIMMER: Parameter = Parameter {
     doc: "A row that only a test has.",
 };
 
-/// Before anything looks at the table.
+/// Adds the row before any code reads the table.
 static ADDED: LazyLock<()> =
     LazyLock::new(|| assert!(light::add_parameters(&[&DIMMER]), "looked at already"));
 
@@ -85,7 +83,7 @@ impl ParameterServer {
         serde_json::from_str(&self.address.get(path).expect("answered").text()).expect("JSON")
     }
 
-    /// What becomes of one edit.
+    /// Outcome of one edit.
     fn edited(&self, edit: &Json) -> Json {
         let body = json!({"edits": [edit]}).to_string();
         let answer = self.address.post("/sessions/main/edits", body.as_bytes()).expect("answered").text();
@@ -96,7 +94,7 @@ impl ParameterServer {
         self.edited(&json!({"command": {"type": "set", "target": target, "value": value}}))
     }
 
-    /// The document's hash, and the row's value of the demo's light.
+    /// Hash of the document, and the row's value of the demo's light.
     fn state(&self) -> (String, Json) {
         let mut state = self.get("/sessions/main");
         let hash = state["hash"].as_str().expect("a hash").to_owned();
@@ -148,10 +146,10 @@ fn a_row_is_all_that_a_parameter_needs() {
         (replayed.first_difference, replayed.session.document().hash().to_string()),
         (None, set.clone())
     );
-    // The planted fault: another value.
+    // The planted fault: a different value.
     let planted = replay_log(log.replace(r#"{"dimmer":0.25}"#, r#"{"dimmer":0.75}"#).as_bytes(), None);
     assert!(planted.expect("the same records").first_difference.is_some());
-    // And the control: the program as it ships has no such row, and says so.
+    // The control: the program as it ships has no such row and reports it.
     let file = own.data.path().join("log.jsonl");
     std::fs::write(&file, &log).expect("a file");
     let shipped = Command::new(program()).arg("replay").arg(&file).output().expect("it runs");

@@ -1,11 +1,11 @@
-//! Rooms made of boxes, with what they stand on and are lit through, for tests of shadows.
+//! Rooms made of boxes, with objects and openings, for tests of shadows.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
 pub const SIZE: [u32; 2] = [240, 160];
 
-/// A box from -1 to 1.
+/// Box from -1 to 1.
 fn cube() -> Primitive {
     let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -20,7 +20,7 @@ fn cube() -> Primitive {
     primitive
 }
 
-/// Boxes: half their size, their turn about y, and their middle.
+/// Scene of boxes, each given by half its size, its rotation about y, and its center.
 pub fn boxes(parts: &[([f64; 3], f64, [f64; 3])]) -> Scene {
     let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
     for (mesh, (half, turn, middle)) in parts.iter().enumerate() {
@@ -36,7 +36,7 @@ pub fn boxes(parts: &[([f64; 3], f64, [f64; 3])]) -> Scene {
     scene
 }
 
-/// A floor, three walls, and posts and boards around a lamp at their middle, as high as it and lower.
+/// A floor, three walls, and posts and boards around a light at their center, as high as the light and lower.
 pub fn room() -> Scene {
     boxes(&[
         ([5.0, 0.1, 5.0], 0.0, [0.0, -0.1, 0.0]),
@@ -50,21 +50,21 @@ pub fn room() -> Scene {
         ([0.3, 0.2, 0.1], 1.1, [1.6, 1.3, 1.2]),
         ([0.1, 0.6, 0.1], 0.6, [-1.2, 0.6, 1.4]),
         ([0.8, 0.05, 0.1], 0.7, [-2.8, 1.4, -2.2]),
-        // Close to the floor, where a coarse map takes them for it.
+        // So close to the floor that a coarse map takes them for the floor.
         ([0.5, 0.005, 0.3], 0.3, [-0.6, 0.03, 0.7]),
         ([0.4, 0.005, 0.4], 0.8, [0.9, 0.06, 1.3]),
         ([0.3, 0.005, 0.4], 0.1, [0.8, 0.12, -0.8]),
     ])
 }
 
-/// Axes that look from `eye` to `target`, with -z forward.
+/// Rotation of a camera or light that looks from `eye` to `target`, with -z forward.
 pub fn looking(eye: DVec3, target: DVec3, up: DVec3) -> DQuat {
     let back = (eye - target).normalize();
     let right = up.cross(back).normalize();
     DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
 }
 
-/// From `eye` to `target`: whether the first light reaches what is seen.
+/// View from `eye` to `target` of the first light's visibility.
 pub fn view(eye: DVec3, target: DVec3) -> View {
     let camera = Camera {
         name: String::new(),

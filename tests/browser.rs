@@ -1,13 +1,12 @@
-//! Scripts of the page's browser tests, run on a server.
+//! Runs scripts of the page's browser tests on a server.
 
 use std::path::Path;
 use std::process::Command;
 
 use bench::ServerAddress;
 
-/// Runs a script in Chromium on a new session of the scene of session `of` of the server there, or without one, with what it is
-/// told as JSON. It fails with a sentence, also where one of its pictures
-/// breaks a rule of accessibility.
+/// Runs a script in Chromium, with a new session of the scene of session `of`, or without a session. The script gets
+/// its input as JSON. It fails with a sentence, also if one of its pictures breaks a rule of accessibility.
 pub fn run_in_browser(
     script: &str,
     ServerAddress { host, token }: &ServerAddress,

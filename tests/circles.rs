@@ -1,23 +1,23 @@
-//! Files of a crate import each other in no circle, but for a few pairs: what is in one can be understood without what
-//! uses it.
+//! Tests that files of a crate import each other in no circle, except a few pairs: a file can be understood without the
+//! files that use it.
 //!
-//! Read as text: `use` with its trees, and paths that begin with `crate` or `super`. What a module gives on with `pub use`
-//! counts for where it comes from. A module and those within it are one thing, which may name each other.
+//! The test reads text: `use` with its trees, and paths that begin with `crate` or `super`. A name that a module
+//! re-exports with `pub use` counts as an import of its origin. A module and those within it may name each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// Two files that are one thing in two halves. There is no other circle in any crate.
+/// Pairs of files that import each other. No crate has any other circle.
 const PAIRS: &[&str] =
     &["assets: fault, limits", "edit: session, undo", "light: light, parameters", "stream: error, frame"];
 
-/// A module's path within its crate; the crate itself is empty.
+/// Path of a module within its crate; empty for the crate itself.
 type Module = Vec<String>;
-/// The source of each module, without its tests.
+/// Source of each module, without its tests.
 type Crate = BTreeMap<Module, String>;
 type Imports = BTreeMap<Module, BTreeSet<Module>>;
 
-/// The crate whose sources lie in `folder`.
+/// Reads the crate whose sources are in `folder`.
 fn read(folder: &Path, within: &[String], modules: &mut Crate) {
     for entry in std::fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -35,13 +35,13 @@ fn read(folder: &Path, within: &[String], modules: &mut Crate) {
     }
 }
 
-/// A file's text without comments and without the module of its tests.
+/// Text of a file without comments and without its module of tests.
 fn source(text: &str) -> String {
     let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }
 
-/// The paths of a `use`, its trees taken apart.
+/// Paths of a `use`, with its trees expanded.
 fn paths(tree: &str) -> Vec<Vec<String>> {
     let (before, inner) = match tree.split_once('{') {
         None => {
@@ -65,7 +65,7 @@ fn paths(tree: &str) -> Vec<Vec<String>> {
     named.flat_map(paths).map(|path| [&before[..], &path].concat()).collect()
 }
 
-/// The trees that `text` uses, and whether each is given on.
+/// Trees of the `use` items in `text`. The flag is true for re-exports.
 fn uses(text: &str) -> Vec<(bool, &str)> {
     let starts = ["use ", "pub use ", "pub(crate) use ", "pub(super) use "];
     let mut found = Vec::new();
@@ -79,7 +79,7 @@ fn uses(text: &str) -> Vec<(bool, &str)> {
     found
 }
 
-/// The paths in `text` that begin with `crate` or `super`, outside of `use`.
+/// Paths in `text` that begin with `crate` or `super`, outside of `use`.
 fn inline_paths(text: &str) -> Vec<Vec<String>> {
     let is_part = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let words = text.split(|c| !is_part(c)).filter(|word| word.contains("::"));
@@ -89,7 +89,7 @@ fn inline_paths(text: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The module that a path in `module` leads to; `None` outside of the crate.
+/// Module to which a path in `module` leads; `None` outside of the crate.
 fn resolve(modules: &Crate, module: &Module, path: &[String]) -> Option<Module> {
     let (mut base, mut rest) = (module.clone(), path);
     match path.first()?.as_str() {
@@ -121,13 +121,13 @@ fn imports(modules: &Crate) -> Imports {
     for (module, text) in modules {
         let used = uses(text).into_iter().flat_map(|(_, tree)| paths(tree)).chain(inline_paths(text));
         let named = used.filter_map(|path| resolve(modules, module, &path));
-        // A module may name those that it lies in.
+        // A module may name those that contain it.
         imports.insert(module.clone(), named.filter(|named| !module.starts_with(named)).collect());
     }
     imports
 }
 
-/// The circles: modules that reach each other, sorted.
+/// Circles: sets of modules that reach each other, sorted.
 fn circles(imports: &Imports) -> BTreeSet<Vec<String>> {
     fn reached<'a>(imports: &'a Imports, start: &'a Module) -> BTreeSet<&'a Module> {
         let (mut seen, mut open) = (BTreeSet::new(), vec![start]);
@@ -202,7 +202,7 @@ fn planted_circles_are_caught() {
     assert_eq!(planted(&in_words), none, "comments import nothing");
 }
 
-/// All that is said to SQLite is said in one folder of the store, which another database could take the place of.
+/// One folder of the store contains all code that names SQLite, so another database could replace that folder.
 #[test]
 fn sqlite_is_named_in_one_folder() {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates");

@@ -1,7 +1,7 @@
-//! Alpha tests on the GPU against the reference: foliage covers what it should, near and far, and holes throw their
-//! shadows.
+//! Compares alpha tests on the GPU with the reference: coverage of foliage at all distances, and shadows of
+//! alpha-tested geometry.
 //!
-//! `BENDYLIGHTS_ACCURACY_SIZE=686x382` compares full pictures, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` keeps the
+//! `BENDYLIGHTS_ACCURACY_SIZE=686x382` compares full pictures, `BENDYLIGHTS_ACCURACY_PICTURES=DIR` saves the
 //! differences as pictures.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
@@ -40,15 +40,15 @@ fn camera(eye: [f64; 3], target: [f64; 3], yfov: f64) -> Camera {
     }
 }
 
-/// An even sequence of 0 to 1 that never repeats.
+/// Element `k` of an even sequence in 0 to 1 without repetition.
 fn spread(k: u32, step: f64) -> f64 {
     (0.5 + f64::from(k) * step).fract()
 }
 
-/// Of the picture of leaves.
+/// Texels per side of the picture of leaves.
 const SIDE: u32 = 128;
 
-/// Small leaves with soft edges, strewn over a repeating picture.
+/// Small leaves with soft edges, scattered over a repeating picture.
 fn foliage() -> Image {
     let leaf = |k: u32| [spread(k, 0.754_877_666), spread(k, 0.569_840_291), spread(k, 0.618_033_989)];
     let inside = |x: f64, y: f64| {
@@ -69,7 +69,7 @@ fn foliage() -> Image {
     Image { width: SIDE, height: SIDE, rgba8: (0..SIDE * SIDE).flat_map(texel).collect() }
 }
 
-/// `image` at a half of its size as often, by averages: what mip levels show.
+/// Halves the size of `image` `times` times by averages, as mip levels do.
 fn averaged(image: &Image, times: u32) -> Image {
     (0..times).fold(image.clone(), |image, _| {
         let (width, height) = (image.width / 2, image.height / 2);
@@ -84,15 +84,15 @@ fn averaged(image: &Image, times: u32) -> Image {
     })
 }
 
-/// What cards show.
+/// Picture and material of cards.
 struct Leaves {
     image: Image,
-    /// Of each side, from its corner; `None` where cards begin anywhere and the picture repeats.
+    /// Used texels per side, from the corner of the picture; `None` if cards begin anywhere and the picture repeats.
     used_texels: Option<f64>,
     cutoff: f32,
-    /// The material's alpha.
+    /// Alpha of the material.
     factor: f32,
-    /// The least alpha of vertices.
+    /// Minimum alpha of vertices.
     vertices: f64,
 }
 
@@ -102,7 +102,7 @@ impl Leaves {
         Self { image: foliage(), used_texels: None, cutoff: 0.5, factor: 1.0, vertices: 1.0 }
     }
 
-    /// Cards that show a quarter of a picture, the rest of which is solid; with factors, and alpha at their vertices.
+    /// Cards that show a quarter of a picture whose rest is solid, with alpha factors of the material and of vertices.
     fn of_atlas() -> Self {
         let (leaves, used) = (foliage(), 2 * SIDE);
         let texel = |k: u32| {
@@ -128,22 +128,22 @@ impl Leaves {
     }
 }
 
-/// Sides of the pictures that are compared, in pixels: of what is seen of leaves one sample a pixel tells
-/// `sqrt((1 - p) / (p n))` = 0.8 %, and less where neighbours see the same leaf.
+/// Sides of the compared pictures, in pixels. The noise of the covered area with one sample per pixel is
+/// `sqrt((1 - p) / (p n))` = 0.8 %, and less if adjacent pixels see the same leaf.
 const PICTURE: u32 = 160;
 const YFOV: f64 = 0.02;
 const DISTANCE: f64 = 10.0;
-/// Of a card, in pixels where it is seen straight on, unless less is used of the picture.
+/// Side of a card in pixels if seen face on, unless less of the picture is used.
 const CARD: f64 = 32.0;
 
-/// A wall of cards that leans back by `slant` degrees and fills the picture. So many texels lie side by side in a pixel,
-/// and down the slant more.
+/// A wall of cards that leans back by `slant` degrees and fills the picture. A pixel covers `texels` texels across, and
+/// more along the slant.
 fn wall(leaves: &Leaves, texels: f64, slant: f64) -> Scene {
     let pixel = 2.0 * DISTANCE * (0.5 * YFOV).tan() / f64::from(PICTURE);
     let shown = leaves.used_texels.unwrap_or(f64::INFINITY).min(CARD * texels);
     let (side, up) =
         (shown / texels * pixel, DVec3::new(0.0, slant.to_radians().cos(), -slant.to_radians().sin()));
-    // More than the picture, which is turned, and which what is farther away fills less of.
+    // Larger than the picture, which is rotated, and larger again because distant parts fill less of it.
     let half = 0.75 * f64::from(PICTURE) * pixel;
     let (columns, rows) = ((half / side).ceil() as i32, (half / up.y / side).ceil() as i32);
     let texture = f64::from(leaves.image.width);
@@ -181,14 +181,14 @@ fn scene_of(leaves: &Leaves, primitives: Vec<Primitive>) -> Scene {
     }
 }
 
-/// What is seen of a scene in views of one size, one below the other: the share of each pixel that something covers.
+/// Share of each pixel that a scene covers, in views of equal size, one below the other.
 struct Coverage {
     width: usize,
     pixels: Vec<f64>,
 }
 
 impl Coverage {
-    /// Of the GPU's pictures, by one sample a pixel.
+    /// Coverage in the GPU's pictures, with one sample per pixel.
     fn drawn(scene: &Scene, views: &[View]) -> Self {
         let mut renderer = renderer(scene);
         let mut drawn = |view: &View| {
@@ -199,7 +199,7 @@ impl Coverage {
         Self { width: views[0].width as usize, pixels }
     }
 
-    /// Of the scene with alpha at full size, by `grid` times `grid` samples a pixel.
+    /// Coverage of the scene with alpha at full resolution, with `grid` times `grid` samples per pixel.
     fn cast(reference: &Reference, views: &[View], grid: u32) -> Self {
         let seen = |view: &View, pixel: u32, k: u32| {
             let place = |pixel: u32, k: u32| f64::from(pixel) + (f64::from(k) + 0.5) / f64::from(grid);
@@ -229,7 +229,7 @@ impl Coverage {
         Self { width: views[0].width as usize, pixels }
     }
 
-    /// The share of all pixels that is covered.
+    /// Share of the whole picture that is covered.
     fn area(&self) -> f64 {
         self.pixels.iter().sum::<f64>() / self.pixels.len() as f64
     }
@@ -254,20 +254,20 @@ impl Coverage {
         (squares / own.len() as f64).sqrt()
     }
 
-    /// The share of pixels in which two pictures differ.
+    /// Share of pixels in which two pictures differ.
     fn differences(&self, other: &Self) -> f64 {
         let different = self.pixels.iter().zip(&other.pixels).filter(|(a, b)| a != b);
         different.count() as f64 / self.pixels.len() as f64
     }
 }
 
-/// The truth of 64 samples a pixel, and the reference's picture of one.
+/// Coverage by the reference, with 64 samples per pixel and with one.
 fn truth(scene: &Scene, views: &[View]) -> (Coverage, Coverage) {
     let reference = Reference::new(scene::pose(scene.clone()));
     (Coverage::cast(&reference, views, 8), Coverage::cast(&reference, views, 1))
 }
 
-/// Why `drawn` is no picture of `truth`, as good as one sample a pixel can be; or nothing.
+/// Tests `drawn` against the true coverage, with the tolerance of one sample per pixel. Returns the fault, if any.
 ///
 /// Areas are within 2 %, and blocks of 8x8 pixels at most 1.2 times as noisy as in the reference's picture.
 fn fault(drawn: &Coverage, (truth, one): &(Coverage, Coverage)) -> Option<&'static str> {
@@ -286,14 +286,14 @@ fn fault(drawn: &Coverage, (truth, one): &(Coverage, Coverage)) -> Option<&'stat
     faults.into_iter().find_map(|(wrong, what)| wrong.then_some(what))
 }
 
-/// Turned about its axis: rows of pixels along rows of cards would see the same texels again and again.
+/// The camera is rotated about its axis: rows of pixels along rows of cards would see the same texels again and again.
 fn wall_view() -> [View; 1] {
     let camera = camera([0.0; 3], [0.0, 0.0, -1.0], YFOV);
     [View::beauty(Camera { rotation: DQuat::from_rotation_z(0.3), ..camera }, [PICTURE; 2])]
 }
 
-/// Foliage covers what it should and is no noisier than one sample a pixel has to be, near and far, at any slant,
-/// whatever part of a picture cards show, and whatever alpha their vertices and materials have.
+/// Foliage has the right coverage, and is no noisier than one sample per pixel implies: at all distances and slants,
+/// for all parts of a picture that cards show, and for all alpha of vertices and materials.
 #[test]
 fn foliage_covers_what_it_should() {
     let views = wall_view();
@@ -307,7 +307,7 @@ fn foliage_covers_what_it_should() {
             let scene = wall(&leaves, texels, slant);
             let truth = truth(&scene, &views);
             found.push(fault(&Coverage::drawn(&scene, &views), &truth));
-            // The planted faults: mip levels, by the shorter way across a pixel and by the longer one. Averages of two
+            // The planted faults: mip levels chosen by the shorter and by the longer extent of a pixel. Averages of two
             // texels are still leaves.
             let longer = texels / f64::cos(slant.to_radians());
             for level in [texels, longer].map(|texels| (texels.log2() as u32).min(SIDE.ilog2())) {
@@ -323,7 +323,7 @@ fn foliage_covers_what_it_should() {
     assert!(unseen.is_empty(), "faults go unseen: {unseen:?}");
 }
 
-/// The flowers of a vase, cards of somebody else's making: from the front and at slants, as large as a picture and small.
+/// The flowers of a vase, cards by another author: from the front and at slants, as large as a picture and small.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn flowers_of_shared_assets_cover_what_they_should() {
@@ -337,7 +337,7 @@ fn flowers_of_shared_assets_cover_what_they_should() {
     let (middle, reach) = (posed.origin_in_world, posed.half_extent.length());
     let averaged =
         Scene { images: scene.images.iter().map(|image| averaged(image, 6)).collect(), ..scene.clone() };
-    // As many pixels in all, of which the flowers have a tenth.
+    // The total number of pixels is equal, and the flowers have a tenth of them.
     for (side, turns) in [(320, 1), (80, 16), (24, 178)] {
         for degrees in [0.0_f64, 60.0, 80.0] {
             let away = DVec3::new(degrees.to_radians().sin(), 0.2, degrees.to_radians().cos()).normalize();
@@ -356,14 +356,15 @@ fn flowers_of_shared_assets_cover_what_they_should() {
     }
 }
 
-/// Pixels: small enough for every build, or as the environment says.
+/// Pixels: small enough for every build, or as the environment variable says.
 fn size() -> [u32; 2] {
     let Ok(size) = std::env::var("BENDYLIGHTS_ACCURACY_SIZE") else { return [240, 134] };
     let (width, height) = size.split_once('x').expect("the size is written WIDTHxHEIGHT");
     [width, height].map(|side| side.parse().expect("a side is a number of pixels"))
 }
 
-/// The demo with cut-outs of four materials, each wrapped in its own way, two with alpha at their vertices.
+/// The demo with alpha-tested geometry of four materials, each with different wrapping, two with alpha at their
+/// vertices.
 fn arbor() -> Scene {
     assets::demo("arbor").expect("the demo").scene
 }
@@ -374,17 +375,17 @@ fn key() -> Light {
     light
 }
 
-/// The light alone, as a renderer takes it.
+/// The light alone, checked for a renderer.
 fn alone(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
 
-/// A spotlight where the camera is, straight ahead.
+/// A spotlight at the camera, in its direction.
 fn spot_at(camera: &Camera) -> Light {
     Light::spot().with(TRANSLATION, camera.translation).with(ROTATION, camera.rotation)
 }
 
-/// A spotlight through the arbor, and the BendyLight that is the same light.
+/// A spotlight through the arbor, and the BendyLight that equals it.
 fn spot() -> (Light, Light) {
     let spot = spot_at(&camera([-2.6, 3.0, 2.2], [0.0, 0.35, -0.5], 1.0))
         .with(CONE_ANGLE, 14.0)
@@ -394,10 +395,10 @@ fn spot() -> (Light, Light) {
     (spot, bent)
 }
 
-/// The shadows on the terrace, from above; and the leaves and the lantern as near as their pictures are large.
-/// Each with the largest error of radiance.
+/// Cameras at the shadows on the terrace, from above, and at the leaves and the lantern, so near that a texel is about
+/// a pixel. Each has its maximum error of radiance.
 ///
-/// The terrace has no picture. The levels of the leaves' are 8 bits of sRGB: at their 0.4 half a step is 1.2 % of the light.
+/// The terrace has no texture. The leaves' texture has 8 bits of sRGB: at their 0.4 half a step is 1.2 % of the light.
 fn cameras() -> [(&'static str, Camera, f64); 3] {
     [
         ("shadows", camera([0.85, 3.2, 1.0], [0.85, 0.0, -0.15], 0.3), 1e-3),
@@ -410,7 +411,7 @@ fn subject(name: &str, scene: Scene, light: Light, camera: Camera) -> Comparison
     ComparisonSubject::new(name, scene, light, View::beauty(camera, size()))
 }
 
-/// Compares what `scene` looks like under `drawn` with what `subject` should.
+/// Compares the picture of `scene` under `drawn` with the reference of `subject`.
 fn compared(
     subject: &ComparisonSubject,
     scene: &Scene,
@@ -446,17 +447,17 @@ fn holes_throw_their_shadows() {
             assert!(found.in_light > found.pixels / 4 && found.boundary > found.pixels / 200, "{told}");
             // Both see the same holes, to the pixel.
             assert!(found.silhouettes <= found.pixels / 10_000, "{told}");
-            // Where leaves cross, a caster nearer than a texel is taken for the receiver.
+            // If leaves cross, a caster nearer than a texel is taken for the receiver.
             assert!(found.missed <= found.pixels / 10_000, "{told}");
             assert_eq!((found.false_shadow, found.not_finite), (0, 0), "{told}");
-            // Where light grazes nothing is wrong. Shadows of holes may be narrower than the step between pixels.
+            // Nothing is wrong at grazing light. Shadows of holes may be narrower than the step between pixels.
             assert!(found.off_edge <= found.pixels / 5_000, "{told}");
             assert!(found.radiance_rmse <= radiance_error, "{told}");
         }
     }
 }
 
-/// The planted fault: surfaces and casters as if they had no holes.
+/// The planted fault: surfaces and casters without alpha tests.
 #[test]
 fn solid_shadows_are_seen() {
     let mut solid = arbor();
@@ -471,7 +472,7 @@ fn solid_shadows_are_seen() {
     assert!(leaves.silhouettes > leaves.pixels / 20, "{leaves:?}");
 }
 
-/// Two triangles that face up, `side` wide and at a height, over which the picture repeats.
+/// Two triangles that face up at a height, `side` wide, over which the picture repeats.
 fn square(side: f32, height: f32, repeats: f32, material: usize) -> Primitive {
     let corners = [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)];
     Primitive {
@@ -484,16 +485,16 @@ fn square(side: f32, height: f32, repeats: f32, material: usize) -> Primitive {
     }
 }
 
-/// The share of the light that falls through a sheet of `image` onto a floor, by maps of `resolution` texels.
+/// Share of the light that passes a sheet of `image` onto a floor, with maps of `resolution` texels.
 fn share_of_light(image: Image, light: &Light, resolution: u32) -> f64 {
-    // Five or six texels of the picture lie in one of the map's 128.
+    // One of the map's 128 texels covers five or six texels of the picture.
     let primitives = vec![square(3.0, 2.0, 6.7, 0), square(20.0, 0.0, 1.0, 1)];
     let mut scene = scene_of(&Leaves { image, ..Leaves::strewn() }, primitives);
     scene.materials.push(Material::default());
     let mut renderer = renderer(&scene);
     let shadows = ShadowSettings { resolution, straighten: false, ..ShadowSettings::default() };
     renderer.set_shadow_settings(shadows).expect("they are sound");
-    // From below the sheet, onto what the light meets of the floor.
+    // View from below the sheet of the lit part of the floor.
     let view = View {
         aov: Aov::Visibility,
         ..View::beauty(camera([0.0, 1.9, 0.1], [0.0, 0.0, 0.0], 0.9), [200, 200])
@@ -519,7 +520,7 @@ fn coarse_maps_keep_coverage() {
         let plain = share_of_light(averaged(&foliage(), 3), &light, 128);
         println!("{fine:.4} of the light; {coarse:.4} by a coarse map, {plain:.4} by plain averages");
         assert!((0.5..0.8).contains(&fine), "{fine}");
-        // Some 8000 texels of the coarse map have an answer each: `sqrt((1 - p) / (p n))` = 0.9 %.
+        // Some 8000 texels of the coarse map have one visibility each: `sqrt((1 - p) / (p n))` = 0.9 %.
         assert!((coarse / fine - 1.0).abs() <= 0.02, "{coarse} for {fine}");
         assert!((plain / fine - 1.0).abs() > 0.15, "{plain} for {fine}");
     }

@@ -1,15 +1,14 @@
-//! Commands of README and docs do what these say, links lead to files, and a newcomer's first hour leads somewhere.
-
+//! Runs the commands of README and docs, follows their links, and plays a newcomer's first hour.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-use bench::{Address, ServerProcess};
+use bench::{ServerAddress, ServerProcess};
 use image::RgbImage;
 
 use crate::program::program;
 
-/// The indented lines of `text`, by blocks.
+/// Blocks of indented lines in `text`.
 fn blocks(text: &str) -> Vec<String> {
     let mut blocks: Vec<String> = Vec::new();
     let mut is_open = false;
@@ -28,7 +27,7 @@ fn blocks(text: &str) -> Vec<String> {
     blocks
 }
 
-/// The part of `text` under the heading `title`.
+/// Part of `text` under the heading `title`.
 fn section<'a>(text: &'a str, title: &str) -> &'a str {
     let section = text.split_once(&format!("\n## {title}\n")).expect("the section").1;
     section.split("\n## ").next().unwrap_or_default()
@@ -38,8 +37,8 @@ fn commands(text: &str, title: &str) -> String {
     blocks(section(text, title)).join("\n")
 }
 
-/// A server on a folder of its own, and how a script runs beside it: the server of the docs listens on its default port, this one on
-/// a free one.
+/// A server on a folder of its own, and scripts that run beside it. The docs assume the server's default port, this
+/// server uses a free one.
 struct Beside {
     folder: tempfile::TempDir,
     server: ServerProcess,
@@ -66,7 +65,7 @@ impl Beside {
         bash.output().expect("bash runs")
     }
 
-    /// Runs a script that must come to its end, and gives what it prints.
+    /// Runs a script that must succeed, and returns its output.
     fn ends_well(&self, script: &str) -> String {
         let done = self.run(script);
         let said = String::from_utf8_lossy(&done.stderr);
@@ -79,12 +78,12 @@ impl Beside {
     }
 }
 
-/// What the docs ask of programs that stay, or take long: the help of each is tested for these words, and the bench and the
-/// studies have tests of their own.
+/// Commands for programs that keep running or take long. Other tests check that the help text of each has these words,
+/// and the benchmarks and studies have tests of their own.
 const NOT_RUN: &[&str] =
     &["make ", "bendylights serve ", "bendylights bench ", "bendylights-studies ", "cargo test ", "pip "];
 
-/// Runs the commands of a page in its order, smaller where a picture is large, and counts their blocks.
+/// Runs the commands of a page in order, with smaller pictures. Returns the number of blocks.
 fn run_page(beside: &Beside, page: &str) -> usize {
     let is_run = |line: &&str| !NOT_RUN.iter().any(|prefix| line.starts_with(prefix));
     let run_lines = |block: String| block.lines().filter(is_run).collect::<Vec<_>>().join("\n");
@@ -112,7 +111,7 @@ fn the_commands_of_the_command_line_page_run() {
     assert!(!broken.status.success(), "a planted fault is caught");
 }
 
-/// The tour of the README, beside a server as `make demo` starts it.
+/// The tour of the README, beside a server that is started as `make demo` does.
 #[test]
 fn the_tour_of_the_readme_runs() {
     let beside = Beside::with("demo-data", &[]);
@@ -165,7 +164,7 @@ fn links_and_paths_lead_to_files() {
     assert_eq!(dead(root, planted), ["docs/nowhere.md", "stream/src/haste.rs"]);
 }
 
-/// Each light is added, bent and dragged once, and nothing else is in the log; what was asked for is there.
+/// The script adds, bends and drags each light once, logs nothing else, and writes the requested files.
 ///
 /// Rules: HTTP-4, HTTP-6, HTTP-29, HTTP-30, REC-8
 #[test]
@@ -218,7 +217,7 @@ fn curl_alone_makes_a_session_bends_a_light_and_fetches_a_picture() {
     assert!(!broken.status.success(), "a planted fault is caught");
 }
 
-/// Runs a script of `tests/hours`, which must come to its end.
+/// Runs a script of `tests/hours`, which must succeed.
 fn hour(script: &str, args: &[&std::ffi::OsStr]) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("hours").join(script);
     let profile_dir = program().parent().expect("a folder of the profile");
@@ -252,8 +251,11 @@ fn a_scene_is_lit_over_http_by_the_example() {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/examples/light_a_scene.py");
     let run = || {
         let mut python = Command::new("python3");
-        let Address { host, token } = &beside.server.address;
-        python.arg(&script).args([&format!("http://{host}"), token]).arg(beside.folder.path().join("out.png"));
+        let ServerAddress { host, token } = &beside.server.address;
+        python
+            .arg(&script)
+            .args([&format!("http://{host}"), token])
+            .arg(beside.folder.path().join("out.png"));
         python.output().expect("Python runs")
     };
     let done = run();
@@ -298,7 +300,8 @@ fn parameter_table() -> String {
     let plain = listed(&[]);
     let mut lines = plain.lines().map(|line| line.chars().collect::<Vec<_>>());
     let head: String = lines.next().expect("a head").into_iter().collect();
-    let starts = ["of", "name", "values", "default", "touches"].map(|column| head.find(column).expect("a column"));
+    let starts =
+        ["of", "name", "values", "default", "touches"].map(|column| head.find(column).expect("a column"));
     let json: serde_json::Value = serde_json::from_str(&listed(&["--json"])).expect("JSON");
     let mut table = String::from("| field | of | values | default | meaning |\n|---|---|---|---|---|\n");
     for (line, row) in lines.zip(json["parameters"].as_array().expect("rows")) {
@@ -312,7 +315,8 @@ fn parameter_table() -> String {
         }
         let [path, doc] = ["path", "doc"].map(|field| row[field].as_str().expect("text"));
         let field = path.replace('/', ".");
-        table += &format!("| `{field}` | {} | {} | `{}` | {doc} |\n", cell(0), cell(2), cell(3));
+        let cells = [format!("`{field}`"), cell(0), cell(2), format!("`{}`", cell(3)), doc.into()];
+        table += &["| ", &cells.join(" | "), " |\n"].concat();
     }
     table
 }

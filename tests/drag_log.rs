@@ -1,4 +1,4 @@
-//! A log of many drags of features: made on any machine, by one thread or beside others, it is the same to the last bit, and
+//! Tests a log of many drags of features: on any machine, on one thread or several, it is the same to the last bit, and
 //! replay gives the same document.
 
 use std::sync::Arc;
@@ -11,16 +11,15 @@ use glam::DVec2;
 use light::LightId;
 use raycast::Bvh;
 
-/// Drags in the log.
 const DRAGS: usize = 500;
 
-/// SHA-256 of the log's lines, as a build with optimisations and one without give it, with version 3 of the solver. A change of the
-/// answers changes it: then `drag::SOLVER` gets another version, and this the new hash.
+/// SHA-256 of the log's lines, by optimized and unoptimized builds, with version 3 of the solver. If results of the
+/// solver change, this hash changes too, and `drag::SOLVER` gets a new version.
 const HASH: &str = "3dcfde9b509ef3912af571b2cb8348cd4b7639ec883da1d493aeec59e8c9ed0d";
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// [xorshift64*](https://en.wikipedia.org/wiki/Xorshift), shares of 1.
+/// [xorshift64*](https://en.wikipedia.org/wiki/Xorshift) generator of numbers from 0 to 1.
 struct Random(u64);
 
 impl Random {
@@ -48,7 +47,7 @@ fn demo() -> (Bvh, Viewport, Document) {
     (Bvh::new(scene::pose(demo.scene)), view, document)
 }
 
-/// A drag of some feature over some pixels, as a whole or by some control points.
+/// A drag of a random feature between random pixels, of the whole light or of some control points.
 fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
     let features = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
     let radii = [RadiusMode::Keep, RadiusMode::Solve, RadiusMode::Follow];
@@ -66,7 +65,7 @@ fn any_drag(random: &mut Random, view: &Viewport) -> FeatureDrag {
     }
 }
 
-/// The log, a record a line, and the session that made it: it goes on from every 200th drag, and takes the others back.
+/// The log with one record per line, and the session that made it. It keeps every 200th drag and undoes the others.
 fn made() -> (Vec<String>, Session) {
     let (bvh, view, document) = demo();
     let mut session = Session::restore(document, 0, &edit::SessionHistory::default());
@@ -105,9 +104,9 @@ fn made() -> (Vec<String>, Session) {
 #[test]
 fn a_log_of_many_drags_is_the_same_everywhere() {
     let (lines, session) = made();
-    // Version 4 differs from 3 only past the bound of a drag's work, which none of these comes near to.
+    // Version 4 differs from 3 only beyond the limit of a drag's work, which none of these drags approaches.
     let of_version_3 = lines.concat().replace(r#""version":4"#, r#""version":3"#);
-    // A record of a drag of format 5 differs from one of 3 in that number.
+    // A record of a drag in format 5 differs from one in format 3 only in that number.
     let of_version_3 = of_version_3.replace(r#"{"format":5,"#, r#"{"format":3,"#);
     let hash = AssetHash::of(of_version_3.as_bytes()).hex();
     let beside: Vec<_> = (0..3).map(|_| thread::spawn(made)).collect();

@@ -1,5 +1,4 @@
-//! EXR files as other programs read them.
-
+//! Reads EXR files with other programs.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -19,7 +18,7 @@ fn python() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/openapi-tools/bin/python3")
 }
 
-/// Whether OpenEXR's library and `OpenImageIO` find in a file what is expected.
+/// Tests with OpenEXR's library and `OpenImageIO` that a file has the expected contents.
 fn reads(file: &Path, expected: &Value) -> Output {
     let expectation = file.with_extension("json");
     std::fs::write(&expectation, expected.to_string()).expect("a file");
@@ -43,7 +42,7 @@ fn other_programs_read_channels_types_and_where_a_picture_comes_from() {
     };
     let channels: serde_json::Map<_, _> =
         [of(&floats, "float"), of(&halves, "half")].concat().into_iter().collect();
-    // The demo's camera, as `bendylights probe demo:vases` has it.
+    // The demo's camera, as `bendylights probe demo:vases` reports it.
     let scene = assets::demo("vases").expect("the demo");
     let camera = &scene.contents.cameras[0];
     let camera_from_world: DMat4 =

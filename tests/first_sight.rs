@@ -1,4 +1,4 @@
-//! A scene that nobody has lit is readable at first sight.
+//! Tests that a scene without lights is bright enough with the default light.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,15 +12,15 @@ use scene::{DEFAULT_ASPECT, View, framing_camera};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// How many times brighter than by the fill alone a lit scene is on average, at least.
+/// Minimum ratio of a lit scene's mean radiance to that of the fill alone.
 ///
-/// The darkest that glTF has for a base color is its default material, a metal of roughness 1. Facing the eye, with the light
-/// of pi lux 32 degrees beside that, it has `pi D V cos = (1 / 4) / (1 + (1 / cos - 1) / 2)` = 0.23 of its color; from the
-/// fill it has 0.05 to 0.1. So it is at least 3.3 times as bright as by the fill; 2, were half of that light taken by
-/// shadows and by what is turned away. What is matte is twice as bright and more.
+/// The darkest base color in glTF is that of its default material, a metal of roughness 1. If it faces the camera, with
+/// the light of pi lux 32 degrees beside it, it reflects `pi D V cos = (1 / 4) / (1 + (1 / cos - 1) / 2)` = 0.23 of its
+/// color; from the fill it reflects 0.05 to 0.1. So it is at least 3.3 times as bright as by the fill, and 2 times if
+/// half of that light is lost to shadows and surfaces that face away. Matte surfaces are at least twice as bright.
 const READABLE: f64 = 2.0;
 
-/// The scene files in and below a folder.
+/// Scene files in a folder and its subfolders.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
     let is_scene = |path: &PathBuf| path.extension().is_some_and(|e| e == "gltf" || e == "glb");
@@ -28,7 +28,8 @@ fn scene_files(folder: &Path) -> Vec<PathBuf> {
     found.flatten().filter(is_scene).collect()
 }
 
-/// The mean radiance of what is seen of the scene from its first camera or, without one, from the one that frames it.
+/// Mean radiance of the visible surfaces, from the scene's first camera or, without one, from the camera that frames
+/// it.
 fn mean_radiance(renderer: &mut Renderer, loaded: &LoadedScene) -> f64 {
     let posed = scene::pose(loaded.scene.clone());
     let first = loaded.contents.cameras.first().cloned();
@@ -44,7 +45,7 @@ fn mean_radiance(renderer: &mut Renderer, loaded: &LoadedScene) -> f64 {
     seen.iter().sum::<f64>() / seen.len() as f64
 }
 
-/// The scene with its key turned to where it came from.
+/// The scene with its key light turned by 180 degrees.
 fn from_behind(mut lit: LoadedScene) -> LoadedScene {
     for light in &mut lit.contents.lights {
         let turned = light.light().get(ROTATION) * DQuat::from_axis_angle(DVec3::Y, std::f64::consts::PI);
@@ -73,8 +74,8 @@ fn scenes_of_shared_assets_without_lights_are_readable() {
         println!("{gain:.1} {gain_from_behind:.1} {}", path.display());
         assert!(gain > READABLE, "{}: {gain} times as bright as by the fill", path.display());
         tried += 1;
-        // The planted faults: without the key it is what it is by the fill alone, which is once as bright; and a key that
-        // shines into the camera.
+        // The planted faults: without the key light the scene is as bright as by the fill alone, a ratio of 1; and a
+        // key light that shines into the camera.
         dark_from_behind += usize::from(gain_from_behind < READABLE);
     }
     println!("{tried} scenes, {dark_from_behind} of them dark by a key from behind");

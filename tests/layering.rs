@@ -1,27 +1,27 @@
-//! Which crate knows of which: the layers of ARCHITECTURE.md, held over `cargo metadata`.
+//! Tests the layers of ARCHITECTURE.md with `cargo metadata`: the crates that each crate uses.
 //!
-//! Only what ships counts: normal dependencies, direct and transitive, not those of tests and build scripts.
+//! Only shipped code counts: normal dependencies, direct and transitive, not those of tests and build scripts.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use cargo_metadata::{DependencyKind, MetadataCommand};
 
-/// What a crate of the workspace may use and must never know of.
+/// Rules for the dependencies of a crate of the workspace.
 struct Layer {
     name: &'static str,
-    /// Crates of the workspace it may name in its manifest.
+    /// Crates of the workspace that its manifest may name.
     uses: &'static [&'static str],
-    /// Packages that must not be reachable from it.
+    /// Packages that it must not reach.
     never: &'static [&'static str],
-    /// No clock, no IO, no surroundings: a function of its arguments alone.
+    /// True if it may use no clock, IO or environment: it is a function of its arguments alone.
     pure: bool,
 }
 
-/// Packages that exist for studies alone: what users install must not carry them.
+/// Packages that exist for studies alone: the program that users install must not contain them.
 const OF_STUDIES: &[&str] = &["studies", "proptest"];
 
-/// What a crate with neither IO nor a wire form must not reach.
+/// Packages that a crate without IO and wire form must not reach.
 const NO_IO: &[&str] = &["tokio", "wgpu", "axum", "serde", "serde_core", "rand", "getrandom"];
 
 const LAYERS: &[Layer] = &[
@@ -106,8 +106,7 @@ const LAYERS: &[Layer] = &[
     },
     Layer {
         name: "bench",
-        uses: &["light", "scene", "raycast", "drag", "reference",
-            "relight", "render", "protocol", "stream"],
+        uses: &["light", "scene", "raycast", "drag", "reference", "relight", "render", "protocol", "stream"],
         never: &["tokio", "axum"],
         pure: false,
     },
@@ -133,10 +132,10 @@ const LAYERS: &[Layer] = &[
     Layer { name: "bendylights-tests", uses: &[], never: &[], pure: false },
 ];
 
-/// Names that say nothing about what lies behind them.
+/// Names that do not describe a crate.
 const EMPTY_NAMES: &[&str] = &["util", "utils", "common", "core", "manager", "helpers", "misc"];
 
-/// What a pure crate's source must not mention.
+/// Words that the source of a pure crate must not contain.
 const IMPURE: &[&str] = &[
     "std::time",
     "std::fs",
@@ -146,11 +145,12 @@ const IMPURE: &[&str] = &[
     "std::thread",
     "SystemTime",
     "Instant::now",
-    // Leave to call what clippy.toml forbids: std's transcendental functions, whose bits differ between machines.
+    // Permission to call the functions that clippy.toml forbids: std's transcendental functions, whose bits differ
+    // between machines.
     "disallowed_methods",
 ];
 
-/// A package's name and the names of the packages it uses.
+/// Names of packages, each with the names of the packages that it uses.
 type Graph = BTreeMap<String, BTreeSet<String>>;
 
 struct Workspace {
@@ -159,7 +159,7 @@ struct Workspace {
 }
 
 fn workspace() -> Workspace {
-    // One platform's dependencies are enough, and the only ones that a build has downloaded.
+    // One platform's dependencies are enough, and are the only ones that a build has downloaded.
     let platform = format!("{}-unknown-linux-gnu", std::env::consts::ARCH);
     let metadata = MetadataCommand::new()
         .manifest_path(concat!(env!("CARGO_MANIFEST_DIR"), "/../Cargo.toml"))
@@ -181,7 +181,7 @@ fn workspace() -> Workspace {
     Workspace { members: members.collect(), uses }
 }
 
-/// A sentence for each rule that is broken.
+/// Returns a sentence for each broken rule.
 fn violations(members: &[&str], uses: &Graph) -> Vec<String> {
     let mut broken = Vec::new();
     for &name in members {
@@ -204,7 +204,7 @@ fn violations(members: &[&str], uses: &Graph) -> Vec<String> {
     broken
 }
 
-/// Every package reachable from `arrive`, with one way to it.
+/// Finds every package reachable from `start`, with one path to it.
 fn reach<'a>(start: &'a str, uses: &'a Graph) -> BTreeMap<&'a str, Vec<&'a str>> {
     let mut found = BTreeMap::new();
     let mut open = vec![vec![start]];
@@ -253,7 +253,7 @@ fn planted_violations_are_caught() {
     caught(&["gateway"], &[("gateway", "light")], "gateway: has no layer");
 }
 
-/// Lines of `source` that reach outside, tests included: they too must give the same answer every time.
+/// Lines of `source` that use impure functions, tests included: tests must be deterministic too.
 fn impurities(source: &str) -> Vec<&str> {
     source.lines().filter(|line| IMPURE.iter().any(|word| line.contains(word))).collect()
 }

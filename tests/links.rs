@@ -1,5 +1,5 @@
-//! Links on the GPU against the reference, which follows every ray: of spotlights and of bent ones, with holes, with two
-//! nodes of one mesh, and with nodes under others.
+//! Compares links on the GPU with the reference, which traces every ray: of spotlights and bent lights, with
+//! alpha-tested geometry, with two nodes of one mesh, and with nested nodes.
 
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -16,7 +16,8 @@ static RENDERER: LazyLock<Mutex<Renderer>> = LazyLock::new(|| {
     Mutex::new(Renderer::new(Arc::new(Gpu::new().expect("a graphics driver"))).expect("a renderer"))
 });
 
-/// The demo's table, and on it a shelf of two vases of one name and two cards with holes, which have one mesh.
+/// The demo's table, and on it a shelf with two vases of the same name and two alpha-tested cards, which share one
+/// mesh.
 static SHELF: LazyLock<(Arc<PosedScene>, View)> = LazyLock::new(|| {
     let loaded = assets::demo("vases").expect("the demo");
     let mut scene = loaded.scene;
@@ -85,10 +86,10 @@ fn instances(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
 
-/// What the reference sees: radiance, and away from what edges?
+/// Radiance by the reference, and the pixels away from edges.
 struct VisiblePixels {
     radiance: Vec<DVec3>,
-    /// Whether all pixels around show one node, lit or not.
+    /// True if all adjacent pixels show the same node with the same visibility.
     even: Vec<bool>,
 }
 
@@ -119,7 +120,7 @@ impl VisiblePixels {
         Self { radiance, even: even.collect() }
     }
 
-    /// Root mean square error of what the GPU draws under `light` off edges, relative to what is right.
+    /// Relative root mean square error of the GPU's picture under `light`, over pixels away from edges.
     fn error(&self, light: &Light) -> f64 {
         let (posed, view) = &*SHELF;
         let mut renderer = RENDERER.lock().unwrap_or_else(PoisonError::into_inner);
@@ -167,7 +168,7 @@ fn links_are_what_the_reference_says() {
                 key.owner()
             );
             assert!(even > seen.even.len() / 2, "{even}");
-            // As of pictures without links: normals are packed to 2^-15 (tests/accuracy.rs).
+            // The bound of pictures without links: normals are packed to 2^-15 (tests/accuracy.rs).
             assert!(error < 1e-3, "{error}");
             assert!(unlinked.min(mistaken) > 1e-2, "{unlinked} {mistaken}");
         }

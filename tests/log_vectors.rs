@@ -1,5 +1,5 @@
-//! Logs that show every kind of value, with what they come to: for readers that are written from SPEC alone, of which
-//! `protocol/examples/replay.py` is one. Run with `BENDYLIGHTS_BLESS=1` to write them anew, once a format.
+//! Test vectors for readers of the log that are written from SPEC alone, such as `protocol/examples/replay.py`: logs
+//! with every kind of value, and their results. `BENDYLIGHTS_BLESS=1` writes them again, once per format.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command as Process, Output};
@@ -9,7 +9,7 @@ use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
 use serde_json::{Value, json};
 use store::{CommitBatch, Store, replay_log};
 
-/// Steps of a session: commands in JSON, `"undo"` and `"redo"`, and the record after which each checkpoint may stand.
+/// Steps of a session: commands in JSON, `"undo"` and `"redo"`, and the records after which a checkpoint may follow.
 struct Vector {
     name: &'static str,
     steps: fn() -> Vec<Value>,
@@ -39,7 +39,7 @@ fn set(target: &str, value: &Value) -> Value {
     json!({"type": "set", "target": target, "value": value})
 }
 
-/// Every type of light, every kind of parameter, what is absent and what is given, and every change of a light.
+/// Every type of light, every kind of parameter, absent and given, and every change of a light.
 fn lights() -> Vec<Value> {
     vec![
         add(&bendy("key", 5)),
@@ -74,7 +74,7 @@ fn lights() -> Vec<Value> {
     ]
 }
 
-/// Both projections with and without what may be left out, and pins of each kind.
+/// Both projections with and without their optional fields, and pins of each kind.
 fn cameras_and_pins() -> Vec<Value> {
     let camera = |name: &str, projection: &Value| {
         json!({"type": "addCamera", "camera": {
@@ -107,7 +107,7 @@ fn cameras_and_pins() -> Vec<Value> {
     ]
 }
 
-/// Lights with so many control points that a record refers to what an earlier one holds, and to what it holds itself.
+/// Lights with so many control points that a record refers to values of earlier records and to its own.
 fn long_values() -> Vec<Value> {
     vec![
         add(&bendy("long", 90)),
@@ -121,7 +121,7 @@ fn long_values() -> Vec<Value> {
     ]
 }
 
-/// The log of a vector, and the session after it.
+/// Makes the log of a vector, and returns the session after it.
 fn made(vector: &Vector) -> (String, Session) {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = Store::create(folder.path()).expect("a store");
@@ -165,7 +165,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../protocol/vectors/logs")
 }
 
-/// The committed file is what the code makes.
+/// Tests that the committed file equals `made`.
 fn agrees(name: &str, made: &str) {
     let path = folder().join(name);
     if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
@@ -176,7 +176,7 @@ fn agrees(name: &str, made: &str) {
     assert!(committed == made, "{name} is not what the code makes: run this test with BENDYLIGHTS_BLESS=1");
 }
 
-/// What a vector comes to: the hash, the proof, the document.
+/// Results of a vector: the hash, the proof and the document.
 fn outcome(text: &str, session: &Session) -> Value {
     let last: Value = serde_json::from_str(text.lines().last().expect("lines")).expect("a checkpoint");
     json!({
@@ -211,7 +211,7 @@ fn replay_py(log: &Path) -> Output {
         .expect("python3: `apt-get install python3` brings it")
 }
 
-/// The newest of the logs that stay for good, and the vectors.
+/// The newest permanent log of `tests/logs`, and the vectors.
 fn newest_logs() -> Vec<PathBuf> {
     let mut logs: Vec<_> =
         VECTORS.iter().map(|vector| folder().join(format!("{}.jsonl", vector.name))).collect();
@@ -240,7 +240,7 @@ fn a_reader_written_from_the_specification_reaches_every_hash_and_proof() {
 /// A change of a log's lines.
 type Fault = fn(&mut Vec<String>);
 
-/// Both readers tell planted faults apart, and name the record.
+/// Both readers detect planted faults and name the record.
 ///
 /// Rules: REC-1, REC-3, LOG-1, LOG-4
 #[test]

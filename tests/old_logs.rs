@@ -1,4 +1,4 @@
-//! Logs that earlier versions wrote, one of each format. They stay for good: what was logged once must always replay.
+//! Logs of earlier versions, one per format. They are permanent: every log must replay forever.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -7,7 +7,7 @@ use protocol::{LogLine, LogReader};
 use serde_json::Value;
 use store::{StoreError, replay_log};
 
-/// A log of `logs/`, and what its document's hash was when it was written.
+/// A log of `logs/`, and the hash of its document when it was written.
 struct OldLog {
     file: &'static str,
     format: u32,
@@ -93,7 +93,7 @@ fn a_planted_change_of_any_value_is_noticed() {
             changed[index] = planted.to_string();
             let noticed = match replay_log(changed.join("\n").as_bytes(), None) {
                 Ok(replayed) => replayed.first_difference.is_some(),
-                // A value that other lines refer to stands elsewhere now.
+                // A value that other lines refer to may be stored elsewhere after the change.
                 Err(StoreError::Line { .. }) => text(log).contains("sameAs"),
                 Err(error) => matches!(error, StoreError::Replay(_) | StoreError::InvalidRecord { .. }),
             };
@@ -102,12 +102,12 @@ fn a_planted_change_of_any_value_is_noticed() {
     }
 }
 
-/// The hash of a format passes over what came after it, so its records may hold none of that.
+/// The hash of a format ignores parameters of later formats, so its records must not contain any.
 ///
 /// Rules: REC-5, LOG-2
 #[test]
 fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
-    /// A place for a parameter in a record: in a whole light, or as what is set.
+    /// Finds the place of a parameter in a record: in a whole light, or as the changed value.
     type Part = fn(&mut Value) -> Option<&mut Value>;
     fn change<'a>(record: &'a mut Value, of: &str, side: &str) -> Option<&'a mut Value> {
         let changes = record["changes"].as_array_mut()?;
@@ -134,7 +134,7 @@ fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
             let mut lines: Vec<String> = text(log).lines().map(String::from).collect();
             let planted = lines.iter_mut().find_map(|line| {
                 let mut record: Value = serde_json::from_str(line).expect("JSON");
-                // A value that another line holds has no fields of its own here.
+                // A reference to another line has no fields of its own.
                 let value = place(&mut record).filter(|value| value.get("sameAs").is_none())?;
                 plant(value);
                 *line = record.to_string();
@@ -143,7 +143,7 @@ fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
             let planted = planted.unwrap_or_else(|| panic!("{}: a place for {index}", log.file));
             let refused = replay_log(lines.join("\n").as_bytes(), None).expect_err(log.file);
             let said = refused.to_string();
-            // Only lights have an exposure; what control points have is read by name.
+            // Only lights have an exposure; parameters of control points are read by name.
             let of_points = said.contains("there is no parameter `exposure`");
             let expected = format!("record {planted}: format {} has no `exposure`", log.format);
             assert!(said.contains(&expected) || of_points, "{}: {index}: {said}", log.file);
@@ -152,7 +152,7 @@ fn a_planted_parameter_of_a_later_format_is_refused_by_name() {
     }
 }
 
-/// The first number of a change's new value that is not whole, and so no index or id.
+/// The first number in a change's new value that is not whole, and so no index or id.
 fn a_number(change: &mut Value) -> Option<&mut Value> {
     fn within(value: &mut Value) -> Option<&mut Value> {
         match value {
@@ -165,7 +165,7 @@ fn a_number(change: &mut Value) -> Option<&mut Value> {
     within(change.get_mut("new")?)
 }
 
-/// A log that holds little proves little.
+/// Each log has every part of its format; a log with few parts proves little.
 ///
 /// Rules: REC-5
 #[test]
@@ -184,15 +184,15 @@ fn old_logs_hold_everything_their_format_has() {
             assert!(seen.contains(name), "{}: no {name}", log.file);
         }
     }
-    // What format 2 added.
+    // Additions of format 2.
     for part in [r#"{"sameAs":{"record":"#, r#""rebased":true"#, r#""proof":""#] {
         assert!(OLD_LOGS[1..].iter().all(|log| text(log).contains(part)), "{part}");
     }
-    // What format 5 added.
+    // Additions of format 5.
     assert!(OLD_LOGS[4..].iter().all(|log| text(log).contains(r#""action":{"type":"group""#)));
 }
 
-/// Every `type` within `value`.
+/// Collects every `type` within `value`.
 fn types(value: &Value, seen: &mut BTreeSet<String>) {
     match value {
         Value::Object(fields) => {

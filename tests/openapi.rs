@@ -1,5 +1,4 @@
-//! What `/openapi.json` says is enough to make a client of.
-
+//! Tests that `/openapi.json` is enough to generate a client.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -9,14 +8,14 @@ use serde_json::{Value, json};
 
 use crate::program::program;
 
-/// The tools of `tests/openapi/requirements.txt`.
+/// Folder of the tools of `tests/openapi/requirements.txt`.
 fn tools() -> PathBuf {
     let tools = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/openapi-tools");
     assert!(tools.join("installed").is_file(), "`make openapi-tools` installs what this test needs");
     tools.join("bin")
 }
 
-/// Runs a program; what it said where it failed.
+/// Runs a program. Returns its output as the error if it fails.
 fn run(command: &mut Command) -> Result<(), String> {
     let output = command.output().expect("it runs");
     let said = [output.stdout, output.stderr].concat();

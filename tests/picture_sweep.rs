@@ -1,5 +1,5 @@
-//! Pictures are right at first sight, by a sample of what `bendylights bench sweep` draws: random lights of each shape, turned
-//! about themselves, over floors of every size, between walls, in rooms and under roofs.
+//! Tests a sample of `bendylights bench sweep`: random lights of each shape with random orientation, over floors of
+//! every size, between walls, in rooms and under roofs.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -7,7 +7,7 @@ use std::sync::Arc;
 use bench::sweep::{BACKENDS, SHAPES, SceneFile, SweepOptions, SweepReport, SweepRow, sweep};
 use render::{Gpu, MemoryBudget, Renderer};
 
-/// Two of each setting.
+/// Two poses per kind of surroundings.
 const POSES: usize = 12;
 
 fn options(shapes: &[&'static str]) -> SweepOptions {
@@ -36,20 +36,20 @@ fn found(options: &SweepOptions) -> SweepReport {
     sweep(&mut renderers, "", options, |_| {}).expect("all poses can be drawn")
 }
 
-/// How many pixels of a row may be wrong: what lies in bent light is looked up between texels of a map of curves, and one pixel of
-/// 100,000 may be wrong.
+/// Number of pixels of a row that may be wrong. In bent light, a lookup falls between texels of a curved map, and one
+/// pixel in 100,000 may be wrong.
 fn allowed(row: &SweepRow) -> usize {
     if row.shape == "bendy" { row.calm.div_ceil(100_000) } else { 0 }
 }
 
-/// Holds rows to what docs/accuracy.md says.
+/// Tests rows by the bounds of docs/accuracy.md.
 fn are_right(report: &SweepReport) {
     for row in &report.rows {
         println!("{}", serde_json::to_string(row).expect("plain data"));
         let what = format!("{} by {}: {:?}", row.shape, row.backend, report.faults);
         assert_eq!(row.failed, 0, "{what}");
         assert!(row.wrong <= allowed(row), "{what}");
-        // Normals are packed to 2^-15: where light grazes, a cosine of 0.03 is off by a thousandth with them.
+        // Normals are packed to 2^-15: at grazing light, a cosine of 0.03 is off by a thousandth with them.
         assert!(row.radiance_rmse_max <= 1e-3, "{what}");
         assert!(row.calm > 1000 * row.poses, "{what}");
     }
@@ -60,7 +60,7 @@ fn lights_of_all_shapes_are_right_wherever_they_stand() {
     are_right(&found(&options(&SHAPES.map(|(name, _)| name))));
 }
 
-/// Over two scenes of other makers.
+/// Sweeps over two scenes of other authors.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn lights_of_all_shapes_are_right_over_shared_assets() {
@@ -77,9 +77,10 @@ fn lights_of_all_shapes_are_right_over_shared_assets() {
     are_right(&report);
 }
 
-/// The planted faults: a look-up beyond a map that is clamped to its border, the depth of what a slab ends with a step off, bent
-/// edges that are drawn straight, and a tolerance that lets light in under what is near. Twice the tolerance is seen under an omni light; under a bent one the scene is
-/// asked wherever a part of the texels lets light in, so it takes four times. Each in a pose of the sweep that shows it.
+/// The planted faults: a lookup beyond a map that is clamped to its border, a wrong depth at the end of a slab, bent
+/// edges drawn as straight ones, and a tolerance that leaks light under near casters. Doubling the tolerance is
+/// detected under an omni light. Under a bent light the scene is tested if some of the texels are lit, so it takes a
+/// factor of four. Each fault has a pose of the sweep that shows it.
 #[test]
 fn faults_of_maps_are_seen() {
     const CLAMPED: [&str; 2] =

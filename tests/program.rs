@@ -1,10 +1,10 @@
-//! The program that the tests of this package run, built like them.
+//! Path of the program that the tests of this package run, built in the same profile.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// Where it is.
+/// Builds the program once, and returns its path.
 pub fn program() -> &'static Path {
     static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
     PROGRAM.get_or_init(|| {

@@ -1,19 +1,18 @@
-//! Every rule of `protocol/SPEC.md` is shown by a test, and tests of the protocol say which rules they show.
+//! Tests that every rule of `protocol/SPEC.md` is cited by a test, and that tests of the protocol cite rules.
 //!
 //! A test cites rules in a line of its comment: `Rules: SOCK-1, HTTP-2`.
-
 
 use std::collections::BTreeSet;
 
 use crate::sources::{Source, sources};
 
-/// Folders whose every test must cite a rule.
+/// Folders in which every test must cite a rule.
 const OF_THE_PROTOCOL: &[&str] = &["crates/edit/tests/", "crates/server/tests/", "tests/sessions/"];
 
-/// Where citations are looked for.
+/// Folders that are searched for citations.
 const SOURCES: &[&str] = &["crates", "protocol", "tests", "web-client/test"];
 
-/// The ids that `spec` defines, such as **REC-1**.
+/// Ids that `spec` defines, such as **REC-1**.
 fn rules(spec: &str) -> BTreeSet<&str> {
     spec.split("**").skip(1).step_by(2).filter(|word| is_rule(word)).collect()
 }
@@ -27,7 +26,7 @@ fn is_rule(word: &str) -> bool {
     })
 }
 
-/// The rules that a comment line cites; `None` where it cites none.
+/// Rules that a comment line cites; `None` if it cites none.
 fn citation(line: &str) -> Option<impl Iterator<Item = &str>> {
     let comment = line.trim_start().strip_prefix("//")?.trim_start_matches(['/', '!']).trim_start();
     let list = comment.strip_prefix("Rules: ")?;
@@ -55,7 +54,7 @@ fn uncited(text: &str) -> Vec<&str> {
         .collect()
 }
 
-/// A sentence for each thing that is wrong.
+/// Returns a sentence for each fault.
 fn problems(spec: &str, sources: &[Source]) -> Vec<String> {
     let rules = rules(spec);
     let mut wrong = Vec::new();

@@ -1,10 +1,9 @@
-//! Shadows from maps are where rays say that they are, on lights that one evenly divided map would not hold: very wide
-//! ones, and those that are much wider than what they fall on.
+//! Compares shadow maps with rays, for lights that need more than one evenly divided map: very wide ones, and those
+//! that are much wider than the scene in them.
 //!
-//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
+//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` saves the pictures.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
-
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -17,7 +16,7 @@ use reference::Reference;
 use render::{Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, Mesh, Node, PosedScene, Primitive, Scene, View};
 
-/// A spotlight from `eye` to `target`, and what `bent` makes of it.
+/// A spotlight from `eye` to `target`, and the BendyLight that `bend` makes of it.
 fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2] {
     let transform = Transform { translation: eye, rotation: looking(eye, target, DVec3::X), scale: 1.0 };
     let spot = Light::spot()
@@ -30,7 +29,8 @@ fn pair(eye: DVec3, target: DVec3, cone_angle: f64) -> [(&'static str, Light); 2
     [("spot", spot), ("bent", bent)]
 }
 
-/// The GPU's picture, by a renderer that all tests share and that draws a straight BendyLight by its own way.
+/// Draws a picture with a renderer that all tests share. It draws straight BendyLights by their own passes, not as
+/// spotlights.
 fn drawn(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let shared = SHARED.get_or_init(|| {
@@ -45,13 +45,13 @@ fn drawn(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Picture {
     renderer.render(view, &alone(light)).expect("it can be drawn")
 }
 
-/// The light alone, as a renderer takes it.
+/// The light alone, checked for a renderer.
 fn alone(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
 
-/// The pixels off every edge and whether they are lit, by the reference: those whose 5 x 5 neighbours are as lit and
-/// face the same way. In a corner between two walls the filter blends in what the light meets first on the other one.
+/// Pixels away from edges, and their visibility, by the reference: the 5 x 5 pixels around have the same visibility and
+/// face the same way. In a corner between two walls the filter blends in casters on the other wall.
 fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Vec<(usize, bool)> {
     let reference = Reference::new(Arc::clone(scene));
     let pixels = |aov| {
@@ -80,7 +80,7 @@ fn off_edges(scene: &Arc<PosedScene>, view: &View, light: &Light) -> Vec<(usize,
     found
 }
 
-/// How many of those pixels a picture has wrong.
+/// Those of the `judged` pixels that are wrong in a picture.
 fn wrong(judged: &[(usize, bool)], picture: &Picture) -> Vec<usize> {
     let differs = |&&(pixel, lit): &&(usize, bool)| picture.pixels[pixel][0] != f32::from(u8::from(lit));
     judged.iter().filter(differs).map(|judged| judged.0).collect()
@@ -96,8 +96,8 @@ fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
     image.save(Path::new(&folder).join(format!("{name}.png"))).expect("the picture can be written");
 }
 
-/// Up to 89.9 degrees, which is what glTF's pi / 2 becomes, every pixel off the shadows' edges is right, for a spotlight
-/// and for the BendyLight that equals it.
+/// Up to 89.9 degrees, which is the import's limit for glTF's pi / 2, every pixel away from shadow edges is right, for
+/// a spotlight and for the BendyLight that equals it.
 #[test]
 fn very_wide_lights_keep_their_shadows() {
     let scene = scene::pose(room());
@@ -118,7 +118,7 @@ fn very_wide_lights_keep_their_shadows() {
     assert!(told.iter().all(|(.., wrong, _)| *wrong == 0), "{told:?}");
 }
 
-/// A table half a unit wide with a board above it; with what else is in the light.
+/// A table half a unit wide with a board above it, and the boxes of `also`.
 fn table(also: &[([f64; 3], f64, [f64; 3])]) -> Scene {
     let mut parts = vec![
         ([0.3, 0.01, 0.3], 0.1, [0.0, -0.01, 0.0]),
@@ -129,8 +129,8 @@ fn table(also: &[([f64; 3], f64, [f64; 3])]) -> Scene {
     boxes(&parts)
 }
 
-/// How far shadows' edges are from where the reference has them, in pixels: pixels on the wrong side of an edge for each
-/// pixel at it.
+/// Displacement of shadow edges from the reference in pixels: the number of pixels on the wrong side of an edge over
+/// the number of pixels at an edge.
 fn displacement(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str) -> f64 {
     let frame =
         Reference::new(Arc::clone(scene)).render(view, &alone(light), || {}).expect("it can be followed");
@@ -149,7 +149,7 @@ fn displacement(scene: &Arc<PosedScene>, view: &View, light: &Light, name: &str)
     wrong.len() as f64 / edges as f64
 }
 
-/// The same on a floor as wide as the light, with nothing below.
+/// Adds a floor as wide as the light, with nothing below it.
 fn on_floor(mut scene: Scene) -> Scene {
     let corners = [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)];
     let floor = Primitive {
@@ -166,8 +166,8 @@ fn on_floor(mut scene: Scene) -> Scene {
     scene
 }
 
-/// A map is fitted to a box on a floor, and the floor, which throws no shadow, is drawn up to the map's border: beyond it the
-/// floor is lit, however far along the light it lies, also where the light is bent.
+/// A map is fitted to a box on a floor. The floor casts no shadow, and is drawn up to the border of the map. Beyond it
+/// the floor is lit, at any distance along the light, also if the light is bent.
 #[test]
 fn a_floor_beyond_the_map_is_lit() {
     let scene = scene::pose(on_floor(boxes(&[([0.3; 3], 0.3, [0.0, 0.28, 0.0])])));
@@ -192,8 +192,8 @@ fn a_floor_beyond_the_map_is_lit() {
     }
 }
 
-/// A light forty times as wide as what it falls on throws as fine a shadow as one that fits. The fault to be caught is
-/// made by crumbs at the light's rim: a map that holds them too has texels as wide as one that is not fitted.
+/// A light forty times as wide as the objects in it has shadows as sharp as one that fits. The planted fault is crumbs
+/// at the light's rim: a map that contains them too has texels as wide as one that is not fitted.
 #[test]
 fn a_map_is_as_fine_as_what_is_in_the_light() {
     let view = view(DVec3::new(0.05, 0.36, 0.17), DVec3::new(-0.01, 0.0, -0.01));
@@ -214,7 +214,7 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
         let coarse = displacement(&scene::pose(table(&crumbs)), &view, &light, &format!("coarse-{name}"));
         println!("{name}: edges displaced by {fitted:.3} pixels fitted, {coarse:.3} with crumbs at the rim");
         assert!(fitted * 4.0 < coarse, "{name}: {fitted} pixels fitted, {coarse} with crumbs at the rim");
-        // Nothing is behind a floor that is the scene's lower side, so it need not be in the map.
+        // Nothing is behind a floor that is the lower side of the scene, so the map need not contain it.
         let floored =
             displacement(&scene::pose(on_floor(table(&[]))), &view, &light, &format!("floored-{name}"));
         println!("{name}: {floored:.3} pixels over a floor as wide as the light");
@@ -225,11 +225,11 @@ fn a_map_is_as_fine_as_what_is_in_the_light() {
     }
 }
 
-/// Stripes of shadow run on across the edges between a wide light's faces, and the floor beside them is evenly lit. A
-/// face that was drawn a little turned is seen.
+/// Stripes of shadow continue across the edges between the faces of a wide light, and the floor beside them is evenly
+/// lit. A face that was drawn slightly rotated is detected.
 #[test]
 fn no_line_shows_where_faces_meet() {
-    // A floor, and bars over it that are turned about the light.
+    // A floor, and bars above it that are rotated about the light.
     let bars = |turn: f64| {
         let bar = |k: i32| {
             let x = f64::from(k) * 0.5 - 2.0;
@@ -243,7 +243,7 @@ fn no_line_shows_where_faces_meet() {
     let tan = 80.0_f64.to_radians().tan();
     for (name, light) in pair(source, below, 80.0) {
         let places = drawn(&scene, &View { aov: Aov::Vw, ..view.clone() }, &light);
-        // Below 1 on the front of the cube.
+        // Below 1 on the front face of the cube.
         let slope = |pixel: usize| {
             let [v, w, ..] = places.pixels[pixel].map(|x| f64::from(x) * tan);
             v.abs().max(w.abs())
@@ -257,7 +257,7 @@ fn no_line_shows_where_faces_meet() {
         keep_picture(&format!("seam-{name}"), &picture, &found);
         assert_eq!(found, [0; 0], "{name}: of {}", judged.len());
 
-        // The planted fault: what the front would show were it drawn turned by three degrees.
+        // The planted fault: the picture of the front face if it was drawn rotated by three degrees.
         let turned = drawn(&scene::pose(bars(0.05)), &view, &light);
         let mut patched = picture.clone();
         for (pixel, value) in patched.pixels.iter_mut().enumerate() {
@@ -270,8 +270,8 @@ fn no_line_shows_where_faces_meet() {
     }
 }
 
-/// A floor shades what light reaches through it: what lies above it again where the light bends back up, or all of the
-/// scene where the light comes from below.
+/// A floor shadows the light that passes through it: the region above it where the light bends back up, or the whole
+/// scene if the light comes from below.
 #[test]
 fn floors_shade_what_is_behind_them() {
     let scene = scene::pose(on_floor(boxes(&[
@@ -308,7 +308,7 @@ fn a_scene_is_posed_once() {
     let hit = reference.bvh.first_hit(above, DVec3::NEG_Y, [0.0, 10.0], |_| true).expect("the floor");
     assert!((hit.distance - 1.8).abs() < 1e-12, "{}", hit.distance);
     assert!(Arc::ptr_eq(&reference.bvh.posed, &scene));
-    // Another scene lets go of it.
+    // Another scene releases it.
     renderer.set_scene(&scene::pose(Scene::default())).expect("it fits");
     assert_eq!(Arc::strong_count(&scene), 2);
 }

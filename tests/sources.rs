@@ -1,4 +1,4 @@
-//! The repository's own text, for tests that read it.
+//! Reads the repository's own text, for tests of it.
 
 use std::path::Path;
 
@@ -8,7 +8,8 @@ pub struct Source {
     pub text: String,
 }
 
-/// The files in and below `folders` of the repository whose names end in one of `extensions`, sorted by path.
+/// Reads the files in `folders` of the repository and their subfolders whose names end in one of `extensions`, sorted
+/// by path.
 pub fn sources(folders: &[&str], extensions: &[&str]) -> Vec<Source> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the repository");
     let mut sources = Vec::new();

@@ -1,9 +1,8 @@
-//! Lights whose rays are straight are where rays say that they are, beside the reference, which follows every ray by itself.
+//! Compares lights with straight rays with the reference, which traces every ray on its own.
 //!
-//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` keeps the pictures.
+//! `BENDYLIGHTS_SHADOW_PICTURES=DIR` saves the pictures.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
-
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -16,25 +15,25 @@ use reference::{Reference, ReferenceLight, ShadedPoint};
 use render::{Culling, Gpu, Picture, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
-/// A sun that shines from `from` to the origin.
+/// Directional light that shines from `from` to the origin.
 fn sun(from: DVec3) -> Light {
     Light::directional().with(ROTATION, looking(from, DVec3::ZERO, DVec3::X)).with(INTENSITY, 3.0)
 }
 
-/// A bulb, turned so that no face of its map lies along the room's walls.
+/// Omni light, rotated so that no face of its map is parallel to the room's walls.
 fn bulb(at: DVec3) -> Light {
     let turned = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.5);
     Light::omni().with(TRANSLATION, at).with(ROTATION, turned).with(INTENSITY, 30.0)
 }
 
-/// A spotlight so wide that it holds what is looked at, aimed past it.
+/// Spotlight so wide that it contains the visible part, aimed past it.
 fn lamp(at: DVec3, to: DVec3) -> Light {
     let turned = looking(at, to, DVec3::Y);
     let lamp = Light::spot().with(TRANSLATION, at).with(ROTATION, turned);
     lamp.with(CONE_ANGLE, 60.0).with(INTENSITY, 30.0)
 }
 
-/// The GPU's picture, by a renderer that all tests share.
+/// Draws a picture with a renderer that all tests share.
 fn drawn(scene: &Arc<PosedScene>, view: &View, lights: &[LightInstance]) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     let shared = SHARED.get_or_init(|| {
@@ -50,12 +49,12 @@ fn instances(lights: &[Light]) -> Vec<LightInstance> {
     LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
-/// How wide a texel of a light's map is at a point in scene space, at most: maps are fitted, but to no less than that.
+/// Maximum width of a texel of a light's map at a point in scene space: a fitted map has smaller ones.
 fn texel(light: &LightInstance, scene: &PosedScene, point: DVec3) -> f64 {
     let resolution = f64::from(ShadowSettings::default().resolution);
     match ReferenceLight::new(&light.light) {
         ReferenceLight::Omni(omni) => {
-            // Of a face with half the texels a side, 2 across at a distance of 1.
+            // A face has half the texels per side, and is 2 wide at a distance of 1.
             let way = point + scene.origin_in_world - omni.translation;
             2.0 * way.length() / (resolution / 2.0 - 4.0)
         }
@@ -68,7 +67,7 @@ fn texel(light: &LightInstance, scene: &PosedScene, point: DVec3) -> f64 {
     }
 }
 
-/// Whether each pixel is lit, by the reference: those two texels and more off each edge of a shadow, and of a surface.
+/// Visibility of pixels by the reference, at least two texels away from each edge of a shadow and of a surface.
 fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(usize, bool)> {
     let source = ReferenceLight::new(&light.light);
     let posed = &reference.bvh.posed;
@@ -80,7 +79,7 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
     let mut found = Vec::new();
     for (y, x) in (0..height).flat_map(|y| (0..width).map(move |x| (y, x))) {
         let Some(surface) = seen(x as f64, y as f64) else { continue };
-        // A rasteriser snaps corners to 1/256 pixel: at a silhouette it may see something else.
+        // A rasterizer snaps corners to 1/256 pixel: at a silhouette it may see another surface.
         let is_same = |(dx, dy): (f64, f64)| {
             seen(x as f64 + dx, y as f64 + dy).is_some_and(|beside| {
                 let height = surface.geometric_normal.dot(beside.position - surface.position);
@@ -93,7 +92,7 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
         let here = visible(&surface);
         let normal = surface.geometric_normal;
         let sample = reference.sample(&source, &surface);
-        // A texel's image on the surface is as long as the light grazes, and so is the filter's reach.
+        // A texel and the filter's radius are as long on the surface as grazing light makes them.
         let towards = sample.map_or(normal, |sample| sample.coords.direction);
         let far = 2.0 * texel(light, posed, surface.position);
         let along = towards.reject_from(normal).normalize_or(normal.any_orthonormal_vector());
@@ -109,7 +108,7 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
             beside.seen.position += step;
             visible(&beside) == here
         };
-        // Where surfaces meet the filter blends in what the light meets first on the other one.
+        // In a corner between surfaces the filter blends in casters on the other surface.
         let is_flat = |step: DVec3| {
             let start = surface.position + normal * (far * 0.5);
             reference.bvh.first_hit(start, step * 1.5, [0.0, 1.0], |_| true).is_none()
@@ -121,7 +120,7 @@ fn off_edges(reference: &Reference, view: &View, light: &LightInstance) -> Vec<(
     found
 }
 
-/// How many of those pixels a picture has wrong.
+/// Those of the `judged` pixels that are wrong in a picture.
 fn wrong(judged: &[(usize, bool)], picture: &Picture) -> Vec<usize> {
     let differs = |&&(pixel, lit): &&(usize, bool)| picture.pixels[pixel][0] != f32::from(u8::from(lit));
     judged.iter().filter(differs).map(|judged| judged.0).collect()
@@ -140,7 +139,7 @@ fn keep_picture(name: &str, picture: &Picture, marks: &[usize]) {
     image.save(Path::new(&folder).join(format!("{name}.png"))).expect("the picture can be written");
 }
 
-/// Where the room is looked at from.
+/// Views of the room.
 fn eyes() -> [View; 2] {
     [
         view(DVec3::new(1.2, 3.6, 4.4), DVec3::new(-0.3, 0.7, -0.8)),
@@ -148,8 +147,8 @@ fn eyes() -> [View; 2] {
     ]
 }
 
-/// On a wide floor that light grazes, with a post for the map to show, no pixel is dark that rays reach; nor on one that
-/// stands far from the world's origin.
+/// On a wide floor at grazing light, with a post as the only caster, no pixel that rays reach is dark; nor far from the
+/// world's origin.
 #[test]
 fn a_floor_never_shadows_itself() {
     for origin in [DVec3::ZERO, DVec3::new(1e7, -3e6, 2e7)] {
@@ -178,7 +177,7 @@ fn a_floor_never_shadows_itself() {
             assert!(lit > 2000, "{name}: {lit} of {} are lit", judged.len());
             assert_eq!(found, [0; 0], "{name} at {origin}");
             if name == "sun 30" {
-                // The planted fault: the post stands elsewhere.
+                // The planted fault: the post is at another position.
                 let other = drawn(&scene::pose(with_post(0.8)), &view, &lights);
                 assert!(wrong(&judged, &other).len() > 100, "{name}: a post elsewhere goes unseen");
             }
@@ -186,7 +185,7 @@ fn a_floor_never_shadows_itself() {
     }
 }
 
-/// Pixels that are wrong, of those that are judged, and how many of these are dark.
+/// Numbers of wrong pixels, of judged pixels, and of dark ones among these.
 fn judged(light: &Light, planted: Option<&Light>, name: &str) -> (usize, usize, usize) {
     let scene = scene::pose(room());
     let reference = Reference::new(Arc::clone(&scene));
@@ -203,7 +202,7 @@ fn judged(light: &Light, planted: Option<&Light>, name: &str) -> (usize, usize, 
     (all, of, dark)
 }
 
-/// From above, from all sides, and so low that it grazes the floor.
+/// From above, from all sides, and so low that the light grazes the floor.
 #[test]
 fn a_directional_lights_shadow_is_where_rays_say() {
     let directions = [
@@ -222,14 +221,14 @@ fn a_directional_lights_shadow_is_where_rays_say() {
         assert!(of - dark > 500 && dark > 500, "{dark} of {of} are dark");
         assert_eq!(wrong, 0, "{direction:?}: of {of}");
     }
-    // The planted fault: a sun that stands a degree elsewhere.
+    // The planted fault: a directional light rotated by one degree.
     let light = sun(DVec3::from_array(directions[1]));
     let turned = light.get(ROTATION) * DQuat::from_rotation_x(1_f64.to_radians());
     let (wrong, of, _) = judged(&light, Some(&light.clone().with(ROTATION, turned)), "sun-planted");
     assert!(wrong > 100, "{wrong} wrong of {of}");
 }
 
-/// All that it shows lies on each of the six faces in turn.
+/// The whole visible part is on each of the six faces in turn.
 #[test]
 fn an_omni_lights_shadow_is_where_rays_say() {
     let at = DVec3::new(0.2, 1.7, 0.1);
@@ -241,7 +240,7 @@ fn an_omni_lights_shadow_is_where_rays_say() {
     let moved = light.clone().with(TRANSLATION, at + DVec3::new(0.1, 0.0, 0.0));
     assert!(judged(&light, Some(&moved), "bulb-planted").0 > 100, "the planted fault is seen");
 
-    // Each face by itself, in a room with posts before each wall, looked at from the bulb's side.
+    // Each face alone, in a room with posts before each wall, seen from the light's side.
     let scene = scene::pose(posts());
     let reference = Reference::new(Arc::clone(&scene));
     let light = &instances(&[bulb(DVec3::ZERO)])[0];
@@ -261,7 +260,7 @@ fn an_omni_lights_shadow_is_where_rays_say() {
     }
 }
 
-/// A closed room, and posts before each of its walls.
+/// A closed room, with posts before each of its walls.
 fn posts() -> scene::Scene {
     let mut parts = closed(3.0);
     for axis in 0..3 {
@@ -277,7 +276,7 @@ fn posts() -> scene::Scene {
     boxes(&parts)
 }
 
-/// Six thick walls around the origin, with the inner ones `half` away.
+/// Six thick walls around the origin, with the inner sides at a distance of `half`.
 fn closed(half: f64) -> Vec<([f64; 3], f64, [f64; 3])> {
     let wall = |k: usize| {
         let (axis, sign) = (k / 2, if k.is_multiple_of(2) { 1.0 } else { -1.0 });
@@ -288,7 +287,7 @@ fn closed(half: f64) -> Vec<([f64; 3], f64, [f64; 3])> {
     (0..6).map(wall).collect()
 }
 
-/// Within, every wall is lit to its edges; without, nothing is.
+/// Inside, every wall is lit up to its edges; outside, nothing is.
 #[test]
 fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
     let scene = scene::pose(boxes(&closed(2.0)));
@@ -311,7 +310,7 @@ fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
             assert_eq!(lit(&without), 0, "{axis}: lit without");
         }
     }
-    // The planted fault: a wall that stands off lets light out, on the floor outside.
+    // The planted fault: a displaced wall lets light out, onto the floor outside.
     let mut parts = closed(2.0);
     parts[0].2[0] += 0.5;
     parts.push(([8.0, 0.1, 8.0], 0.0, [0.0, -4.1, 0.0]));
@@ -321,7 +320,7 @@ fn an_omni_light_in_a_closed_box_lights_every_wall_and_leaks_nowhere() {
     assert!(lit(&seen) > 100, "{} pixels are lit", lit(&seen));
 }
 
-/// The relative error over the pixels that are off the edges of the shadows of every light.
+/// Relative error over the pixels that are away from the shadow edges of every light.
 fn relative_rmse(
     scene: &Arc<PosedScene>,
     view: &View,
@@ -355,7 +354,7 @@ fn relative_rmse(
     (error / size).sqrt()
 }
 
-/// Off the boundaries pictures are the reference's, within 1e-3 and far less: all that differs is f32's rounding.
+/// Away from edges pictures are within 1e-3 of the reference: the difference is f32 rounding.
 #[test]
 fn pictures_are_those_of_the_reference() {
     let scene = scene::pose(room());
@@ -377,7 +376,7 @@ fn pictures_are_those_of_the_reference() {
     }
 }
 
-/// A sun through its window, two bulbs and a spotlight together.
+/// A directional light through its window, two omni lights and a spotlight together.
 #[test]
 fn lights_of_all_shapes_add_up() {
     let scene = scene::pose(room());
@@ -393,14 +392,14 @@ fn lights_of_all_shapes_add_up() {
         spot,
     ];
     let error = relative_rmse(&scene, &eyes()[0], &lights, &lights, "together");
-    // The planted fault: one of them is missing.
+    // The planted fault: one of the lights is missing.
     let planted = relative_rmse(&scene, &eyes()[0], &lights, &lights[..3], "together-planted");
     println!("{error:.2e}, without the spotlight {planted:.2e}");
     assert!(error < 1e-3, "{error:.2e}");
     assert!(planted > 0.05, "{planted:.2e}");
 }
 
-/// What is not drawn since no picture depends on it changes none, of lights of every shape and beside the view.
+/// Culling changes no picture, for lights of every shape, including ones outside of the view.
 #[test]
 fn what_is_left_out_changes_no_picture() {
     let gpu = Arc::new(Gpu::new().expect("tests need a graphics driver"));
@@ -437,6 +436,6 @@ fn what_is_left_out_changes_no_picture() {
     ] {
         assert!(pictures(culling, 2048) == usual, "{culling:?}");
     }
-    // The planted fault: other maps make another picture.
+    // The planted fault: different maps give a different picture.
     assert!(pictures(on, 2000) != usual);
 }

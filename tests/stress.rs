@@ -1,12 +1,12 @@
-//! The properties of `bendylights-studies stress`, for a little while: some cases that are the same every time, some that
-//! are new, and planted faults.
+//! Runs the properties of `bendylights-studies stress` for a short time: some fixed cases, some new ones, and planted
+//! faults.
 
 use std::collections::hash_map::RandomState;
 use std::hash::{BuildHasher, Hasher};
 
 use studies::stress::{Length, Property, PropertyOutcome, StressOptions, run};
 
-/// Those that need no adapter are quick.
+/// These need no GPU and are quick.
 const OF_THE_MODEL: [Property; 5] =
     [Property::Solver, Property::Frame, Property::RoundTrip, Property::Joints, Property::World];
 const OF_THE_ADAPTER: [Property; 2] = [Property::Locate, Property::Map];
@@ -18,7 +18,7 @@ fn tried(properties: &[Property], seed: u64, cases: u64, planted: bool) -> Vec<P
     run(&options, |_| ()).expect("tests need a graphics driver").outcomes
 }
 
-/// A property holds in every case that begins at a seed; how many numbers that compared for each.
+/// Tests that properties hold for `cases` cases from a seed on. Returns the number of comparisons of each.
 fn assert_properties_hold(properties: &[Property], seed: u64, cases: u64) -> Vec<(&'static str, u64)> {
     let held = |outcome: PropertyOutcome| {
         let name = outcome.property.name();
@@ -29,8 +29,8 @@ fn assert_properties_hold(properties: &[Property], seed: u64, cases: u64) -> Vec
     tried(properties, seed, cases, false).into_iter().map(held).collect()
 }
 
-/// Properties hold: in cases that are the same every time, where something is compared, and in a few new ones. Those
-/// need not compare anything: all points of three random lights may lie outside of them.
+/// Tests properties in fixed cases, which must make comparisons, and in a few new ones. The new ones need not make any:
+/// all points of three random lights may be outside of them.
 fn hold_anywhere(properties: &[Property], cases: u64) {
     for (name, comparisons) in assert_properties_hold(properties, 1, cases) {
         assert!(comparisons >= cases, "{name}: {comparisons} comparisons");
@@ -38,7 +38,7 @@ fn hold_anywhere(properties: &[Property], cases: u64) {
     assert_properties_hold(properties, random_seed(), cases / 2);
 }
 
-/// With a planted fault it fails within some cases, and the simplest one found is small.
+/// Tests that each property fails within some cases with a planted fault, and that its simplest case is small.
 fn assert_planted_faults_fail(properties: &[Property], cases: u64) {
     for outcome in tried(properties, 1, cases, true) {
         let failure = outcome.failure.unwrap_or_else(|| panic!("{}: went unseen", outcome.property.name()));
@@ -49,7 +49,7 @@ fn assert_planted_faults_fail(properties: &[Property], cases: u64) {
     }
 }
 
-/// A seed that differs from run to run, printed so that a failure can be made again.
+/// A seed that differs from run to run, printed so that a failure can be reproduced.
 fn random_seed() -> u64 {
     let seed = RandomState::new().build_hasher().finish() % 1_000_000_000;
     println!("seed {seed}");
@@ -78,7 +78,7 @@ fn planted_faults_are_caught_and_made_simple() {
     assert_planted_faults_fail(&OF_PICTURES, 12);
 }
 
-/// The seed that a failure prints makes the same case again, alone.
+/// The seed that a failure prints reproduces its case alone.
 #[test]
 fn a_seed_makes_its_case_again() {
     let first = &tried(&[Property::Joints], 1, 20, true)[0];

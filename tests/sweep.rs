@@ -1,5 +1,5 @@
-//! Every parameter of every light, set once: what is drawn again is what its row says, the picture is the reference's, and
-//! undone it is the one before to the bit.
+//! Sets every parameter of every light once: the passes that run are those of its row, the picture is the reference's,
+//! and undo restores the earlier picture to the bit.
 
 use std::sync::Arc;
 
@@ -18,16 +18,17 @@ use render::{Gpu, PassCounts, Picture, Renderer};
 use scene::{Aov, Fill, PosedScene, Scene, View, ViewSlot};
 
 const SIZE: [u32; 2] = [120, 68];
-/// The largest relative root mean square error off boundaries: normals are packed to 2^-15, which where light grazes, at a
+/// Maximum relative root mean square error away from edges: normals are packed to 2^-15, which at grazing light, at a
 /// cosine of 0.03, is a thousandth.
 const LARGEST_RMSE: f64 = 1e-3;
 
-/// What is set shows where the light without it is so far off, some times as far as the light with it.
+/// Minimum error, against the picture with the parameter, of the picture without it: some times the error of the
+/// picture with it.
 const VISIBLE_CHANGE: f64 = 5e-4;
 
-/// A light that has all there is, so that each parameter shows in `view`.
+/// A light with all optional parameters, so that each one shows in `view`.
 fn with_all(light: Light, reference: &Reference, view: &View) -> Light {
-    // Where along its way what it lights lies.
+    // Distances along the light of the surfaces that it lights.
     let source = ReferenceLight::new(&light::CheckedLight::new(light.clone()).expect("valid"));
     let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| DVec2::new(f64::from(x), f64::from(y))));
     let place = |at| Some(reference.sample(&source, &reference.surface(view, at)?)?.coords.s);
@@ -57,13 +58,13 @@ fn with_all(light: Light, reference: &Reference, view: &View) -> Light {
         .with(SHADOW_COLOR, DVec3::new(0.05, 0.1, 0.3))
 }
 
-/// The demo, and a light of each shape over it. The scene's fill would make differences look smaller.
+/// The demo, and a light of each shape over it, without the scene's fill, which would make differences look smaller.
 fn demo() -> (Arc<PosedScene>, View, Vec<Light>) {
     let loaded = assets::demo("vases").expect("it is one of the demos");
     let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
     let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
     let source = DVec3::new(-1.4, 2.6, 1.4);
-    // It ends among the vases, so that it shows what lies past its end.
+    // The light ends among the vases, so that parameters of its end show.
     let way = [[0.0, 0.0, 0.0], [0.1, 0.5, 0.0], [1.0, -0.2, -0.9], [1.5, -1.6, -1.4], [1.8, -2.7, -1.7]];
     let bent = Light::bendy(way.map(DVec3::from_array).into(), vec![0.1, 0.2, 0.5, 1.1, 1.3]);
     let bent = bent.with(TRANSLATION, source).with(UP, DVec3::new(0.3, 1.0, 0.2)).with(INTENSITY, 9.0);
@@ -76,7 +77,7 @@ fn demo() -> (Arc<PosedScene>, View, Vec<Light>) {
     (scene::pose(Scene { fill, ..loaded.scene }), view, vec![bent, spot, omni, sun])
 }
 
-/// Other values for a parameter: one, or every other one of a choice; links leave out `node`.
+/// Other values for a parameter: one, or every other one of a choice. Links exclude `node`.
 fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
     let any_of = |numbers: &[f64]| {
         let allowed = numbers.iter().map(|&number| Value::Number(number));
@@ -90,13 +91,13 @@ fn others(parameter: &Parameter, now: &Value, node: &str) -> Vec<Value> {
             choices.iter().map(|choice| Value::Choice(choice.name)).filter(|value| value != now).collect()
         }
         (ParameterKind::PeriodicCurve { .. }, _) => {
-            // Three quarters of the way round it comes in, with a corner in it.
+            // A cutout with a corner, at three quarters of the circle.
             let knots = vec![[20.0, 0.9], [100.0, 0.6], [130.0, 0.95], [290.0, 0.75]];
             PeriodicCurve::new(knots).map(Value::PeriodicCurve).into_iter().collect()
         }
         (_, Value::Choice(_) | Value::Links(_) | Value::PeriodicCurve(_)) => Vec::new(),
         (_, Value::Flag(flag)) => vec![Value::Flag(!flag)],
-        // A light that is a little wider, longer or brighter is still one.
+        // A light that is slightly wider, longer or brighter is still valid.
         (_, Value::Number(number)) => any_of(&[number * 1.2, number * 0.8, number + 0.5]),
         (_, Value::Absent) => any_of(&[2.0]),
         (_, Value::Vector(vector)) => vec![Value::Vector(*vector + DVec3::new(0.1, -0.05, 0.08))],
@@ -114,19 +115,19 @@ fn since(before: PassCounts, after: PassCounts) -> [u64; 3] {
     [after.gbuffer - before.gbuffer, after.shadow - before.shadow, after.lighting - before.lighting]
 }
 
-/// What the reference says of a picture: its radiance, and how bright it would be without shadows, or in them alone.
+/// Radiance by the reference of the pixels that are compared.
 struct Expected {
     radiance: Vec<Option<DVec3>>,
 }
 
-/// What is seen at a pixel's middle, but for its brightness: what may not change nearby where pictures are compared.
+/// Properties at a pixel's center that must not change nearby if the pixel is compared.
 #[derive(Clone, Copy)]
 struct RenderedPicture {
     node: usize,
     normal: DVec3,
     depth: f64,
     lit: Option<bool>,
-    /// Whether the outline holds it, where the profile may be a step.
+    /// True if the point is inside the outline, at which the profile can be a step.
     shines: bool,
 }
 
@@ -174,7 +175,7 @@ fn expected(reference: &Reference, view: &View, light: &Light) -> Expected {
     Expected { radiance: (0..width * height).map(radiance).collect() }
 }
 
-/// The relative root mean square error of a picture, and how many pixels it is of.
+/// Relative root mean square error of a picture, and its number of compared pixels.
 fn rmse(drawn: &Picture, expected: &Expected) -> (f64, usize) {
     let (mut error2, mut expected2, mut compared) = (0.0, 0.0, 0);
     for ([r, g, b, _], expected) in drawn.pixels.iter().zip(&expected.radiance) {
@@ -220,8 +221,8 @@ fn every_parameter_of_every_shape_does_what_its_row_says() {
                     ParameterTouches::ShadowMap | ParameterTouches::Scene => [0, 1, 1],
                 };
                 let (off, compared) = rmse(&picture, &expected(&reference, &view, &set));
-                // The planted fault: that nothing was set.
-                // An omni light shines alike to all sides: which way it is turned only shows in what is projected from it.
+                // The planted fault: the parameter is not set. An omni light has no direction, so its rotation shows
+                // only in a projected image.
                 let shows = touches > ParameterTouches::Nothing
                     && (shape, parameter.name) != (ParameterOwner::Omni, "rotation");
                 let (unset, _) = rmse(&picture, &base_expected);

@@ -1,4 +1,4 @@
-//! Textured surfaces have the radiance that the reference says.
+//! Compares the radiance of textured surfaces with the reference.
 
 use std::sync::{Arc, LazyLock};
 
@@ -15,7 +15,7 @@ static GPU: LazyLock<Arc<Gpu>> = LazyLock::new(|| Arc::new(Gpu::new().expect("a 
 
 const SIDE: u32 = 32;
 
-/// A picture of noise, of the bytes from `least` on.
+/// A picture of noise, with bytes from `least` up.
 fn picture(least: u32) -> Image {
     let mut state = 1_u32;
     let byte = |_| {
@@ -31,7 +31,7 @@ fn black_and_white() -> Image {
     Image { rgba8: picture.rgba8.iter().map(|byte| if *byte < 128 { 0 } else { 255 }).collect(), ..picture }
 }
 
-/// A wall of 2 by 2 units that faces the camera, over which uv runs from `arrive`.
+/// A wall of 2 by 2 units that faces the camera, with uv from `start` on.
 fn wall(image: Image, sampler: Sampler, start: Vec2) -> Scene {
     let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
     let wall = Primitive {
@@ -56,7 +56,7 @@ fn wall(image: Image, sampler: Sampler, start: Vec2) -> Scene {
     }
 }
 
-/// Some eight pixels a texel.
+/// About eight pixels per texel.
 fn view() -> View {
     let camera = Camera {
         name: String::new(),
@@ -67,14 +67,14 @@ fn view() -> View {
     View::beauty(camera, [240, 220])
 }
 
-/// From the front, wide enough for all of the wall.
+/// Light from the front, wide enough for the whole wall.
 fn light() -> Light {
     Light::bendy([0.0, 1.5, 3.0, 4.5].map(|z| DVec3::new(0.0, 0.0, -z)).into(), vec![0.5, 2.0, 4.0, 5.0])
         .with(TRANSLATION, DVec3::new(0.2, 0.3, 3.0))
         .with(ROTATION, DQuat::IDENTITY)
 }
 
-/// The error of radiance that `drawn` has as a picture of `scene`, relative to its root mean square.
+/// Error of the radiance in the picture of `drawn`, as a picture of `scene`, relative to its root mean square.
 fn error(scene: &Scene, drawn: &Scene) -> f64 {
     let subject = ComparisonSubject::new("wall", scene.clone(), light(), view());
     let mut renderer = Renderer::new(Arc::clone(&GPU)).expect("a renderer");
@@ -87,9 +87,9 @@ fn error(scene: &Scene, drawn: &Scene) -> f64 {
     found.radiance_rmse
 }
 
-/// Colours are packed by their square roots `r` in steps of 1 / 8191, of which rounding makes an error of
-/// `2 r sqrt(1 / 12) / 8191` on average. Relative to `r^2` that is 7e-5 of white, and 2e-4 of bytes of 100, which are 0.13
-/// of white; in a picture of many it counts by how bright they are.
+/// Colors are packed by their square roots `r` in steps of 1 / 8191. Rounding has an average error of
+/// `2 r sqrt(1 / 12) / 8191`. Relative to `r^2` that is 7e-5 of white, and 2e-4 of bytes of 100, which are 0.13 of
+/// white; in a picture of many values they are weighted by brightness.
 const ERROR: f64 = 2e-4;
 
 #[test]
@@ -109,8 +109,8 @@ fn textured_surfaces_have_their_radiance() {
         println!("{name}: {found:.2e}");
         assert!(found <= ERROR, "{name}: {found:.2e}");
     }
-    // The planted faults: uv half a step of 1/256 of a texel beside its place, as samplers that cut the rest off have it on
-    // average; and bytes off by one, which is about what decoding by a cubic polynomial makes of dark ones.
+    // The planted faults: uv displaced by half a step of 1/256 of a texel, the average error of samplers that truncate;
+    // and bytes off by one, about the error of decoding dark ones by a cubic polynomial.
     let scene = wall(picture(0), blended, Vec2::ZERO);
     let stepped = error(&scene, &wall(picture(0), blended, Vec2::splat(0.5 / 256.0 / SIDE as f32)));
     let rgba8 = picture(0).rgba8.into_iter().map(|byte| byte ^ 1).collect();

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 fn main() {
-    // Before the first build of the page there is only its folder to watch.
+    // Before the first build of the page only its folder can be watched.
     let built = "../../web-client/dist";
     let watched = if Path::new(built).is_dir() { built } else { "../../web-client" };
     println!("cargo::rerun-if-changed={watched}");

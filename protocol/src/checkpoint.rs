@@ -1,4 +1,4 @@
-//! A session in JSON, as the store keeps it, so that opening one does not replay all of its log.
+//! Session checkpoints in JSON. With one in the store, opening a session does not replay its whole log.
 
 use std::collections::BTreeMap;
 
@@ -9,24 +9,24 @@ use serde::{Deserialize, Serialize};
 use crate::error::from_json;
 use crate::{Document, FileError, Refused};
 
-/// A session after one of its records. It holds what the records before it come to, so that replay can go on from it;
-/// what it says is proven by the document's hash at that record.
+/// State of a session after one of its records. It replaces all records before, so that replay can start from
+/// it. The document's hash at that record proves it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionCheckpoint {
-    /// The record that it stands after.
+    /// Sequence number of the record.
     pub seq: u64,
-    /// As it is after that record.
+    /// Document after the record.
     pub document: Document,
-    /// The largest number ever given out as an id or a layout.
+    /// Largest number ever used as an id or a point numbering.
     pub last_number: u64,
-    /// Records of the steps in effect, in order, by who made them.
+    /// Sequence numbers of the steps in effect, ascending, by the id of the actor.
     pub steps: BTreeMap<String, Vec<u64>>,
     /// Undos that can be redone.
     pub undos: Vec<PastUndo>,
-    /// The latest record of each actor on each light.
+    /// Latest record of each actor on each light.
     pub touched: Vec<LightTouch>,
-    /// The latest renumbering of each light's control points.
+    /// Latest renumbering of each light's control points.
     pub renumbered: Vec<Renumbering>,
 }
 
@@ -34,51 +34,48 @@ pub struct SessionCheckpoint {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct PastUndo {
-    /// Sequence of the undo itself.
+    /// Sequence number of the undo.
     pub seq: u64,
-    /// Who can redo it; anybody where it is left out.
+    /// Id of the actor who can redo it. Any actor can if it is left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actor: Option<String>,
-    /// The step that it took back.
+    /// Sequence number of the step that was undone.
     pub target: u64,
-    /// Who had made that.
+    /// Id of the actor who made that step.
     pub target_actor: String,
 }
 
-/// Who last changed a light.
+/// Latest record of an actor on a light.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LightTouch {
-    /// Id of the light.
     pub light: u64,
-    /// Id of the actor.
     pub actor: String,
-    /// That actor's latest record on it.
+    /// Sequence number of the record.
     pub seq: u64,
 }
 
-/// When the control points of a light were last renumbered.
+/// Latest renumbering of a light's control points.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Renumbering {
-    /// Id of the light.
     pub light: u64,
-    /// The record that renumbered them.
+    /// Sequence number of the record that renumbered them.
     pub seq: u64,
 }
 
 impl SessionCheckpoint {
-    /// Reads what [`Self::to_json`] wrote.
+    /// Parses the output of [`Self::to_json`].
     pub fn parse(text: &str) -> Result<Self, FileError> {
         from_json(text)
     }
 
-    /// One line of JSON.
+    /// Returns one line of JSON.
     pub fn to_json(&self) -> String {
         crate::log_line::to_line(self)
     }
 
-    /// The session that goes on from here.
+    /// Restores the session.
     pub fn into_domain(self) -> Result<Session, Refused> {
         let undo = |undo: PastUndo| edit::PastUndo {
             seq: undo.seq,

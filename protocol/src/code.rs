@@ -1,4 +1,4 @@
-//! Why something is refused: one closed list of codes, each with its HTTP status, and a code with its sentence.
+//! Error codes: one closed list with an HTTP status for each, and the pair of a code and its message.
 
 use std::fmt;
 
@@ -8,28 +8,28 @@ use light::LightError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The codes: each with its name in JSON and the status of an HTTP request that is refused with it.
+/// Defines the error codes, each with its name in JSON and its HTTP status.
 macro_rules! codes {
     ($($(#[$meaning:meta])* $code:ident = $name:literal, $status:literal;)*) => {
-        /// Why something is refused, for programs. The sentence beside it is for people.
+        /// Reason of a refusal, for programs. The message beside it is for people.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
         pub enum ErrorCode {
             $($(#[$meaning])* #[serde(rename = $name)] $code,)*
         }
 
         impl ErrorCode {
-            /// All of them.
+            /// All codes.
             pub const ALL: &[Self] = &[$(Self::$code),*];
 
-            /// Its name in JSON.
+            /// Returns the name in JSON.
             pub fn name(self) -> &'static str {
                 match self {
                     $(Self::$code => $name,)*
                 }
             }
 
-            /// The status of an HTTP request that is refused with it. Codes that only the socket or results of edits
-            /// have would be 400.
+            /// Returns the status of an HTTP response with this code. It is 400 for codes that only the socket
+            /// and results of edits use.
             pub fn http_status(self) -> u16 {
                 match self {
                     $(Self::$code => $status,)*
@@ -44,17 +44,17 @@ codes! {
     BadMessage = "badMessage", 400;
     /// The name cannot name a session or a scene.
     BadName = "badName", 400;
-    /// The scene's file cannot be used.
+    /// The scene's file cannot be imported.
     BadScene = "badScene", 400;
-    /// The feature cannot be dragged there, or the pin cannot be.
+    /// The feature cannot be dragged from or to that point, or the pin cannot be added.
     Drag = "drag", 400;
-    /// The log was changed or does not fit together.
+    /// The log was changed, or its lines contradict one another.
     BadLog = "badLog", 400;
-    /// The record is of a format that this server does not know.
+    /// The record has a format that this server does not know.
     Format = "format", 400;
-    /// The picture cannot be made.
+    /// The picture cannot be rendered.
     Render = "render", 400;
-    /// The light could not be evaluated, or would be out of reach.
+    /// The light cannot be evaluated, or lies too far from the scene.
     InvalidLight = "invalidLight", 400;
     /// The camera makes no picture.
     InvalidCamera = "invalidCamera", 400;
@@ -62,91 +62,92 @@ codes! {
     WrongKind = "wrongKind", 400;
     /// The first control point is the source, which stays where it is.
     Source = "source", 400;
-    /// The document is not what the change says it was.
+    /// The document does not hold the old value of the change.
     Conflict = "conflict", 400;
-    /// Somebody else is dragging the light.
+    /// Another actor is dragging the light.
     Locked = "locked", 400;
-    /// The control points have been renumbered since.
+    /// The light's control points have been renumbered since.
     Stale = "stale", 400;
-    /// No step to take back.
+    /// There is no step to undo.
     NothingToUndo = "nothingToUndo", 400;
-    /// No undo to take back.
+    /// There is no undo to redo.
     NothingToRedo = "nothingToRedo", 400;
-    /// Others changed what the drag depends on each time that it was solved.
+    /// The light, its pins or the scene changed during each attempt to solve the drag.
     KeepsChanging = "keepsChanging", 400;
-    /// No such drag of the sender's.
+    /// The sender has no drag of that name.
     NoGesture = "noGesture", 400;
-    /// The drag was never updated.
+    /// The drag was committed without any update.
     EmptyGesture = "emptyGesture", 400;
-    /// The drag's command is not of its light.
+    /// The command of the drag belongs to another light.
     OtherLight = "otherLight", 400;
-    /// Another version of the protocol, or no `hello` where one belongs.
+    /// The protocol version differs, or the first message is not `hello`.
     Protocol = "protocol", 400;
-    /// No `hello` came in time.
+    /// The client did not send `hello` in time.
     HelloTooLate = "helloTooLate", 400;
     /// The token is missing or wrong.
     Unauthorized = "unauthorized", 401;
-    /// A page of another place may not use this server.
+    /// The `Origin` of the request may not use this server.
     ForeignOrigin = "foreignOrigin", 403;
-    /// The server does not go by the name that the request came to.
+    /// The server does not serve the host name of the request.
     ForeignHost = "foreignHost", 403;
-    /// What the request names does not exist.
+    /// The object, session or address in the request does not exist.
     NotFound = "notFound", 404;
     /// The server does not have the scene.
     UnknownAsset = "unknownAsset", 404;
-    /// The address takes other methods, which the header `Allow` lists.
+    /// The address does not accept this method. The header `Allow` lists those that it accepts.
     MethodNotAllowed = "methodNotAllowed", 405;
-    /// The request stopped coming.
+    /// The rest of the request did not arrive in time.
     Stalled = "stalled", 408;
-    /// The name is taken.
+    /// The name is already in use.
     Exists = "exists", 409;
-    /// The session is not archived, and only what is archived can be deleted.
+    /// The session is not archived. Only an archived session can be deleted.
     NotArchived = "notArchived", 409;
-    /// People are in the session.
+    /// Clients are connected to the session.
     InUse = "inUse", 409;
-    /// The name is that of several, whose ids the sentence says.
+    /// Several objects have that name. The message lists their ids.
     Ambiguous = "ambiguous", 409;
-    /// A size over its limit, which the sentence names.
+    /// A size exceeds its limit. The message names the limit.
     TooLarge = "tooLarge", 413;
-    /// The body is not JSON by its `Content-Type`.
+    /// The `Content-Type` of the body is not JSON.
     UnsupportedMediaType = "unsupportedMediaType", 415;
-    /// A count over its limit, which the sentence names.
+    /// A count exceeds its limit. The message names the limit.
     TooMany = "tooMany", 429;
-    /// The server's disk failed; nothing was changed.
+    /// The server's disk failed. Nothing was changed.
     Storage = "storage", 500;
-    /// The server's disk failed, and this may have been done or not.
+    /// The server's disk failed. The operation may or may not have been committed.
     UnknownOutcome = "unknownOutcome", 500;
     /// The stored file of the scene is damaged.
     DamagedAsset = "damagedAsset", 500;
-    /// A fault of the server's own.
+    /// The server has an internal fault.
     Fault = "fault", 500;
-    /// The server holds as many bytes of requests and answers as it may.
+    /// Requests and answers fill the server's memory limit.
     Busy = "busy", 503;
     /// The renderer is not ready yet.
     WarmingUp = "warmingUp", 503;
-    /// The renderer could not be made ready.
+    /// The renderer failed to start.
     NotReady = "notReady", 503;
     /// The server is stopping.
     Draining = "draining", 503;
 }
 
-/// What is wrong with a request.
+/// Error of a request.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Problem {
-    /// For programs.
+    /// Code for programs.
     pub code: ErrorCode,
-    /// For people: what to do.
+    /// Message for people: what is wrong, and what to do.
     pub message: String,
 }
 
 impl ErrorCode {
-    /// The code of that name.
+    /// Returns the code of that name.
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|code| code.name() == name)
     }
 
-    /// Whether another try may go otherwise: such a refusal is no answer to an operation for good (SPEC, REC-4).
+    /// Returns true if a retry may succeed. Such a refusal is not stored as the result of the operation (SPEC,
+    /// REC-4).
     pub fn is_transient(self) -> bool {
         let of_the_moment = [
             Self::Storage,

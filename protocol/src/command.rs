@@ -1,4 +1,4 @@
-//! Commands and their parameters in JSON.
+//! Commands and camera parameters in JSON.
 
 use document::{CameraId, FeatureDrag, ParameterTarget, PinId};
 use drag::Viewport;
@@ -10,200 +10,192 @@ use schemars::JsonSchema;
 use serde::de::DeserializeSeed;
 use serde::{Deserialize, Serialize};
 
-use crate::document::{Quat, Vec3};
 use crate::error::excerpt;
 use crate::parameter::{ValueSeed, unknown};
+use crate::vector::{Quat, Vec3};
 use crate::words::json_wording;
 use crate::{Camera, DragKind, DragRadii, Light, LightParameter, Pin, PointParameter, Projection, Refused};
 
-/// [`document::Command`] in JSON; `type` says which (SPEC, section 2).
+/// [`document::Command`] in JSON. `type` selects the variant (SPEC, section 2).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum Command {
     /// Replaces geometry, cameras and lights by those of a scene.
     LoadScene {
-        /// `"demo:NAME"` or `"sha256:HEX"`.
+        /// Scene: `"demo:NAME"` or `"sha256:HEX"`.
         scene: String,
-        /// What people call it; by default what it was uploaded as, or what its file calls it.
+        /// Name for people. Default: the name from the upload, or the name in the file.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         name: Option<String>,
     },
     /// Adds a light.
-    AddLight {
-        /// The light.
-        light: Light,
-    },
+    AddLight { light: Light },
     /// Removes a light.
     RemoveLight {
-        /// Its id.
+        /// Id of the light.
         light: u64,
     },
-    /// Places a whole light.
+    /// Places a light as a whole.
     PlaceLight {
-        /// Its id.
+        /// Id of the light.
         light: u64,
-        /// World position of its source; stays by default.
+        /// World position of the source. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         translation: Option<Vec3>,
-        /// Light-local to world axes; stays by default.
+        /// Rotation from light-local to world axes. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rotation: Option<Quat>,
-        /// World units per light-local unit; stays by default.
+        /// World units per light-local unit. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         scale: Option<f64>,
     },
-    /// Sets what an address names: `/lights/3/coneAngle`, `/lights/3/points/2/position`, `/cameras/1/projection`.
+    /// Sets the parameter at an address: `/lights/3/coneAngle`, `/lights/3/points/2/position`,
+    /// `/cameras/1/projection`.
     Set {
-        /// The address.
+        /// Address of the parameter.
         target: String,
-        /// The value, as the parameter's other commands take it.
+        /// Value, in the form that the other commands of the parameter take.
         value: serde_json::Value,
     },
     /// Sets one parameter of a light.
     SetLight {
-        /// Its id.
+        /// Id of the light.
         light: u64,
-        /// The parameter.
         parameter: LightParameter,
     },
     /// Sets one parameter of a control point.
     SetPoint {
-        /// Its light's id.
+        /// Id of the light.
         light: u64,
-        /// Its index.
+        /// Index of the control point.
         point: usize,
-        /// The parameter.
         parameter: PointParameter,
     },
-    /// Drags a control point: it goes as near to a position as it can without the tube folding.
+    /// Moves a control point as near to a position as is possible without a fold of the tube.
     DragPoint {
-        /// Its light's id.
+        /// Id of the light.
         light: u64,
-        /// Its index, 1 or more.
+        /// Index of the control point, 1 or more.
         point: usize,
-        /// Where it is to go, in light-local space.
+        /// Target in light-local space.
         position: Vec3,
-        /// What becomes of radii, not `solve`; they stay by default.
+        /// Mode of the radii: `keep` (the default) or `follow`, not `solve`.
         #[serde(default)]
         radii: DragRadii,
     },
-    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture; the document's
-    /// pins of the light stay.
+    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a
+    /// picture. The document's pins of the light hold.
     DragFeature {
-        /// The light's id.
+        /// Id of the light.
         light: u64,
-        /// What is dragged.
+        /// Feature to drag.
         kind: DragKind,
-        /// The control points that take part; without them the light moves as a whole.
+        /// Indices of the control points that may move. Default: the light moves as a whole.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         points: Option<Vec<usize>>,
-        /// What becomes of radii; they stay by default.
+        /// Mode of the radii. Default: `keep`.
         #[serde(default)]
         radii: DragRadii,
-        /// Who looks.
+        /// Camera of the picture.
         camera: Camera,
         /// Width and height of the picture, in pixels.
         size: [u32; 2],
-        /// Where the feature is taken, in pixels from the picture's top left corner; a pixel's centre is at .5.
+        /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is
+        /// at .5.
         from: [f64; 2],
-        /// Where it goes.
+        /// Target of the feature in the picture, in the same pixels.
         to: [f64; 2],
-        /// Whether the source may not go through a surface.
+        /// True if the source may not pass through a surface.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         source_outside: bool,
     },
     /// Adds a pin.
-    AddPin {
-        /// What it holds, and of which light.
-        pin: Pin,
-    },
+    AddPin { pin: Pin },
     /// Removes a pin.
     RemovePin {
-        /// Id of one of the document's.
+        /// Id of the pin in the document.
         pin: u64,
     },
     /// Makes a pin hard or soft.
     SetPin {
-        /// Id of one of the document's.
+        /// Id of the pin in the document.
         pin: u64,
-        /// Whether it stays whatever is asked, or as far as that lets it.
+        /// True if the pin always holds. False if it holds as far as the drag allows.
         hard: bool,
     },
     /// Adds a control point.
     InsertPoint {
-        /// The light's id.
+        /// Id of the light.
         light: u64,
-        /// The index that the new point gets, 1 to the number of points.
+        /// Index of the new point, 1 to the number of points.
         point: usize,
-        /// Light-local position. By default the point there becomes two, and the curve stays nearly as it is.
+        /// Light-local position. Default: the point at this index is split into two, and the curve hardly
+        /// changes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         position: Option<Vec3>,
-        /// Light-local radius; between its neighbours' by default.
+        /// Light-local radius. Default: a value between those of the neighbours.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         radius: Option<f64>,
-        /// Linear RGB; between its neighbours' by default.
+        /// Color in linear RGB. Default: a value between those of the neighbours.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         color: Option<Vec3>,
-        /// Between its neighbours' by default.
+        /// Intensity. Default: a value between those of the neighbours.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         intensity: Option<f64>,
     },
     /// Removes a control point.
     RemovePoint {
-        /// The light's id.
+        /// Id of the light.
         light: u64,
-        /// Its index, 1 or more.
+        /// Index of the control point, 1 or more.
         point: usize,
     },
-    /// Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did.
+    /// Turns a straight light into a BendyLight with the same id. A former spotlight lights every point as
+    /// before.
     BendLight {
-        /// Its id.
+        /// Id of the light.
         light: u64,
-        /// Quadratic segments: two control points fewer than it gets. 3 by default.
+        /// Number of quadratic segments, two less than the number of control points. Default: 3.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         segments: Option<usize>,
-        /// How far its control points reach along its axis, in world units, where it has no range of its own; by default to
-        /// where its axis meets the scene.
+        /// Length of the new light along its axis in world units, if the light has no range of its own.
+        /// Default: the distance at which the axis meets the scene.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         range: Option<f64>,
-        /// Half angle of the cone that an omni or directional light is given, in degrees; 45 by default.
+        /// Half angle of the cone for an omni or directional light, in degrees. Default: 45.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         cone_angle: Option<f64>,
-        /// World position at which such a light then shines, the scene's middle by default.
+        /// World position at which a former omni or directional light shines. Default: the centre of the scene.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         toward: Option<Vec3>,
     },
-    /// Makes a BendyLight a spotlight under the same id, from its source to its last control point.
+    /// Turns a BendyLight into a spotlight with the same id, from its source to its last control point.
     StraightenLight {
-        /// Its id.
+        /// Id of the light.
         light: u64,
     },
     /// Adds a camera.
-    AddCamera {
-        /// The camera.
-        camera: Camera,
-    },
+    AddCamera { camera: Camera },
     /// Removes a camera.
     RemoveCamera {
-        /// Its id.
+        /// Id of the camera.
         camera: u64,
     },
     /// Places a camera.
     PlaceCamera {
-        /// Its id.
+        /// Id of the camera.
         camera: u64,
-        /// World position of the eye; stays by default.
+        /// World position of the eye. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         translation: Option<Vec3>,
-        /// Camera to world axes; stays by default.
+        /// Rotation from camera to world axes. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         rotation: Option<Quat>,
     },
     /// Sets one parameter of a camera.
     SetCamera {
-        /// Its id.
+        /// Id of the camera.
         camera: u64,
-        /// The parameter.
         parameter: CameraParameter,
     },
 }
@@ -216,17 +208,17 @@ pub enum CameraParameter {
     Name(String),
     /// World position of the eye.
     Translation(Vec3),
-    /// Camera to world axes.
+    /// Rotation from camera to world axes.
     Rotation(Quat),
-    /// How it projects.
+    /// Projection.
     Projection(Projection),
 }
 
 impl TryFrom<Command> for document::Command {
     type Error = Refused;
 
-    /// What can be said without a document: lights that are added are valid, and a scene is named by its bytes (the server
-    /// has put a hash in place of a demo's name).
+    /// Checks all that needs no document: added lights must be valid, and a scene must be named by its hash.
+    /// The server has replaced the name of a demo by its hash before.
     fn try_from(wire: Command) -> Result<Self, Refused> {
         let vector = |v: Option<Vec3>| v.map(DVec3::from);
         let rotation = |q: Option<Quat>| q.map(DQuat::from_array);
@@ -303,7 +295,7 @@ impl TryFrom<Command> for document::Command {
     }
 }
 
-/// Whether radii follow a control point that is dragged.
+/// Returns true if radii follow a dragged control point.
 fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
     match radii {
         DragRadii::Keep => Ok(false),
@@ -312,7 +304,8 @@ fn radii_follow(radii: DragRadii) -> Result<bool, Refused> {
     }
 }
 
-/// The command that sets what an address names. A refusal says what the parameter takes, whatever came instead.
+/// Returns the command that sets the parameter at `address`. For a value of the wrong type the error says which
+/// type the parameter takes.
 fn set(address: &str, value: &serde_json::Value) -> Result<document::Command, Refused> {
     let refused = |why: String| Refused::Address(format!("`{}` cannot be set: {why}", excerpt(address)));
     let (target, name) = ParameterTarget::from_address(address).ok_or_else(|| {

@@ -10,34 +10,29 @@ use scene::PosedScene;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::vector::{Quat, Vec3};
 use crate::{DocumentPin, Light, Refused};
 
-/// A vector or a colour: `[x, y, z]`, `[r, g, b]`.
-pub type Vec3 = [f64; 3];
-/// A quaternion: `[x, y, z, w]`.
-pub type Quat = [f64; 4];
-
-/// [`document::Document`] in JSON, lists in the order of ids.
+/// [`document::Document`] in JSON. Lists are sorted by id.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Document {
-    /// Its scene; `null` before one is loaded.
+    /// Scene; `null` before one is loaded.
     pub scene: Option<SceneRef>,
-    /// Its lights.
     pub lights: Vec<DocumentLight>,
-    /// Its cameras.
     pub cameras: Vec<DocumentCamera>,
-    /// Its pins; left out where there are none.
+    /// Pins; left out if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<DocumentPin>,
 }
 
-/// The JSON of a value that holds an empty document: what stands before that document's own and what behind. So the text of a
-/// large document, which is made once, stands in what is sent to many.
+/// Serializes a value that holds an empty document, and returns the JSON before and after that document.
+///
+/// The server serializes a large document once and puts its text into the messages to many clients.
 pub fn json_around_document(value: &impl Serialize) -> (String, String) {
     let text = |value: &dyn Fn() -> serde_json::Result<String>| value().expect("plain data with string keys");
     let mut before = text(&|| serde_json::to_string(value));
-    // Within a string every quotation mark has a backslash before it, so this is found where it is meant.
+    // Within a JSON string every quotation mark is escaped, so the search finds only the field.
     let empty = text(&|| serde_json::to_string(&Document::default()));
     let at = before.find(&format!("\":{empty}")).expect("a field that is an empty document") + 2;
     let after = before[at + empty.len()..].to_owned();
@@ -51,44 +46,39 @@ pub fn json_around_document(value: &impl Serialize) -> (String, String) {
 pub struct SceneRef {
     /// `sha256:` and 64 hexadecimal digits.
     pub asset: String,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
 }
 
-/// A light of a document.
+/// Light of a document, with its id.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DocumentLight {
-    /// Its id.
     pub id: u64,
-    /// Numbering of its control points.
+    /// Numbering of the control points: a number that changes when they are renumbered (DOC-2).
     pub layout: u64,
-    /// The light.
     pub light: Light,
 }
 
-/// A camera of a document.
+/// Camera of a document, with its id.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DocumentCamera {
-    /// Its id.
     pub id: u64,
-    /// The camera.
     pub camera: Camera,
 }
 
-/// [`scene::Camera`] in JSON. Looks along its local -Z with +Y up.
+/// [`scene::Camera`] in JSON. It looks along its local -Z, with +Y up.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Camera {
-    /// Name for people; empty by default.
+    /// Name for people. Default: empty.
     #[serde(default)]
     pub name: String,
     /// World position of the eye.
     pub translation: Vec3,
-    /// Camera to world axes.
+    /// Rotation from camera to world axes.
     pub rotation: Quat,
-    /// How it projects.
     pub projection: Projection,
 }
 
@@ -96,24 +86,24 @@ pub struct Camera {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum Projection {
-    /// Perspective.
+    /// Perspective projection.
     Perspective {
-        /// Full vertical angle of view, radians.
+        /// Full vertical field of view in radians.
         yfov: f64,
-        /// Width over height of what it frames, all of which is in the picture; the picture's own by default.
+        /// Width over height of the frame, all of which the picture shows. Default: that of the picture.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, more than 0.
         znear: f64,
-        /// Distance of the far plane; endless by default.
+        /// Distance of the far plane. Default: infinite.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         zfar: Option<f64>,
     },
-    /// Orthographic.
+    /// Orthographic projection.
     Orthographic {
-        /// Half the height of the view.
+        /// Half the height of the frame in world units.
         ymag: f64,
-        /// Width over height of what it frames, all of which is in the picture; the picture's own by default.
+        /// Width over height of the frame, all of which the picture shows. Default: that of the picture.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, 0 or more.
@@ -123,18 +113,16 @@ pub enum Projection {
     },
 }
 
-/// Corners of the box around a scene, in the world.
+/// Bounding box of a scene in world space.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Bounds {
-    /// Smallest coordinates.
     pub min: Vec3,
-    /// Largest coordinates.
     pub max: Vec3,
 }
 
 impl Bounds {
-    /// Of a scene; a box of side 2 around the origin where it has no geometry.
+    /// Returns the bounds of a scene, or a box of side 2 around the origin if the scene has no geometry.
     pub fn of(posed: &PosedScene) -> Self {
         let SceneBounds { center: middle, half_extent } = posed.bounds();
         let half = if posed.positions.is_empty() { DVec3::ONE } else { half_extent };
@@ -161,7 +149,7 @@ impl From<&document::Document> for Document {
 }
 
 impl Document {
-    /// The domain's document; `last_number` as in [`document::Document::restore`].
+    /// Converts to the domain. `last_number` as in [`document::Document::restore`].
     pub fn into_domain(self, last_number: u64) -> Result<document::Document, Refused> {
         let scene = self.scene.map(document::SceneRef::try_from).transpose()?;
         let placed = |wire: DocumentLight| {
@@ -201,7 +189,7 @@ impl From<&scene::Camera> for Camera {
 }
 
 impl From<Camera> for scene::Camera {
-    /// Not checked: [`scene::Camera::check`] says whether it makes a picture.
+    /// Converts without a check. [`scene::Camera::check`] tells if the camera makes a picture.
     fn from(wire: Camera) -> Self {
         Self {
             name: wire.name,

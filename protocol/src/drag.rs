@@ -1,4 +1,4 @@
-//! Drags of features and pins in JSON: what drag files (`drag_file.rs`), commands and records say alike.
+//! Drags of features, and pins, in JSON: types that drag files (`drag_file.rs`), commands and records share.
 
 use document::{DragOutcome as Outcome, LightPin, PinId};
 use drag::{DragRefusal, Feature, PinKind as Kind, RadiusMode};
@@ -7,19 +7,20 @@ use light::LightId;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::Vec3;
+use crate::vector::Vec3;
 
 /// [`Feature`] in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragKind {
-    /// M' comes to lie behind what shadows M.
+    /// Moves the shadow at M: M' gets the light coordinates (v, w) of the caster that shadows M, and lies
+    /// behind it.
     Shadow,
-    /// M' comes to lie where M was in the light.
+    /// Moves the hotspot: M' gets the light coordinates (v, w) of M.
     Hotspot,
-    /// At M' light arrives along the mirror direction.
+    /// Moves the highlight: light arrives at M' along the mirror direction.
     Highlight,
-    /// At M' light arrives along the normal.
+    /// Moves the brightest side: light arrives at M' along the normal.
     Diffuse,
 }
 
@@ -27,12 +28,12 @@ pub enum DragKind {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragRadii {
-    /// They stay.
+    /// Keeps all radii.
     #[default]
     Keep,
-    /// Those of the moving points may change.
+    /// Solves for the radii of the moving points.
     Solve,
-    /// Those that would make the tube fold shrink, and come back.
+    /// Shrinks radii that would make the tube fold, and restores them when they no longer would.
     Follow,
 }
 
@@ -40,40 +41,39 @@ pub enum DragRadii {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum PinKind {
-    /// The direction from which light arrives.
+    /// Direction from which light arrives.
     Direction,
-    /// That light arrives.
+    /// Fact that light arrives.
     Lit,
-    /// That something stands in the light's way.
+    /// Fact that an occluder blocks the light.
     Shadowed,
-    /// The shadow of the very point of the caster that throws it.
+    /// Shadow of one point of the caster.
     Shadow,
 }
 
-/// [`LightPin`] in JSON: what is to stay as it is at a point while its light is dragged.
+/// [`LightPin`] in JSON: a property at a point that a drag of the light preserves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Pin {
-    /// What stays.
+    /// Property to preserve.
     pub kind: PinKind,
     /// Id of the light.
     pub light: u64,
-    /// Where, in the world: on a surface.
+    /// World position on a surface.
     pub at: Vec3,
-    /// Of a shadow: the node that throws it, by its name or its path; the first that light meets where it is left out.
+    /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caster: Option<String>,
-    /// Whether it stays whatever is asked, or as far as that lets it.
+    /// True if the pin always holds. False if it holds as far as the drag allows.
     pub hard: bool,
 }
 
-/// A pin of a document.
+/// Pin of a document, with its id.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DocumentPin {
-    /// By which commands name it.
+    /// Id of the pin in commands.
     pub id: u64,
-    /// What it holds.
     pub pin: Pin,
 }
 
@@ -81,11 +81,11 @@ pub struct DocumentPin {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragStatus {
-    /// Within half a pixel.
+    /// The feature lies within half a pixel of the cursor.
     Landed,
-    /// As near as the light may bring it.
+    /// The feature lies as near to the cursor as the limits of the light allow.
     Limited,
-    /// Nothing was moved.
+    /// The light did not change.
     Refused,
 }
 
@@ -95,17 +95,17 @@ pub enum DragStatus {
 pub enum DragLimit {
     /// The tube would fold.
     Fold,
-    /// A radius would be less than 0.
+    /// A radius would become negative.
     Radius,
-    /// M' would lie outside the light, or elsewhere in it.
+    /// M' would lie outside the light, or in another part of it.
     TubeEdge,
-    /// No small change brings the feature nearer.
+    /// No small change brings the feature nearer to the cursor.
     NoDescent,
-    /// The source would go through a surface.
+    /// The source would pass through a surface.
     SourceInside,
-    /// What is pinned would not stay: see `pin`.
+    /// A hard pin would not hold. `pin` names it.
     Pin,
-    /// To bring it nearer takes too much work: choose fewer control points, or remove pins.
+    /// The solver reached its work limit. Choose fewer control points, or remove pins.
     TooMuchWork,
 }
 
@@ -113,55 +113,55 @@ pub enum DragLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum DragReason {
-    /// There is no surface at `from`.
+    /// No surface is visible at `from`.
     NothingAtStart,
-    /// There is no surface at `to`, or the light may not show on it.
+    /// No surface is visible at `to`, or `lightLink` of the light excludes it.
     NothingAtEnd,
-    /// M lies outside the light, or the light may not show on it.
+    /// M lies outside the light, or `lightLink` of the light excludes it.
     OutsideTheLight,
     /// Nothing shadows M.
     NoShadow,
-    /// Control points were named of a light that has none.
+    /// The drag names control points, but the light has none.
     NotBendy,
-    /// The light has no such control point, or it is its source.
+    /// The light has no such control point, or the point is its source.
     NoSuchPoint,
-    /// The control points do nothing to the light at M.
+    /// The chosen control points have no influence on the light at M.
     NoWeight,
-    /// A hard pin holds what is not so: see `pin`.
+    /// A hard pin does not hold when the drag begins. `pin` names it.
     PinDoesNotHold,
 }
 
-/// How a drag of a feature stands, or ended: what a program reads of it besides the light.
+/// Outcome of a drag of a feature, besides the light.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DragOutcome {
-    /// What solved it.
+    /// Name of the solver.
     pub solver: String,
-    /// Of the solver: another one may give another light.
+    /// Version of the solver. Another version may give another light.
     pub version: u32,
-    /// Whether the feature lies under the cursor.
     pub status: DragStatus,
-    /// What keeps a limited one from going on.
+    /// Limit that stopped a `limited` drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub limit: Option<DragLimit>,
-    /// Id of the pin that keeps it.
+    /// Id of the pin that stopped the drag.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pin: Option<u64>,
-    /// On the screen, from `to` to where the feature lies now; `null` where it is not in the picture.
+    /// Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
     pub residual_px: Option<f64>,
-    /// The node that shadows M' besides the one whose shadow is dragged.
+    /// Node that shadows M', other than the caster of the dragged shadow.
     pub shadowed_by: Option<String>,
-    /// Steps of the solver.
+    /// Number of solver iterations.
     pub iterations: usize,
-    /// M.
+    /// World position of M.
     pub from_world: Option<Vec3>,
-    /// M'.
+    /// World position of M'.
     pub to_world: Option<Vec3>,
-    /// What throws the shadow that is dragged.
+    /// World position on the caster of the dragged shadow.
     pub pivot_world: Option<Vec3>,
 }
 
-/// [`Status`] in parts, as JSON has it: whether it landed, what keeps it, why it is refused, and which pin that is.
+/// Splits a `drag::DragStatus` into the fields of the JSON: status, limit, reason of a refusal, and index of
+/// the pin.
 pub(crate) fn status_parts(
     status: drag::DragStatus,
 ) -> (DragStatus, Option<DragLimit>, Option<DragReason>, Option<usize>) {

@@ -1,4 +1,4 @@
-//! Drag files: a JSON array of drags, and what comes of them.
+//! Drag files: a JSON array of drags, and the results of such drags.
 
 use std::fmt;
 
@@ -11,67 +11,70 @@ use crate::drag::status_parts;
 use crate::error::from_json;
 use crate::{DragKind, DragLimit, DragRadii, DragReason, DragStatus, FileError, Light, PinKind};
 
-/// A drag as it is written down. M is the surface seen at `from`, M' the one seen at `to`.
+/// Drag in a file. M is the surface seen at `from`, M' the surface seen at `to`.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
+#[schemars(rename = "Drag")]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct FileDrag {
-    /// The light, by its name or its index.
+    /// Light, by its name or its index.
     pub light: NameOrIndex,
-    /// What is dragged.
+    /// Feature to drag.
     pub kind: DragKind,
-    /// The control points that take part; `null` moves the light as a whole.
+    /// Indices of the control points that may move; `null` moves the light as a whole.
     #[serde(default)]
     pub points: Option<Vec<usize>>,
-    /// What becomes of radii.
+    /// Mode of the radii.
     #[serde(default)]
     pub radii: DragRadii,
-    /// The camera, by its name or its index; `null` for the first, or one that frames the scene.
+    /// Camera, by its name or its index; `null` for the first camera, or one that frames the scene.
     #[serde(default)]
     pub camera: Option<NameOrIndex>,
     /// Width and height of the picture, in pixels.
     pub size: [u32; 2],
-    /// Where the feature is taken, in pixels from the top left corner; a pixel's centre is at .5.
+    /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is at
+    /// .5.
     pub from: [f64; 2],
-    /// Where it goes.
+    /// Target of the feature in the picture, in the same pixels.
     pub to: [f64; 2],
-    /// What is to stay as it is; pins of other lights than the dragged one stay anyway. Without a list it is what is pinned in the
-    /// document, where there is one.
+    /// Pins that hold during the drag. Pins of other lights have no effect on it. Default: the pins of the
+    /// document, if there is one.
     #[serde(default)]
     pub pins: Option<Vec<DragPin>>,
-    /// Whether the source may not go through a surface.
+    /// True if the source may not pass through a surface.
     #[serde(default, alias = "source_outside")]
     pub source_outside: bool,
 }
 
-/// What is to stay as it is at a point while a light is dragged.
+/// Property at a point that a drag of the light preserves.
 #[derive(Clone, Debug, PartialEq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DragPin {
-    /// What stays.
+    /// Property to preserve.
     pub kind: PinKind,
-    /// Whose, by its name or its index.
+    /// Light, by its name or its index.
     pub light: NameOrIndex,
-    /// Where, in the world: on a surface.
+    /// World position on a surface.
     pub at: [f64; 3],
-    /// Of a shadow: the node that throws it, by its name or its path; the first that light meets where it is left out.
+    /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
     #[serde(default)]
     pub caster: Option<String>,
-    /// Whether it stays whatever is asked, or as far as that lets it.
+    /// True if the pin always holds. False if it holds as far as the drag allows.
     pub hard: bool,
 }
 
-/// What names a light or a camera.
+/// Name or index of a light or a camera.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "a name or an index")]
 pub enum NameOrIndex {
-    /// Its place in the list, from 0.
+    /// Index in the list, from 0.
     Index(usize),
-    /// Its name.
+    /// Name. The first object of that name is meant.
     Name(String),
 }
 
 impl NameOrIndex {
-    /// The place in a list of what it names, the first of several of one name. `names` are those of the list.
+    /// Returns the index of the referenced object in a list with these `names`, or `None` if there is none. If
+    /// several objects share a name, the first one counts.
     pub fn place_in<'a>(&self, mut names: impl ExactSizeIterator<Item = &'a str>) -> Option<usize> {
         match self {
             Self::Index(index) => (*index < names.len()).then_some(*index),
@@ -89,44 +92,43 @@ impl fmt::Display for NameOrIndex {
     }
 }
 
-/// What came of a drag.
+/// Result of a drag.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Dragged {
-    /// Whether the feature lies under the cursor.
     pub status: DragStatus,
-    /// What keeps a limited one from going on.
+    /// Limit that stopped a `limited` drag.
     pub limit: Option<DragLimit>,
-    /// Why a refused one is.
+    /// Reason of a `refused` drag.
     pub reason: Option<DragReason>,
-    /// The pin that keeps it, by its index in the drag.
+    /// Index of the pin that stopped the drag, in the drag's `pins`.
     pub pin: Option<usize>,
-    /// On the screen, from `to` to where the feature lies now; `null` where it is not in the picture.
+    /// Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
     pub residual_px: Option<f64>,
-    /// The node that shadows M' besides the one whose shadow is dragged.
+    /// Node that shadows M', other than the caster of the dragged shadow.
     pub shadowed_by: Option<String>,
-    /// Steps of the solver.
+    /// Number of solver iterations.
     pub iterations: usize,
-    /// How long it took, picks included.
+    /// Duration of the drag in seconds, picks included.
     pub seconds: f64,
-    /// M.
+    /// World position of M.
     pub from_world: Option<[f64; 3]>,
-    /// M'.
+    /// World position of M'.
     pub to_world: Option<[f64; 3]>,
-    /// What throws the shadow that is dragged.
+    /// World position on the caster of the dragged shadow.
     pub pivot_world: Option<[f64; 3]>,
-    /// The light as it is then.
+    /// Light after the drag.
     pub light: Light,
 }
 
-/// Reads a drag file's text.
+/// Parses the text of a drag file.
 pub fn parse(text: &str) -> Result<Vec<FileDrag>, FileError> {
     from_json(text)
 }
 
 impl FileDrag {
-    /// What is asked of the light, where `is_dragged` says of which lights the names are that light's; and for each of its pins
-    /// which of this drag's pins that is.
+    /// Converts to the domain. `is_dragged` returns true for references to the dragged light; pins of other
+    /// lights are left out. Also returns, for each pin of the result, its index in `pins` of this drag.
     pub fn to_domain(&self, is_dragged: impl Fn(&NameOrIndex) -> bool) -> (drag::Drag, Vec<usize>) {
         let of_light = self.pins.iter().flatten().enumerate().filter(|(_, pin)| is_dragged(&pin.light));
         let (indices, pins) = of_light.map(|(index, pin)| (index, pin.to_domain())).unzip();
@@ -155,8 +157,8 @@ impl DragPin {
 }
 
 impl Dragged {
-    /// What came of a drag in a scene whose nodes are called `name`, after so many seconds; `pins` are the indices that
-    /// [`FileDrag::to_domain`] gave.
+    /// Converts the result of a drag that took `seconds`. `name` returns the name of a node. `pins` are the
+    /// indices that [`FileDrag::to_domain`] returned.
     pub fn new(landing: &DragResult, pins: &[usize], name: impl Fn(usize) -> String, seconds: f64) -> Self {
         let (status, limit, reason, pin) = status_parts(landing.status);
         let array = |position: Option<DVec3>| position.map(|position| position.to_array());

@@ -1,4 +1,4 @@
-//! Why a file is refused, and reading JSON so that the reason names the place.
+//! Errors of files and of conversions, and JSON parsing whose errors name the field.
 
 use document::{EditError, InvalidAssetHash};
 use light::LightError;
@@ -10,78 +10,79 @@ use thiserror::Error;
 use crate::ErrorCode;
 use crate::words::{json_wording, syntax_error_wording};
 
-/// Why a light file or a point file is refused. The caller knows the file's name and puts it in front.
+/// Error of a file. The caller knows the file's name and puts it in front.
 #[derive(Debug, Error)]
 pub enum FileError {
     /// The text is not JSON.
     #[error("not valid JSON: {} (numbers must be finite; JSON has no NaN or Infinity)", syntax_error_wording(&.0.to_string()))]
     Syntax(serde_json::Error),
-    /// The JSON does not have the shape of what it should hold.
+    /// The JSON has another shape than expected.
     #[error("{place}{problem}")]
     Shape {
-        /// Path of the field and a colon, or empty where the whole is meant.
+        /// Path of the field and a colon; empty for the whole value.
         place: String,
-        /// What is wrong there and what was expected.
+        /// The value found, and what was expected.
         problem: String,
     },
     /// The light cannot be evaluated.
     #[error("{place}{reason}")]
     Model {
-        /// Which light of the file and a colon, or empty where there is one.
+        /// Index of the light in the file and a colon; empty if the file has one light.
         place: String,
-        /// Why not, and what to change.
+        /// The fault, and what to change.
         reason: LightError,
     },
-    /// A log or a record of a format that this program does not know: [`Refused::Format`].
+    /// The log or record has a format that this program does not know: [`Refused::Format`].
     #[error("{0}")]
     Format(Refused),
-    /// A reference in a log that leads nowhere.
+    /// A reference in a log cannot be resolved.
     #[error("{0}")]
     Reference(String),
 }
 
-/// Why what is well-formed JSON has no meaning in the domain.
+/// Error of well-formed JSON that has no meaning in the domain.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Refused {
-    /// A light that cannot be evaluated.
+    /// The light cannot be evaluated.
     #[error("{0}")]
     Light(#[from] LightError),
-    /// An asset that is not named by its hash.
+    /// The asset is not named by its hash.
     #[error("{0}")]
     Asset(#[from] InvalidAssetHash),
-    /// Something that the document does not allow.
+    /// The document does not allow the edit.
     #[error("{0}")]
     Edit(#[from] EditError),
-    /// What names no value of a document.
+    /// The address names no parameter, or the value does not fit it.
     #[error("{0}")]
     Address(String),
-    /// Radii that are to be solved for where nothing is.
+    /// `radii` is `solve` for a drag without a solver.
     #[error("`radii` of `dragPoint` is \"keep\" or \"follow\": \"solve\" is for `dragFeature`")]
     SolvedRadii,
-    /// How a drag ended, told in parts that do not fit together.
+    /// The parts of a drag's outcome contradict one another.
     #[error("{0}: the log was changed; export it again")]
     Outcome(&'static str),
-    /// A record of a format that this program does not know.
+    /// The record has a format that this program does not know.
     #[error(
         "format {found} is not known to this program, which knows formats 1 to {}: use a newer program",
-        crate::FORMAT
+        crate::format::FORMAT
     )]
-    Format {
-        /// What it says.
-        found: u32,
-    },
-    /// A record that holds what its format did not have.
+    Format { found: u32 },
+    /// The record holds a parameter or a type of light that came after its format.
     #[error("format {format} has no `{what}`, which came later: the log was changed; export it again")]
     Younger {
-        /// Of the record.
         format: u32,
-        /// A parameter, or a light's type.
+        /// Name of the parameter, or type of the light.
         what: &'static str,
     },
 }
 
+/// Returns an error for a format that this version cannot read.
+pub(crate) fn check_format(found: u32) -> Result<(), Refused> {
+    if (1..=crate::format::FORMAT).contains(&found) { Ok(()) } else { Err(Refused::Format { found }) }
+}
+
 impl Refused {
-    /// The code that programs act on.
+    /// Returns the code for programs.
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Light(error) => error.into(),
@@ -94,7 +95,7 @@ impl Refused {
 }
 
 impl FileError {
-    /// The same error, said of light `index` of a file of several.
+    /// Returns the same error, with `index` of the light in a file of several lights.
     pub(crate) fn of_light(self, index: usize) -> Self {
         let prefix = |place| format!("light {index}: {place}");
         match self {
@@ -105,10 +106,11 @@ impl FileError {
     }
 }
 
-/// Characters of the input that a sentence quotes.
+/// Characters of the input that a message quotes at most.
 const MAX_QUOTED: usize = 80;
 
-/// A piece of the input within a sentence, its beginning where it is long: sentences are kept as the results of operations.
+/// Returns the start of `text`, of at most `MAX_QUOTED` characters. The limit is needed because messages are
+/// stored as results of operations.
 pub(crate) fn excerpt(text: &str) -> String {
     let mut said: String = text.chars().take(MAX_QUOTED).collect();
     if said.len() < text.len() {
@@ -117,12 +119,12 @@ pub(crate) fn excerpt(text: &str) -> String {
     said
 }
 
-/// Reads a `T` from the text of one JSON value, all of it.
+/// Parses `text`, which must be exactly one JSON value, as a `T`.
 pub(crate) fn from_json<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     seeded_from_json(text, PhantomData)
 }
 
-/// The same of what `seed` reads.
+/// Parses `text`, which must be exactly one JSON value, with `seed`.
 pub(crate) fn seeded_from_json<'de, S: DeserializeSeed<'de>>(
     text: &'de str,
     seed: S,
@@ -142,7 +144,8 @@ pub(crate) fn seeded_from_json<'de, S: DeserializeSeed<'de>>(
 }
 
 fn refused(place: String, error: serde_json::Error) -> FileError {
-    // serde_json calls a fixed-length array's surplus a syntax error; inside a value it is one of shape.
+    // serde_json reports a surplus item of a fixed-length array as a syntax error. Inside a value it is an
+    // error of shape.
     if error.to_string().starts_with("trailing characters") && !place.is_empty() {
         return FileError::Shape {
             place,
@@ -152,8 +155,8 @@ fn refused(place: String, error: serde_json::Error) -> FileError {
     if !error.is_data() {
         return FileError::Syntax(error);
     }
-    // The path says where; a line and column would count from the start of the light, not of the file. And
-    // the reader knows JSON's words, not Rust's.
+    // The path names the field. A line and column would count from the start of the light, not of the file. The
+    // translation replaces Rust's terms by JSON's.
     let text = error.to_string();
     let problem = text.rsplit_once(" at line ").map_or(text.as_str(), |(problem, _)| problem);
     FileError::Shape { place, problem: json_wording(problem) }

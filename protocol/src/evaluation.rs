@@ -1,30 +1,29 @@
-//! Where a point lies in a light, in JSON.
+//! Light coordinates and visibility of a point, in JSON.
 
 use light::TubeLocation;
 use serde::Serialize;
 
-/// Where one world position lies in a light.
+/// Evaluation of a light at one world position.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Evaluation {
-    /// Whether the point is inside the tube.
+    /// True if the point is inside the tube.
     pub inside: bool,
-    /// Where in the tube; in JSON these fields stand beside the others, and only when `inside`.
+    /// Position in the tube. Its fields stand beside the others in JSON, and only if `inside`.
     #[serde(flatten)]
     pub point: Option<TubePoint>,
-    /// Whether light gets there; in JSON these fields stand beside the others, and only when `inside` and asked
-    /// for.
+    /// Visibility of the light. Its fields stand beside the others in JSON, and only if `inside` and requested.
     #[serde(flatten)]
     pub visibility: Option<Visibility>,
-    /// Every in-tube solution t, ascending; one at a joint is counted once.
+    /// All solutions t inside the tube, ascending. A solution at a joint is counted once.
     pub roots: Vec<f64>,
 }
 
-/// Whether light gets to a point through a scene.
+/// Visibility of a light from a point in a scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Visibility {
-    /// Whether nothing is in the way.
+    /// True if no occluder lies on the light path.
     pub visible: bool,
-    /// Name of the first node on the light's way that stops it; null where none does.
+    /// Name of the first occluder's node along the light path; `null` if there is none.
     pub occluder: Option<String>,
 }
 
@@ -41,14 +40,14 @@ pub struct TubePoint {
     pub v: f64,
     /// Second cross-section coordinate in units of the radius.
     pub w: f64,
-    /// Radius of the tube there, in world units.
+    /// Radius of the tube at t, in world units.
     pub radius: f64,
     /// Unit vector in world space, from the surface to the light.
     pub direction: [f64; 3],
 }
 
 impl Evaluation {
-    /// Of a located point, and what was found on its light's way.
+    /// Converts a located point, together with the visibility that was traced for it.
     pub fn new(location: &TubeLocation, visibility: Option<Visibility>) -> Self {
         let point = location.point.map(|p| TubePoint {
             segment: p.segment,

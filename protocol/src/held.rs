@@ -1,7 +1,7 @@
-//! Values that a log holds already: written once, referred to afterwards (SPEC, REC-6).
+//! References to values that a log already holds (SPEC, REC-6).
 //!
-//! All of this works on the text of lines and knows no field but `sameAs`: what is long and comes again is written
-//! short, whatever a record will hold one day.
+//! The module works on the text of lines and knows no field but `sameAs`. So it also shortens the values of
+//! fields that a later format adds.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -13,25 +13,25 @@ use sha2::{Digest, Sha256};
 use crate::log_line::{FindLine, ReadError, to_line};
 use crate::{FileError, MAX_RECORD_BYTES};
 
-/// Objects and arrays with more bytes of JSON than this are written once.
+/// Objects and arrays with more bytes of JSON than this occur once in a log, and as references afterwards.
 pub const MIN_HELD_BYTES: usize = 1_024;
-/// How deep values that are referred to may refer on. Each is a part of the one before, and so it is never more than the
-/// depth of a record's JSON.
+/// Maximum depth of references within referenced values. Each such value is a part of the one before, so the
+/// depth never exceeds that of a record's JSON.
 const MAX_DEPTH: usize = 16;
 
-/// How a reference begins. Inside a string it cannot stand like that: there its quotes are escaped.
+/// Start of every reference. It cannot occur inside a string, because there its quotes are escaped.
 const REFERENCE_PREFIX: &str = r#"{"sameAs":"#;
 
-/// Where in a log a value stands.
+/// Position of a value in a log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct LogPosition {
-    /// Sequence of the record that holds it.
+    /// Sequence number of the record that holds the value.
     pub record: u64,
-    /// The byte of the record's line at which the value begins.
+    /// Index of the value's first byte in the record's line.
     pub at: usize,
 }
 
-/// Stands instead of a value that the log holds already.
+/// JSON that replaces a value which the log already holds.
 #[derive(Serialize, Deserialize)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 struct Reference {
@@ -47,31 +47,32 @@ struct Target {
     hash: String,
 }
 
-/// A record's line, with references.
+/// Line of a record, with references.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CompactLine {
-    /// The line, without its end.
+    /// Text without the line end.
     pub text: String,
-    /// The values that it is the first to hold: the hash of each in full, and where it begins.
+    /// Values that the log holds first in this line: hash of the JSON in full, and byte index in the line.
     pub new_values: Vec<(String, usize)>,
 }
 
-/// Shortens the JSON of record `seq`, which has no references. `find_place` tells where the value of a hash stands, if
-/// the log holds it.
+/// Replaces long values in the JSON of record `seq`, which has no references, by references.
+///
+/// `find_place` returns the position of the value with a hash, if the log holds it.
 pub fn compact<E>(
     text: &str,
     seq: u64,
     find_place: impl FnMut(&str) -> Result<Option<LogPosition>, E>,
 ) -> Result<CompactLine, E> {
     let mut spans = long_values(text);
-    // Outer ones first.
+    // Sorts outer values before inner ones.
     spans.sort_by_key(|span| (span.start, std::cmp::Reverse(span.end)));
     let line = CompactLine { text: String::with_capacity(text.len()), new_values: Vec::new() };
     let own = HashMap::new();
     let mut writer = CompactLineWriter { text, seq, find_place, new_positions: own, copied: 0, line };
     let mut written_to = 0;
     for span in spans {
-        // Within a value that was replaced?
+        // False for a value inside one that was replaced.
         if span.start >= written_to {
             written_to = writer.write(span)?;
         }
@@ -80,21 +81,21 @@ pub fn compact<E>(
     Ok(writer.line)
 }
 
-/// A line that is being shortened.
+/// Writer of one compact line.
 struct CompactLineWriter<'a, F> {
     text: &'a str,
     seq: u64,
     find_place: F,
-    /// Where the values begin that this line is the first to hold.
+    /// Byte indices, by hash, of the values that this line holds first.
     new_positions: HashMap<String, usize>,
-    /// How much of the text is written.
+    /// Number of bytes of `text` that are written.
     copied: usize,
     line: CompactLine,
 }
 
 impl<E, F: FnMut(&str) -> Result<Option<LogPosition>, E>> CompactLineWriter<'_, F> {
-    /// Writes a reference to the value where it is held, else all that stands before the value. Returns up to where
-    /// nothing is left to write.
+    /// Writes a reference if the log holds the value, else all text before the value. Returns the number of
+    /// bytes of `text` that are written.
     fn write(&mut self, span: Range<usize>) -> Result<usize, E> {
         let hash = hash(&self.text[span.clone()]);
         let own = self.new_positions.get(&hash).map(|&at| LogPosition { record: self.seq, at });
@@ -118,7 +119,7 @@ impl<E, F: FnMut(&str) -> Result<Option<LogPosition>, E>> CompactLineWriter<'_, 
     }
 }
 
-/// The lines that later ones may refer to.
+/// Cache of the lines that later lines may refer to.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LineCache {
     lines: HashMap<u64, Arc<str>>,
@@ -126,7 +127,7 @@ pub(crate) struct LineCache {
 }
 
 impl LineCache {
-    /// Keeps the line of record `seq`.
+    /// Caches the line of record `seq`.
     pub fn keep(&mut self, line: &str, seq: u64) -> Arc<str> {
         let line: Arc<str> = line.into();
         if self.lines.insert(seq, Arc::clone(&line)).is_none() {
@@ -135,8 +136,8 @@ impl LineCache {
         line
     }
 
-    /// The JSON in full of record `seq`, which has at most [`MAX_RECORD_BYTES`]. Its line is kept, and those that it
-    /// refers to.
+    /// Returns the JSON in full of record `seq`, at most [`MAX_RECORD_BYTES`]. Caches its line and those that
+    /// it refers to.
     pub fn expand<E>(
         &mut self,
         line: &str,
@@ -150,23 +151,23 @@ impl LineCache {
         Ok(whole)
     }
 
-    /// Bytes of the lines that are kept.
+    /// Returns the bytes of the cached lines.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 }
 
-/// The expansion of a record.
+/// Expansion of one record.
 struct LineExpansion<'a, 'f, E> {
     held: &'a mut LineCache,
-    /// Which record.
+    /// Sequence number of the record.
     of: u64,
     find_line: &'a mut FindLine<'f, E>,
     whole: &'a mut String,
 }
 
 impl<E> LineExpansion<'_, '_, E> {
-    /// Appends what stands from `from` to byte `end` of its line, in full.
+    /// Appends the text from `from` to byte `end` of its line, in full.
     fn expand(
         &mut self,
         line: &str,
@@ -201,7 +202,7 @@ impl<E> LineExpansion<'_, '_, E> {
             if self.whole.len() > MAX_RECORD_BYTES {
                 return Err(self.refused(&format!("has more than {MAX_RECORD_BYTES} bytes in full")));
             }
-            // What is short is never referred to; so no line can make work that is not seen in its length.
+            // Short values are never referred to. So the work for a line is bounded by its length.
             let value = &self.whole[start..];
             if value.len() <= MIN_HELD_BYTES || self::hash(value) != hash {
                 return Err(self.refused(&lost));
@@ -224,7 +225,8 @@ impl<E> LineExpansion<'_, '_, E> {
     }
 }
 
-/// Where the outermost references of a line begin, from byte `at` on, which is not in a string.
+/// Returns the byte indices of the outermost references of a line, from byte `at` on. Byte `at` is not in a
+/// string.
 fn reference_starts(line: &str, at: usize) -> impl Iterator<Item = usize> {
     let mut scan = Scan::default();
     (at..line.len()).filter(move |&here| {
@@ -235,7 +237,7 @@ fn reference_starts(line: &str, at: usize) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Where the object or array that begins at byte `at` of a line ends; `None` where none does.
+/// Returns the end of the object or array that begins at byte `at` of a line, or `None` if none does.
 fn value_end(line: &str, at: usize) -> Option<usize> {
     if !matches!(line.as_bytes().get(at)?, b'{' | b'[') {
         return None;
@@ -245,24 +247,24 @@ fn value_end(line: &str, at: usize) -> Option<usize> {
     closed.find(|span| span.start == at).map(|span| span.end)
 }
 
-/// The spans of the long objects and arrays of a line, but for the line itself.
+/// Returns the byte ranges of the long objects and arrays of a line, without the line itself.
 fn long_values(line: &str) -> Vec<Range<usize>> {
     let mut scan = Scan::default();
     let closed = line.bytes().enumerate().filter_map(|(at, byte)| scan.take(byte, at));
     closed.filter(|span| span.start > 0 && span.len() > MIN_HELD_BYTES).collect()
 }
 
-/// Where in a JSON text a scan is.
+/// State of a scan over JSON text.
 #[derive(Default)]
 struct Scan {
     in_string: bool,
     escaped: bool,
-    /// Where the objects and arrays around this place begin.
+    /// Byte indices of the starts of the enclosing objects and arrays.
     open: Vec<usize>,
 }
 
 impl Scan {
-    /// Takes in the byte at `at`: the span of the object or array that it closes.
+    /// Scans the byte at index `at`. Returns the range of the object or array that it closes.
     fn take(&mut self, byte: u8, at: usize) -> Option<Range<usize>> {
         if self.in_string {
             match byte {

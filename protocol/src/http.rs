@@ -5,219 +5,219 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Actor, Camera, Command, Document, EditResult, Problem, Scope, Vec3};
 
-/// `POST /sessions`.
+/// Body of `POST /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct NewSession {
-    /// 1 to 64 of `a-z A-Z 0-9 - _ .`, the first a letter or a digit.
+    /// Name of 1 to 64 characters of `a-z A-Z 0-9 - _ .`, the first a letter or a digit.
     pub name: String,
-    /// What people call it: 1 to 256 bytes of a line of text; its name by default.
+    /// Title for people, one line of 1 to 256 bytes. Default: the name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
-    /// Scene to load: `"demo:NAME"` or `"sha256:HEX"`; an empty document by default.
+    /// Scene to load: `"demo:NAME"` or `"sha256:HEX"`. Default: an empty document.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scene: Option<String>,
-    /// Who loads it; by default `{"id": "api", "name": "API"}`.
+    /// Actor that loads the scene. Default: `{"id": "api", "name": "API"}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actor: Option<Actor>,
 }
 
-/// `PATCH /sessions/S`. What is left out stays.
+/// Body of `PATCH /sessions/S`. Fields that are left out stay as they are.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionChange {
-    /// What people call it: 1 to 256 bytes of a line of text.
+    /// Title for people, one line of 1 to 256 bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
-    /// `true` archives it, `false` brings it back.
+    /// `true` archives the session, `false` restores it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub archived: Option<bool>,
 }
 
-/// `POST /sessions/S/duplicate`.
+/// Body of `POST /sessions/S/duplicate`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Duplicate {
-    /// The new session's name, as in [`NewSession`].
+    /// Name of the new session, as in [`NewSession`].
     pub name: String,
-    /// What people call the new one; its name by default.
+    /// Title of the new session. Default: its name.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub title: Option<String>,
 }
 
-/// An entry of `GET /sessions`.
+/// Entry of `GET /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionEntry {
-    /// What addresses and its log call it; it stays.
+    /// Name in addresses and in the log. It never changes.
     pub name: String,
-    /// What people call it, by default its name.
+    /// Title for people. Default: the name.
     pub title: String,
-    /// Names the history that `seq` counts in. Both together name a picture of it.
+    /// Id of the history that `seq` counts in. Epoch and `seq` together identify a state of the document.
     pub epoch: String,
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// How many clients are connected.
+    /// Number of connected clients.
     pub clients: usize,
-    /// What those who are connected are called, each person once, in the order in which they came.
+    /// Names of the connected actors, each actor once, in order of arrival.
     pub people: Vec<String>,
-    /// It is left out of the list that does not ask for those, and can be deleted.
+    /// True if the session is archived. `GET /sessions` leaves it out by default, and it can be deleted.
     pub archived: bool,
-    /// When it was made on this server, in milliseconds since 1970; `null` where that is not known.
+    /// Time of creation on this server, in milliseconds since 1970; `null` if unknown.
     pub made_ms: Option<u64>,
-    /// Its latest record; `null` before the first.
+    /// Latest record; `null` before the first.
     pub changed: Option<LastChange>,
 }
 
-/// The latest record of a session.
+/// Latest record of a session.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LastChange {
-    /// When it was made, in milliseconds since 1970.
+    /// Time of the record, in milliseconds since 1970.
     pub time_ms: u64,
-    /// What who made it is called.
+    /// Name of the actor.
     pub actor: String,
 }
 
-/// `GET /sessions`.
+/// Answer to `GET /sessions`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionList {
-    /// In the order of names.
+    /// Sessions, sorted by name.
     pub sessions: Vec<SessionEntry>,
 }
 
-/// `GET /scenes`: the scenes that come with the server.
+/// Answer to `GET /scenes`: the demo scenes of the server.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DemoScenes {
-    /// In the order in which they are offered.
+    /// Demo scenes, in the order of presentation.
     pub demos: Vec<DemoScene>,
 }
 
-/// One of [`DemoScenes`].
+/// Entry of [`DemoScenes`].
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct DemoScene {
-    /// What [`NewSession`] and `loadScene` take: `"demo:NAME"`.
+    /// Name as [`NewSession`] and `loadScene` take it: `"demo:NAME"`.
     pub scene: String,
-    /// For people.
+    /// Name for people.
     pub name: String,
-    /// What is to be seen in it.
+    /// Description of the scene's content.
     pub shows: String,
 }
 
-/// `GET /sessions/S` and the answer to `POST /sessions`.
+/// Answer to `GET /sessions/S` and `POST /sessions`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SessionState {
-    /// The session's name.
+    /// Name of the session.
     pub name: String,
-    /// Names the history that `seq` counts in.
+    /// Id of the history that `seq` counts in.
     pub epoch: String,
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// The document's hash after it.
+    /// Hash of the document after that record.
     pub hash: String,
-    /// As it is after that record.
+    /// Document after that record.
     pub document: Document,
-    /// What of its scene's file is not drawn or was changed, a sentence each.
+    /// Notes on the scene's file, one sentence each: content that is not drawn or was changed.
     pub notes: Vec<String>,
 }
 
-/// `GET /sessions/S/nodes`.
+/// Answer to `GET /sessions/S/nodes`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct SceneNodes {
     /// Paths of nodes, for links, in the order of the scene.
     pub paths: Vec<String>,
-    /// How many more there are.
+    /// Number of further nodes that `paths` leaves out.
     pub left_out: usize,
 }
 
-/// `POST /sessions/S/edits`.
+/// Body of `POST /sessions/S/edits`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Edits {
-    /// Who; by default `{"id": "api", "name": "API"}`.
+    /// Actor of the edits. Default: `{"id": "api", "name": "API"}`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actor: Option<Actor>,
-    /// What to do, in order.
+    /// Edits, in the order of execution.
     pub edits: Vec<Edit>,
-    /// Whether all of it is one step, done as a whole or not at all. Then each edit has a command and no `opId`, and none loads a
-    /// scene.
+    /// True if all edits are one step, which is committed as a whole or not at all. Then each edit has a
+    /// command and no `opId`, and none loads a scene.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub atomic: bool,
-    /// The sender's name for such a step, as an edit has one otherwise.
+    /// Operation id of the step if `atomic` is true. Otherwise each edit has an operation id.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub op_id: Option<String>,
 }
 
-/// One of [`Edits`]: exactly one of `command`, `undo` and `redo`.
+/// Edit of [`Edits`]: exactly one of `command`, `undo` and `redo`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Edit {
-    /// The sender's name for it, so that a repeated request does no harm; made up by default.
+    /// Operation id, chosen by the sender. The server does not repeat an operation with the same id. Default: a
+    /// random id.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub op_id: Option<String>,
-    /// The latest record that the sender knew; by default the latest there is.
+    /// Sequence number of the latest record that the sender knew. Default: the latest record.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub base_seq: Option<u64>,
-    /// A command.
+    /// Command to execute.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub command: Option<Command>,
-    /// Take back a step.
+    /// Undoes the latest step of this scope.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub undo: Option<Scope>,
-    /// Take back an undo.
+    /// Redoes the latest undo of this scope.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub redo: Option<Scope>,
 }
 
-/// The answer to [`Edits`].
+/// Answer to [`Edits`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct EditResults {
-    /// One an edit, in order; one of all where they are one step.
+    /// Results, one for each edit in order, or one for the whole step if `atomic` is true.
     pub results: Vec<EditResult>,
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// The document's hash after it.
+    /// Hash of the document after that record.
     pub hash: String,
 }
 
-/// The body of `POST /sessions/S/pick`.
+/// Body of `POST /sessions/S/pick`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Pick {
-    /// Who looks; it need not be one of the document's.
+    /// Camera of the picture. It need not belong to the document.
     pub camera: Camera,
 }
 
-/// The answer to [`Pick`].
+/// Answer to [`Pick`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Picked {
-    /// The point of the scene in the middle of the camera's picture, in the world; `null` where there is none.
+    /// World position of the surface in the middle of the camera's picture; `null` if there is none.
     pub point: Option<Vec3>,
 }
 
-/// The answer to `POST /assets`.
+/// Answer to `POST /assets`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Asset {
     /// `sha256:` and 64 hexadecimal digits.
     pub asset: String,
-    /// What people call the scene, and documents that load it from now on.
+    /// Name of the scene for people. Documents that load the scene from now on have it.
     pub name: String,
-    /// What of the file is not drawn or was changed, a sentence each.
+    /// Notes on the file, one sentence each: content that is not drawn or was changed.
     pub notes: Vec<String>,
 }
 
-/// Every refused request's answer.
+/// Answer to every refused request.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ErrorBody {
-    /// What is wrong.
     pub error: Problem,
 }

@@ -1,8 +1,13 @@
-//! The one serialised form of BendyLights: light files, documents, commands, records, messages.
+//! The JSON of BendyLights: light files, drag and point files, documents, commands, records, logs and messages.
 //!
-//! `SPEC.md` beside this crate's manifest says what they mean. There are two shapes of each thing, this one and the
-//! domain's ([`scene`], [`edit`]), and they are converted here and nowhere else. Reading validates: a light that comes out
-//! can be evaluated. Numbers keep every bit both ways.
+//! This crate has the only wire types and the only conversions between them and the domain ([`scene`],
+//! [`edit`]). A conversion into the domain validates, so a light that results from it can be evaluated. Numbers
+//! keep every bit in both directions. JSON Schema and OpenAPI come from the wire types.
+//!
+//! The crate knows no socket, no HTTP server and no disk. `SPEC.md` beside its manifest says what each message,
+//! field and record means.
+//!
+//! Begin with `Command`, `Record` and `ClientMessage`. `ErrorCode` lists all refusals.
 
 mod checkpoint;
 mod code;
@@ -12,6 +17,7 @@ mod drag;
 pub mod drag_file;
 mod error;
 mod evaluation;
+mod format;
 mod held;
 mod http;
 mod light;
@@ -30,6 +36,7 @@ mod render_request;
 mod schema;
 mod stats;
 mod variants;
+mod vector;
 mod words;
 
 pub use self::drag::{
@@ -40,11 +47,11 @@ pub use checkpoint::{LightTouch, PastUndo, Renumbering, SessionCheckpoint};
 pub use code::{ErrorCode, Problem};
 pub use command::{CameraParameter, Command};
 pub use document::{
-    Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, Quat, SceneRef, Vec3,
-    json_around_document,
+    Bounds, Camera, Document, DocumentCamera, DocumentLight, Projection, SceneRef, json_around_document,
 };
 pub use error::{FileError, Refused};
 pub use evaluation::{Evaluation, TubePoint, Visibility};
+pub use format::FORMAT;
 pub use held::{CompactLine, LogPosition, MIN_HELD_BYTES, compact};
 pub use http::{
     Asset, DemoScene, DemoScenes, Duplicate, Edit, EditResults, Edits, ErrorBody, LastChange, NewSession,
@@ -68,8 +75,7 @@ pub use probe::{
     ProbedPlace, ProbedSurface,
 };
 pub use record::{
-    Action, Actor, Change, ControlPoints, FORMAT, MAX_RECORD_BYTES, PlacedLight, Record, RecordedCommand,
-    Scope,
+    Action, Actor, Change, ControlPoints, MAX_RECORD_BYTES, PlacedLight, Record, RecordedCommand, Scope,
 };
 pub use render_request::{
     Aovs, CameraChoice, RenderBackground, RenderFormat, RenderLimits, RenderParameters, RenderRefusal,
@@ -77,3 +83,4 @@ pub use render_request::{
 };
 pub use schema::{SchemaSide, json_schema};
 pub use stats::{Cause, FrameQuality, FrameStats, Pass, PassRun, TraceLine, TraceWhat};
+pub use vector::{Quat, Vec3};

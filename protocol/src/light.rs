@@ -1,7 +1,8 @@
-//! A light in JSON, and its conversion from and to the domain.
+//! Lights in JSON, and their conversion from and to the domain.
 //!
-//! Fields are the rows of the table, by their paths; of a BendyLight the control points' come as lists. Unknown fields are
-//! refused by name. Lengths are light-local or world units as the rows say, colours are linear RGB.
+//! The fields are the rows of the parameter table, by their paths. A BendyLight has lists with the parameters
+//! of its control points. Unknown fields are refused by name. Lengths are in light-local or world units as the
+//! rows say. Colors are linear RGB.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -21,26 +22,26 @@ use serde_json::{Map, json};
 use crate::parameter::{ValueListSeed, ValueSeed, WireValue, WireValues, schema, unknown};
 use crate::words::json_wording;
 
-/// One light. In JSON the field `type` says which.
+/// Light in JSON. The field `type` gives its type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     owner: ParameterOwner,
-    /// Parameters that are given.
+    /// Given parameters, in the order of the table.
     settings: Vec<Setting>,
-    /// Of a BendyLight: the lists that are given, a value of each control point.
+    /// Given lists of a BendyLight, with a value for each control point.
     lists: Vec<(&'static Parameter, Vec<Value>)>,
 }
 
-/// A shape in JSON.
+/// Type of a light in JSON.
 struct Type {
-    /// The word that `type` has.
+    /// Value of the field `type`.
     name: &'static str,
     owner: ParameterOwner,
-    /// What lights of it are called in schemas, and a sentence.
+    /// Name of the type in schemas, and a sentence about it.
     schema: (&'static str, &'static str),
 }
 
-/// Every shape.
+/// All types of lights.
 const TYPES: [Type; 4] = [
     Type {
         name: "bendy",
@@ -67,7 +68,7 @@ fn type_of(owner: ParameterOwner) -> &'static str {
     TYPES.iter().find(|known| known.owner == owner).map_or("", |known| known.name)
 }
 
-/// The shape that `type` names.
+/// Parses the value of the field `type`.
 pub(crate) struct WireLightType(pub ParameterOwner);
 
 impl<'de> Deserialize<'de> for WireLightType {
@@ -80,18 +81,18 @@ impl<'de> Deserialize<'de> for WireLightType {
     }
 }
 
-/// A field of a light's object.
+/// Field of a light's JSON object.
 #[derive(Clone, Copy, PartialEq)]
 enum Field {
     Type,
-    /// An object of parameters whose paths begin with its name.
+    /// Object of the parameters whose paths begin with this name.
     Group(&'static str),
     Parameter(&'static Parameter),
     List(&'static Parameter),
 }
 
 impl Field {
-    /// The fields of a light, in the order in which they are written.
+    /// Returns the fields of a light, in the order of serialization.
     fn all(owner: ParameterOwner) -> Vec<Self> {
         let mut fields = vec![Self::Type];
         for &row in light::parameters_of(owner) {
@@ -117,7 +118,7 @@ impl Field {
     }
 }
 
-/// The parameters of a group and the names that they have in it.
+/// Returns the parameters of a group, each with its name inside the group.
 fn group(owner: ParameterOwner, name: &str) -> impl Iterator<Item = (&'static Parameter, &'static str)> {
     let rows = light::parameters_of(owner).iter();
     rows.filter_map(move |row| row.path.strip_prefix(name)?.strip_prefix('.').map(|field| (*row, field)))
@@ -159,7 +160,7 @@ impl Serialize for Light {
 }
 
 impl<'de> Deserialize<'de> for Light {
-    /// By `type`; the reason for a refusal names the field.
+    /// Parses by `type`. An error names the field.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let said = |error: &serde_json::Error| json_wording(&error.to_string());
         let value = serde_json::Value::deserialize(deserializer)?;
@@ -175,7 +176,7 @@ impl<'de> Deserialize<'de> for Light {
     }
 }
 
-/// Reads a light of that shape.
+/// Parses a light of the given type.
 #[derive(Clone, Copy)]
 pub(crate) struct LightSeed(pub ParameterOwner);
 
@@ -225,7 +226,7 @@ impl<'de> Visitor<'de> for LightSeed {
                 return Err(de::Error::missing_field(field.name()));
             }
         }
-        // In the order of the table, so that equal lights are equal, however their fields were ordered.
+        // Sorts by the table, so that two lights are equal if only the order of their fields differs.
         light.settings.retain(|setting| is_written(self.0, setting.parameter, &setting.value));
         light.settings.sort_by_key(|setting| row_index(self.0, setting.parameter));
         light.lists.sort_by_key(|(row, _)| row_index(ParameterOwner::Point, row));
@@ -233,17 +234,17 @@ impl<'de> Visitor<'de> for LightSeed {
     }
 }
 
-/// Whether a value is written: what is absent unless it is given is not, where it is absent.
+/// Returns true if a value is serialized. An absent value is not, if absence is its default.
 fn is_written(owner: ParameterOwner, row: &Parameter, value: &Value) -> bool {
     *value != Value::Absent || row.default(owner) != Some(Value::Absent)
 }
 
-/// Where a row stands among those of an owner.
+/// Returns the index of a row among the rows of its owner.
 fn row_index(owner: ParameterOwner, row: &Parameter) -> Option<usize> {
     light::parameters_of(owner).iter().position(|known| **known == *row)
 }
 
-/// Reads the settings of a group.
+/// Parses the settings of a group.
 struct GroupSeed(ParameterOwner, &'static str);
 
 impl<'de> DeserializeSeed<'de> for GroupSeed {
@@ -275,7 +276,7 @@ impl<'de> Visitor<'de> for GroupSeed {
     }
 }
 
-/// Reads a field's name and gives its index.
+/// Parses the name of a field and returns its index.
 struct FieldNameSeed<'a>(&'a [&'static str]);
 
 impl<'de> DeserializeSeed<'de> for FieldNameSeed<'_> {
@@ -289,9 +290,9 @@ impl<'de> DeserializeSeed<'de> for FieldNameSeed<'_> {
 }
 
 impl Light {
-    /// What it holds that formats 1 and 2 did not have.
+    /// Returns the name of something in the light that formats 1 and 2 did not have.
     pub(crate) fn missing_in_format_2(&self) -> Option<&'static str> {
-        // Lights of every type had a name.
+        // In those formats lights of every type had a name, so a type without one is unknown to them.
         let is_known = was_in_format_2(self.owner, light::parameters::NAME.name);
         let settings = self.settings.iter().map(|setting| (self.owner, setting.parameter));
         let lists = self.lists.iter().map(|(row, _)| (ParameterOwner::Point, *row));
@@ -299,7 +300,7 @@ impl Light {
         if is_known { younger.next().map(|(_, row)| row.path) } else { Some(type_of(self.owner)) }
     }
 
-    /// Cuts a name that is longer than a document holds.
+    /// Cuts a name that is longer than the limit of documents.
     pub(crate) fn cut_name(&mut self) {
         for Setting { parameter, value } in &mut self.settings {
             if **parameter == *light::parameters::NAME
@@ -314,7 +315,7 @@ impl Light {
         self.settings.iter().find(|setting| *setting.parameter == *row).map(|setting| &setting.value)
     }
 
-    /// The control points that the lists come to.
+    /// Returns the control points that the lists describe, or an error if their lengths differ.
     fn points(&self) -> Result<Vec<ControlPoint>, LightError> {
         let given = |row: &Parameter| self.lists.iter().find(|(known, _)| **known == *row);
         let rows = light::parameters_of(ParameterOwner::Point);
@@ -376,7 +377,7 @@ impl TryFrom<Light> for CheckedLight {
     }
 }
 
-/// Lights of the shape with that index in [`TYPES`].
+/// Schema of the light type with this index in [`TYPES`].
 struct LightTypeSchema<const TYPE: usize>;
 
 fn light_schema(owner: ParameterOwner, doc: &str, generator: &SchemaGenerator) -> Schema {

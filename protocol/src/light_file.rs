@@ -1,4 +1,4 @@
-//! Light files: JSON with one light, or an array of lights.
+//! Light files: JSON with one light or an array of lights.
 
 use light::CheckedLight;
 use serde::{Deserialize, Serialize};
@@ -10,13 +10,14 @@ use crate::error::{from_json, seeded_from_json};
 use crate::light::{LightSeed, WireLightType};
 use crate::{FileError, Light};
 
-/// Reads a light file's text: one light, or an array of them, each valid. An empty array holds no lights. Long names are
-/// cut, as those of glTF files are.
+/// Parses the text of a light file, and checks each light. An empty array holds no lights. Long names are cut,
+/// like those in glTF files.
 pub fn parse(text: &str) -> Result<Vec<CheckedLight>, FileError> {
     if !text.trim_start().starts_with('[') {
         return Ok(vec![parse_light(text)?]);
     }
-    // Each light's own text, so that its `type` can choose how it is read and the reason still names the field.
+    // Each light is parsed from its own text, so that its `type` selects the parser and an error still names
+    // the field.
     from_json::<Vec<Box<RawValue>>>(text)?
         .iter()
         .enumerate()
@@ -36,7 +37,8 @@ fn parse_light(text: &str) -> Result<CheckedLight, FileError> {
     CheckedLight::try_from(light).map_err(|reason| FileError::Model { place: String::new(), reason })
 }
 
-/// A light file's text with one light: a line a field, every field given, ending without a newline.
+/// Returns the text of a light file with one light: each field in a line, all fields present, no newline at the
+/// end.
 ///
 /// [`parse`] gives the same light back, bit for bit. The light's numbers must be finite, as those of every
 /// valid light are.
@@ -48,7 +50,7 @@ pub fn to_json(light: &light::Light) -> String {
     String::from_utf8(text).expect("serde_json writes UTF-8")
 }
 
-/// The outermost object's fields on lines of their own, everything inside them in one line.
+/// JSON formatter that puts each field of the outermost object in a line of its own.
 #[derive(Default)]
 struct LinePerField {
     depth: usize,

@@ -1,4 +1,5 @@
-//! Log files: a header, records and checkpoints, a line each (SPEC, section 5), proven on the way.
+//! Log files: a header, then records and checkpoints, one per line (SPEC, section 5). Reading computes the
+//! proof.
 
 use std::convert::Infallible;
 
@@ -7,62 +8,60 @@ use serde::{Deserialize, Serialize};
 
 use sha2::{Digest, Sha256};
 
-use crate::error::from_json;
+use crate::error::{check_format, from_json};
 use crate::held::{LineCache, MIN_HELD_BYTES};
 use crate::log_line::{FindLine, ReadError, to_line};
-use crate::record::check_format;
 use crate::{FileError, Record};
 
-/// The first line of a log file.
+/// First line of a log file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct LogHeader {
-    /// [`crate::FORMAT`] of the program that made the session.
+    /// Format of the program that created the session, see [`crate::FORMAT`].
     pub format: u32,
     /// Name of the session.
     pub session: String,
 }
 
-/// What the document's hash is after a record.
+/// Hash of the document after a record.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Checkpoint {
-    /// The record; 0 is the empty document before the first.
+    /// Sequence number of the record; 0 for the empty document before the first.
     pub seq: u64,
-    /// Of the document, 64 hexadecimal digits.
+    /// Hash of the document, 64 hexadecimal digits.
     pub hash: String,
-    /// Of the header and all lines of records up to there ([`next_proof`]), 64 hexadecimal digits. Logs of format 1 have none.
+    /// Proof of the header and of all lines of records up to this one ([`next_proof`]), 64 hexadecimal digits.
+    /// Logs of format 1 have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub proof: Option<String>,
 }
 
-/// A line that says what the hash is.
+/// Line of a log with a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CheckpointLine {
-    /// The checkpoint.
     pub checkpoint: Checkpoint,
 }
 
-/// Any line after the first.
+/// Line of a log after the header.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LogLine {
-    /// A step.
     Record(Box<Record>),
-    /// A hash.
     Checkpoint(Checkpoint),
 }
 
-/// The proof before the first record in logs of formats 2 and 3, which does not cover the header.
+/// Proof before the first record in logs of formats 2 and 3, which does not cover the header.
 pub const FIRST_PROOF: &str = "0000000000000000000000000000000000000000000000000000000000000000";
 
-/// The proof after one more record: SHA-256 over the proof before, its 64 digits, and the record's line as it stands
-/// in the log, without its end. So it covers all that a record says, who did it, when and under which name included.
+/// Computes the proof after one more record: SHA-256 over the 64 digits of the proof before, and over the
+/// record's line in the log, without the line end. So the proof covers the whole record, including actor, time
+/// and operation id.
 pub fn next_proof(before: &str, line: &str) -> String {
     format!("{:x}", Sha256::new().chain_update(before).chain_update(line).finalize())
 }
 
-/// Reads the lines of a log after its header, in order: resolves references and keeps the proof.
+/// Reader of a log's lines after the header, in order. It resolves references and updates the proof.
 #[derive(Clone, Debug)]
 pub struct LogReader {
     held: LineCache,
@@ -70,32 +69,32 @@ pub struct LogReader {
 }
 
 impl Default for LogReader {
-    /// Reads lines whose proof nobody asks for, or those of a log of format 3 or earlier.
+    /// Returns a reader for lines whose proof is not needed, or for a log of format 3 or earlier.
     fn default() -> Self {
         Self::going_on_from(FIRST_PROOF)
     }
 }
 
 impl LogReader {
-    /// Reads a log from its first record.
+    /// Returns a reader that starts at the first record.
     pub fn new(header: &LogHeader) -> Self {
         Self::going_on_from(&header.first_proof(&header.to_json()))
     }
 
-    /// Goes on behind a record whose proof is known. What the records before it hold is asked for when it is needed.
+    /// Returns a reader that starts after a record with this proof. It requests earlier lines when a reference
+    /// needs them.
     pub fn going_on_from(proof: &str) -> Self {
         Self { held: LineCache::default(), proof: proof.into() }
     }
 
-    /// The proof of all records read so far.
+    /// Returns the proof of all records read so far.
     pub fn proof(&self) -> &str {
         &self.proof
     }
 
-    /// Reads one line of a file that has all records from the first.
+    /// Reads a line of a file that has all records from the first.
     pub fn read(&mut self, line: &str) -> Result<LogLine, FileError> {
-        // Checkpoints are told apart by their only field, so that the reason for a refusal names the place in the
-        // shape that was meant.
+        // A checkpoint is recognized by its only field. So an error names the field of the right shape.
         if line.trim_start().starts_with("{\"checkpoint\"") {
             return from_json::<CheckpointLine>(line).map(|line| LogLine::Checkpoint(line.checkpoint));
         }
@@ -106,8 +105,8 @@ impl LogReader {
         }
     }
 
-    /// Reads the line of one record; also gives the bytes of its JSON in full. `find_line` gives the lines of earlier
-    /// records, where they can be had.
+    /// Reads the line of a record. Also returns the bytes of its JSON in full. `find_line` returns the lines of
+    /// earlier records, if they are available.
     pub fn read_record<E>(
         &mut self,
         line: &str,
@@ -118,7 +117,7 @@ impl LogReader {
         Ok(record)
     }
 
-    /// Lets go of what is kept of earlier records once that has more than `most_bytes`.
+    /// Evicts the cached lines of earlier records if they have more than `max_bytes`.
     pub fn keep_at_most(&mut self, max_bytes: usize) {
         if self.held.bytes() > max_bytes {
             self.held = LineCache::default();
@@ -130,7 +129,7 @@ impl LogReader {
         line: &str,
         find_line: &mut FindLine<E>,
     ) -> Result<(Record, usize), ReadError<E>> {
-        // What is short neither holds a long value nor has one left out, and format 1 had no references.
+        // A short line holds no long value and lacks none, and format 1 had no references.
         if line.len() <= MIN_HELD_BYTES && !line.contains("\"sameAs\"") {
             return Ok((Record::parse(line)?, line.len()));
         }
@@ -149,7 +148,7 @@ struct Numbered {
     seq: u64,
 }
 
-/// Which record a line is, before the rest is looked at.
+/// Parses format and sequence number of a record's line before the rest.
 fn numbered(line: &str) -> Result<Numbered, FileError> {
     let numbered: Numbered = from_json(line)?;
     check_format(numbered.format).map_err(FileError::Format)?;
@@ -157,7 +156,7 @@ fn numbered(line: &str) -> Result<Numbered, FileError> {
 }
 
 impl LogLine {
-    /// The line, without its end.
+    /// Returns the line, without the line end.
     pub fn to_json(&self) -> String {
         match self {
             Self::Record(record) => to_line(record),
@@ -167,19 +166,20 @@ impl LogLine {
 }
 
 impl LogHeader {
-    /// Reads the first line.
+    /// Parses the first line.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         let header: Self = from_json(text)?;
         check_format(header.format).map_err(FileError::Format)?;
         Ok(header)
     }
 
-    /// The line, without its end.
+    /// Returns the line, without the line end.
     pub fn to_json(&self) -> String {
         to_line(self)
     }
 
-    /// The proof before the first record, where the header stands in the log as `line`, without its end (SPEC, LOG-4).
+    /// Computes the proof before the first record. `line` is the header in the log, without the line end (SPEC,
+    /// LOG-4).
     pub fn first_proof(&self, line: &str) -> String {
         match self.format {
             ..4 => FIRST_PROOF.to_owned(),

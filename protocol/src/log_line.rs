@@ -1,18 +1,18 @@
-//! Lines of a log: how they are written, and why one is not read.
+//! Lines of a log: serialization, and errors of reading.
 
 use serde::Serialize;
 
 use crate::FileError;
 
-/// Gives the lines of earlier records.
+/// Returns the line of an earlier record by its sequence number.
 pub type FindLine<'a, E> = dyn FnMut(u64) -> Result<Option<String>, E> + 'a;
 
-/// Why a line is not read.
+/// Error of reading a line.
 #[derive(Debug)]
 pub enum ReadError<E> {
-    /// It is no record, or refers to what is not there.
+    /// The line is not a record, or a reference in it cannot be resolved.
     Line(FileError),
-    /// An earlier line could not be had.
+    /// An earlier line could not be read.
     Source(E),
 }
 

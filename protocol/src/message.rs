@@ -10,208 +10,208 @@ use crate::{
     ProbeAnswer, ProbeCamera, Record, Scope,
 };
 
-/// The version of the protocol that `hello` and `welcome` name.
+/// Version of the protocol, as in `hello` and `welcome`.
 pub const PROTOCOL: u32 = 1;
 
-/// What a client sends.
+/// Message from a client.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum ClientMessage {
-    /// The first message.
+    /// Joins a session. It is the first message.
     Hello {
-        /// [`PROTOCOL`].
+        /// Version of the protocol: [`PROTOCOL`].
         protocol: u32,
-        /// The server's token.
+        /// Token of the server.
         token: String,
         /// Name of the session.
         session: String,
-        /// Who is here.
+        /// Actor who uses the client.
         actor: Actor,
-        /// The history that the client knows.
+        /// Id of the history that the client knows.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         epoch: Option<String>,
-        /// The latest record that the client knows.
+        /// Sequence number of the latest record that the client knows.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         last_seq: Option<u64>,
     },
-    /// Asks for frames; another one replaces the view before.
+    /// Opens a view, for which the server sends frames. It replaces the client's earlier view.
     OpenView {
-        /// From where.
         source: ViewSource,
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// The client's number for its camera.
+        /// Number that the client gives its camera.
         camera_revision: u32,
-        /// How the view is from the start; not of one that follows another.
+        /// Initial settings of an own view. A view that follows another has none.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         settings: Option<ViewSettings>,
-        /// What of its pictures may be reduced while something moves, shadow maps unless it says otherwise; not of one that
-        /// follows another.
+        /// Allowed reduction of the pictures while something moves, for an own view. Default: only the
+        /// resolution of shadow maps may be reduced.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         interaction: Option<Interaction>,
-        /// Whether `stats` comes after each frame; of one that follows another too.
+        /// True if a `stats` message comes after each frame, also for a view that follows another.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         stats: bool,
     },
-    /// Moves one's own view; never logged.
+    /// Moves the camera of the client's own view. It is never logged.
     SetCamera {
-        /// Where to.
+        /// New camera.
         camera: Camera,
-        /// The client's number for it.
+        /// Number that the client gives the camera.
         camera_revision: u32,
     },
-    /// Sets how one's own view is; never logged.
+    /// Changes the settings of the client's own view. It is never logged.
     SetView {
-        /// How, all of it.
+        /// All settings of the view.
         settings: ViewSettings,
-        /// Whether `stats` comes after each frame from now on; left out, that stays as it is.
+        /// True if a `stats` message comes after each frame from now on. Default: no change.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stats: Option<bool>,
-        /// The client's number for its camera, which is another although the camera stays: frames say by it which settings
-        /// they show.
+        /// New number of the camera, although the camera stays. Frames identify the settings that they show by
+        /// it.
         camera_revision: u32,
     },
-    /// The view has another size.
+    /// Changes the size of the view.
     Viewport {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
     },
-    /// A frame has been decoded and shown.
+    /// Acknowledges a frame that the client decoded and showed.
     Ack {
-        /// The number in its header.
+        /// Frame number, as in the frame's header.
         frame: u64,
     },
-    /// A frame could not be decoded: the next one is a key frame.
+    /// Reports a frame that the client could not decode. The next frame is a key frame.
     RequestKeyFrame {
-        /// The number in its header.
+        /// Frame number, as in the frame's header.
         frame: u64,
     },
-    /// One command.
+    /// Executes one command.
     Edit {
-        /// The client's name for it; see REC-4.
+        /// Operation id, chosen by the client (REC-4).
         op_id: String,
-        /// The latest record that the client knew.
+        /// Sequence number of the latest record that the client knew.
         base_seq: u64,
-        /// What to change.
         command: Command,
     },
-    /// Begins a drag.
+    /// Begins a drag (a gesture).
     GestureBegin {
-        /// The client's name for it.
+        /// Name of the gesture, chosen by the client.
         gesture: String,
-        /// The light it is on.
+        /// Id of the dragged light.
         light: u64,
-        /// The latest record that the client knew.
+        /// Sequence number of the latest record that the client knew.
         base_seq: u64,
     },
-    /// The latest state of a drag.
+    /// Replaces the state of a drag.
     GestureUpdate {
-        /// The name that it was begun under.
+        /// Name of the gesture, as in `gestureBegin`.
         gesture: String,
-        /// The client's number for this state.
+        /// Number that the client gives this update.
         update: u64,
-        /// The state.
+        /// Command with the latest state of the drag.
         command: Command,
     },
-    /// Ends a drag as one record.
+    /// Ends a drag and commits it as one record.
     GestureCommit {
-        /// The name that it was begun under.
+        /// Name of the gesture, as in `gestureBegin`.
         gesture: String,
-        /// The client's name for the record.
+        /// Operation id of the record, chosen by the client.
         op_id: String,
     },
-    /// Ends a drag without a trace.
+    /// Cancels a drag. The log does not change.
     GestureCancel {
-        /// The name that it was begun under.
+        /// Name of the gesture, as in `gestureBegin`.
         gesture: String,
     },
-    /// Takes back a step.
+    /// Undoes a step.
     Undo {
-        /// The client's name for it.
+        /// Operation id, chosen by the client.
         op_id: String,
-        /// One's own steps, or anybody's.
+        /// Steps to choose from: the actor's own or all.
         scope: Scope,
     },
-    /// Takes back an undo.
+    /// Redoes a step that was undone.
     Redo {
-        /// The client's name for it.
+        /// Operation id, chosen by the client.
         op_id: String,
-        /// One's own steps, or anybody's.
+        /// Undos to choose from: the actor's own or all.
         scope: Scope,
     },
-    /// What this person is looking at.
+    /// Publishes the light that the actor has selected.
     Presence {
-        /// A light's id.
+        /// Id of the selected light; `null` for none.
         selection: Option<u64>,
     },
-    /// What undo and redo would take back; answered by `history`.
+    /// Asks for the steps that undo and redo would take next. `history` is the answer.
     History {},
-    /// Why a pixel is lit or not; answered by `probed`, or by that of a later one.
+    /// Asks why a pixel is lit or not. `probed` is the answer. A probe that a later one supersedes gets no
+    /// answer.
     Probe {
-        /// The client's name for it.
+        /// Name of the probe, chosen by the client.
         probe: String,
-        /// In pixels from the picture's top left corner; a pixel's centre is at .5.
+        /// Position in pixels from the picture's top left corner. The centre of a pixel is at .5.
         pixel: [f64; 2],
-        /// Who looks; by default the client's own view, or the one that it follows.
+        /// Camera of the picture. Default: the camera of the client's view, or of the view that it follows.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         camera: Option<ProbeCamera>,
-        /// Width and height of the picture in pixels; by default those of that view.
+        /// Width and height of the picture in pixels. Default: those of that view.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         size: Option<[u32; 2]>,
-        /// Whether it is asked where highlights lie.
+        /// True if the answer also has the positions of highlights.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         highlights: bool,
     },
-    /// Answered by `pong`.
+    /// Asks for a `pong`.
     Ping {
-        /// Comes back as it is.
+        /// Number that the answer repeats.
         sent: f64,
     },
 }
 
-/// Where a view looks from.
+/// Camera of a view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ViewSource {
-    /// A camera of one's own.
+    /// Camera of the client.
     Own(Camera),
-    /// Another client's view, by the client's number.
+    /// View of another client, by the client's number.
     Follow(u64),
 }
 
-/// What is a viewer's own, besides the camera: it is in no document, and others see their own.
+/// Settings of a view besides its camera. They are not part of the document, and each viewer has settings of
+/// its own.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ViewSettings {
-    /// Stops by which the picture is brightened before it is tone-mapped, -32 to 32.
+    /// Stops by which the picture is brightened before tone-mapping, -32 to 32.
     pub exposure: f64,
-    /// Ids of the lights that shine alone; empty for all. One that is not there counts for nothing, and where none is left
-    /// all shine.
+    /// Ids of the only lights that shine; empty for all lights. Ids of lights that do not exist are ignored. If
+    /// no id of an existing light remains, all lights shine.
     pub solo: Vec<u64>,
 }
 
-/// What of a view's pictures may be reduced while something moves, where they would come too slowly in full. At rest
-/// they are always full.
+/// Allowed reduction of a view's pictures while something moves, if full pictures would take too long. At rest
+/// the pictures are always full.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Interaction {
-    /// The texels of shadow maps: to half a side.
+    /// Texels of shadow maps: half as many a side.
     pub shadow_map: Reduction,
-    /// The pixels of pictures: to three quarters or half a side.
+    /// Pixels of pictures: three quarters or half as many a side.
     pub resolution: Reduction,
 }
 
-/// Whether something may be reduced.
+/// Policy of a reduction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Reduction {
-    /// As far as what pictures take makes it necessary.
+    /// Reduces as far as the render time requires.
     Auto,
-    /// Never: it stays full.
+    /// Never reduces.
     Full,
 }
 
@@ -221,226 +221,225 @@ impl Default for Interaction {
     }
 }
 
-/// What the server sends.
+/// Message from the server.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase")]
 pub enum ServerMessage {
-    /// The answer to `hello`.
+    /// Answers `hello`.
     Welcome(Box<Welcome>),
-    /// A committed record.
+    /// Announces a committed record.
     Log {
-        /// In full, without references.
+        /// Record in full, without references.
         record: Box<Record>,
-        /// The document's hash after it.
+        /// Hash of the document after the record.
         hash: String,
-        /// Of the scene, where the record loads one.
+        /// Bounds of the scene, if the record loads one.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         bounds: Option<Bounds>,
-        /// What of the scene's file is not drawn or was changed, a sentence each, where the record loads one.
+        /// Notes on the scene's file, if the record loads one, one sentence each: content that is not drawn or
+        /// was changed.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         notes: Option<Vec<String>>,
     },
-    /// All that the session is, for a client that took its messages slower than they came.
+    /// Sends the whole session state, to a client that read its messages too slowly.
     Resync(Box<Resync>),
-    /// The answer to `edit`, `gestureCommit`, `undo` and `redo`.
+    /// Answers `edit`, `gestureCommit`, `undo` and `redo`.
     EditResult(EditResult),
-    /// A drag, one's own or another's.
+    /// Reports the state of a drag, by this client or another.
     GestureState(GestureState),
-    /// Everybody who is here.
+    /// Lists all clients of the session.
     Presence {
-        /// In the order in which they came.
+        /// Clients, in order of arrival.
         clients: Vec<Presence>,
     },
-    /// The answer to `history`.
+    /// Answers `history`.
     History(Box<History>),
-    /// The answer to `probe`.
+    /// Answers `probe`.
     Probed(Box<ProbeAnswer>),
-    /// How the view is served from now on.
+    /// Announces the configuration of the view from now on.
     ViewConfig {
-        /// Pixels.
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// From where.
         source: ViewSource,
     },
-    /// What the frame before it came to, for a client that asked.
+    /// Reports the statistics of the frame before, to a client that asked for them.
     Stats(Box<FrameStats>),
-    /// The answer to `ping`.
+    /// Answers `ping`.
     Pong {
-        /// As it came.
+        /// Number from the `ping`.
         sent: f64,
-        /// The server's clock, in microseconds since it started.
+        /// Time on the server's clock, in microseconds since the server started.
         server_time_us: u64,
     },
-    /// What the list says of the session was changed.
+    /// Announces a changed title or archived state of the session.
     SessionChanged {
-        /// What people call it.
+        /// Title for people.
         title: String,
-        /// Whether it is archived.
+        /// True if the session is archived.
         archived: bool,
     },
-    /// The server stops.
+    /// Announces that the server stops.
     Draining {
-        /// When to try again.
+        /// Milliseconds until the client should reconnect.
         retry_after_ms: u64,
     },
-    /// Something that no other answer says.
+    /// Reports an error that no other message reports.
     Error {
-        /// For programs.
+        /// Code for programs.
         code: ErrorCode,
-        /// For people.
+        /// Message for people.
         message: String,
-        /// Whether the connection ends.
+        /// True if the server closes the connection.
         fatal: bool,
     },
 }
 
-/// The state of the session at a client's arrival.
+/// State of the session for a client that joins.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Welcome {
-    /// [`PROTOCOL`].
+    /// Version of the protocol: [`PROTOCOL`].
     pub protocol: u32,
     /// Name of the session.
     pub session: String,
-    /// This client's number.
+    /// Number of this client.
     pub client: u64,
-    /// Names the history that `seq` counts in.
+    /// Id of the history that `seq` counts in.
     pub epoch: String,
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// The document's hash after it.
+    /// Hash of the document after that record.
     pub hash: String,
-    /// How to get there.
+    /// Document, or the records that lead to it.
     pub state: State,
-    /// Of the scene.
+    /// Bounds of the scene.
     pub bounds: Bounds,
-    /// What of the scene's file is not drawn or was changed, a sentence each.
+    /// Notes on the scene's file, one sentence each: content that is not drawn or was changed.
     pub notes: Vec<String>,
-    /// Where a new view may start.
+    /// Camera from which a new view may start.
     pub camera: Camera,
-    /// Everybody who is here, this client included.
+    /// All clients of the session, including this one.
     pub clients: Vec<Presence>,
-    /// The drags under way.
+    /// Drags in progress.
     pub gestures: Vec<GestureState>,
-    /// Numbers that clients need.
     pub settings: Settings,
 }
 
-/// The state of the session for a client that has missed some of it: in place of all records, gestures and presence
-/// since the latest that it was sent.
+/// State of the session for a client that fell behind. It replaces all records, gestures and presence since the
+/// last one that the client received.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Resync {
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// The document's hash after it.
+    /// Hash of the document after that record.
     pub hash: String,
-    /// The document after it.
+    /// Document after that record.
     pub document: Document,
-    /// Of the scene.
+    /// Bounds of the scene.
     pub bounds: Bounds,
-    /// What of the scene's file is not drawn or was changed, a sentence each.
+    /// Notes on the scene's file, one sentence each: content that is not drawn or was changed.
     pub notes: Vec<String>,
-    /// Everybody who is here, this client included.
+    /// All clients of the session, including this one.
     pub clients: Vec<Presence>,
-    /// The drags under way.
+    /// Drags in progress.
     pub gestures: Vec<GestureState>,
 }
 
-/// The document, whole or from where the client stands.
+/// Document of the session, in full or as the records that the client lacks.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum State {
-    /// All of it.
+    /// Document in full.
     Snapshot(Document),
-    /// The records after the client's `lastSeq`.
+    /// Records after the client's `lastSeq`.
     Tail(Vec<Record>),
 }
 
-/// Numbers that clients need.
+/// Constants of the server that clients need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Settings {
-    /// Frames under way at most.
+    /// Number of frames that may be unacknowledged.
     pub ack_window: u32,
-    /// How long a gesture is held without an update.
+    /// Milliseconds without an update after which a gesture expires.
     pub lease_ms: u64,
-    /// Largest width and height of a view.
+    /// Largest width and height of a view in pixels.
     pub max_view_side: u32,
 }
 
-/// What undo and redo would take back.
+/// Steps that undo and redo would take next.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct History {
-    /// The latest record.
+    /// Sequence number of the latest record.
     pub seq: u64,
-    /// By undo.
+    /// Steps that undo would take back.
     pub undo: HistorySteps,
-    /// By redo.
+    /// Steps that redo would restore.
     pub redo: HistorySteps,
 }
 
-/// A step for each scope; `null` where there is nothing.
+/// Next step of each scope; `null` if there is none.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct HistorySteps {
-    /// Of one's own steps.
+    /// Next of the actor's own steps.
     pub mine: Option<HistoryStep>,
-    /// Of everybody's.
+    /// Next of all actors' steps.
     pub session: Option<HistoryStep>,
 }
 
-/// A step that can be taken back.
+/// Step that undo or redo would take next.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct HistoryStep {
-    /// The record that is taken back: the step's, or of an undo.
+    /// Sequence number of the record to revert: the step for undo, the undo for redo.
     pub seq: u64,
-    /// Who made the step, also where an undo of it is taken back.
+    /// Actor who made the step, also for a redo.
     pub actor: Actor,
-    /// What it did, for people: `the radius of control point 2 of “key”`.
+    /// Description of the step for people: `the radius of control point 2 of “key”`.
     pub what: String,
-    /// Why later steps stay, which are passed over for it, a sentence each.
+    /// Reasons why later steps are passed over, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub passed: Vec<String>,
 }
 
-/// One client of a session.
+/// Client of a session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Presence {
-    /// The number that the server gave it.
+    /// Number that the server gave the client.
     pub client: u64,
-    /// Who edits with it.
+    /// Actor who uses the client.
     pub actor: Actor,
-    /// The light that is selected.
+    /// Id of the selected light.
     pub selection: Option<u64>,
-    /// The client whose view it follows.
+    /// Number of the client whose view this one follows.
     pub following: Option<u64>,
-    /// Where its own view is; `null` without a view.
+    /// Camera of the client's own view; `null` without a view.
     pub camera: Option<Camera>,
-    /// How its own view is; `null` without a view.
+    /// Settings of the client's own view; `null` without a view.
     pub settings: Option<ViewSettings>,
 }
 
 impl ClientMessage {
-    /// Reads a text message.
+    /// Parses a text message.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         from_json(text)
     }
 }
 
 impl ServerMessage {
-    /// Reads a text message.
+    /// Parses a text message.
     pub fn parse(text: &str) -> Result<Self, FileError> {
         from_json(text)
     }
 }
 
-/// Reads the body of a request.
+/// Parses the body of a request.
 pub fn parse_body<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     from_json(text)
 }

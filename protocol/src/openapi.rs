@@ -15,12 +15,12 @@ use crate::{
     SessionChange, SessionEntry, SessionList, SessionState,
 };
 
-/// Where schemas stand.
+/// JSON pointer of the schemas.
 const SCHEMAS: &str = "#/components/schemas";
 
-/// Who may ask: all who come to this server's own name.
+/// Codes of every request: those to another host name or from another origin are refused.
 const ANONYMOUS_CODES: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
-/// What holds for every request that needs the token: it has to be whole and within limits.
+/// Codes of every request that needs the token and must arrive whole and within limits.
 const TOKEN_CODES: &[Code] = &[
     Code::Unauthorized,
     Code::BadMessage,
@@ -31,14 +31,14 @@ const TOKEN_CODES: &[Code] = &[
     Code::Draining,
     Code::Fault,
 ];
-/// What reading the store comes to.
+/// Codes of reading the store.
 const STORE_CODES: &[Code] = &[Code::Storage];
-/// What opening a session comes to: its log is replayed, which loads its scenes.
+/// Codes of opening a session, which replays its log and loads its scenes.
 const SESSION_CODES: &[Code] =
     &[Code::NotFound, Code::Storage, Code::BadLog, Code::UnknownAsset, Code::BadScene, Code::DamagedAsset];
-/// What a body of JSON comes to.
+/// Codes of a JSON body.
 const JSON_CODES: &[Code] = &[Code::UnsupportedMediaType];
-/// What a scene that is loaded into a new session comes to.
+/// Codes of loading a scene into a new session.
 const NEW_SESSION_CODES: &[Code] = &[
     Code::BadName,
     Code::Exists,
@@ -50,18 +50,17 @@ const NEW_SESSION_CODES: &[Code] = &[
     Code::Storage,
     Code::UnknownOutcome,
 ];
-/// What changing the list of sessions comes to.
+/// Codes of changing the list of sessions.
 const LIST_CODES: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
-/// What a picture comes to.
+/// Codes of rendering a picture.
 const PICTURE_CODES: &[Code] = &[Code::Render];
-/// What setting a parameter comes to.
+/// Codes of setting a parameter.
 const SET_CODES: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
-/// What a scene's file comes to.
+/// Codes of uploading a scene's file.
 const UPLOAD_CODES: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
-/// What keeps a server from being ready.
+/// Codes of a server that is not ready.
 const READINESS_CODES: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
 
-/// One operation.
 #[derive(Clone)]
 struct Operation {
     path: &'static str,
@@ -72,23 +71,23 @@ struct Operation {
     parameters: Vec<Value>,
     /// Content of the request, by media type.
     body: Option<Value>,
-    /// The status where it is not refused.
+    /// Status of a successful response.
     status: u16,
-    /// Content of the answer, by media type; null where it has none.
+    /// Content of a successful response, by media type; null if it has none.
     answer: Value,
-    /// Headers of the answer by their names, where it has any of its own.
+    /// Headers of a successful response by name; null if it has none of its own.
     headers: Value,
-    /// The answer has a tag, and is left out where the request says that it has that one.
+    /// True if responses have an `ETag`, and a request with a matching `If-None-Match` gets 304.
     has_tag: bool,
-    /// Why it can be refused.
+    /// Codes of refusals.
     codes: &'static [&'static [Code]],
 }
 
-/// The document that a server gives at `/openapi.json`.
+/// Returns the document that a server sends at `/openapi.json`.
 pub fn openapi() -> Value {
     let mut generator = generator(SchemaSide::Read, "/components/schemas");
     let problem = name::<ErrorBody>(&mut generator);
-    // Records stand in the log; the socket's messages are in schema.json.
+    // Records occur in the log as lines. The messages of the socket are in schema.json.
     name::<Document>(&mut generator);
     name::<Record>(&mut generator);
     let mut paths: BTreeMap<&str, Map<String, Value>> = BTreeMap::new();
@@ -116,14 +115,14 @@ pub fn openapi() -> Value {
     })
 }
 
-/// What every operation on one session has.
+/// Returns the common part of every operation on one session.
 fn of_session() -> Operation {
     let session = json!({"name": "session", "in": "path", "required": true, "schema": {"type": "string"},
         "description": "Name of the session."});
     Operation { parameters: vec![session], tag: "sessions", ..Operation::default() }
 }
 
-/// The list of sessions, and what is done with whole ones.
+/// Returns the operations on the list of sessions and on whole sessions.
 fn of_session_list(g: &mut SchemaGenerator) -> Vec<Operation> {
     let entry = json_content(&name::<SessionEntry>(g));
     let of_session = of_session();
@@ -232,7 +231,7 @@ fn of_sessions(g: &mut SchemaGenerator) -> Vec<Operation> {
     ]
 }
 
-/// What is asked about a session's pictures, without an edit.
+/// Returns the operations that use a session's pictures without an edit.
 fn of_pictures(g: &mut SchemaGenerator) -> Vec<Operation> {
     let of_session = of_session();
     vec![
@@ -368,7 +367,7 @@ fn of_service(g: &mut SchemaGenerator) -> Vec<Operation> {
 }
 
 impl Default for Operation {
-    /// A GET that nobody is refused.
+    /// Returns a GET without refusals.
     fn default() -> Self {
         Self {
             path: "",
@@ -388,7 +387,7 @@ impl Default for Operation {
 }
 
 impl Operation {
-    /// The same with more parameters.
+    /// Adds parameters.
     fn with(mut self, parameters: Vec<Value>) -> Self {
         self.parameters.extend(parameters);
         self
@@ -437,7 +436,7 @@ impl Operation {
     }
 }
 
-/// A refusal with one of `codes`.
+/// Returns the response of a refusal with one of `codes`.
 fn refused(codes: &[Code], problem: &Value) -> Value {
     let named: Vec<String> = codes.iter().map(|code| format!("`{code}`")).collect();
     let mut schema = problem.clone();

@@ -1,4 +1,6 @@
-//! What became of a request and of a drag: one of several things. In JSON these are fields that are there or not.
+//! Outcomes of requests and of drags.
+//!
+//! Each outcome is an enum here, and an object with optional fields in JSON.
 
 use schemars::JsonSchema;
 use serde::de::IgnoredAny;
@@ -6,56 +8,55 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Change, DragOutcome, ErrorCode, Problem};
 
-/// The answer to a request that ends in a record.
+/// Answer to a request that ends in a record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(into = "EditResultJson", try_from = "EditResultJson")]
 pub struct EditResult {
-    /// The sender's name for it.
+    /// Operation id, chosen by the sender.
     pub op_id: String,
-    /// What became of it.
     pub outcome: Outcome,
 }
 
-/// What became of a request that ends in a record.
+/// Outcome of a request that ends in a record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// It is in the log.
+    /// The record is in the log.
     Committed(Committed),
-    /// It was not carried out, and why.
+    /// The request was not executed.
     Rejected(Problem),
-    /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
-    /// carried out at most once.
+    /// The disk failed during the write, so the record may or may not be in the log. Sent again with the same
+    /// operation id, the request is executed at most once.
     Unknown(Problem),
 }
 
-/// What the sender of a record is told of it.
+/// Result of a committed request, for its sender.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Committed {
-    /// Sequence of the record that it became.
+    /// Sequence number of the record.
     pub seq: u64,
-    /// Whether another's change of the same light, which the sender did not know, lies between.
+    /// True if another actor changed the same light in between, which the sender did not know.
     pub rebased: bool,
-    /// What undo or redo left as it was, a sentence each.
+    /// Parts that undo or redo left unchanged, one sentence each.
     pub skipped: Vec<String>,
-    /// What came into the document.
+    /// Ids of new objects.
     pub added: Added,
-    /// How it ended where it drags a feature.
+    /// Outcome, if the command drags a feature.
     pub outcome: Option<Box<DragOutcome>>,
-    /// The same of each command of a group, where one of them drags a feature.
+    /// Outcome of each command of a group; empty if none drags a feature.
     pub outcomes: Vec<Option<DragOutcome>>,
 }
 
-/// Ids of what a command brought into the document: what it adds, and what a scene comes with.
+/// Ids of new objects in the document: those that a command adds, and those that come with a scene.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Added {
-    /// Of lights.
+    /// Ids of lights.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lights: Vec<u64>,
-    /// Of cameras.
+    /// Ids of cameras.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cameras: Vec<u64>,
-    /// Of pins.
+    /// Ids of pins.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pins: Vec<u64>,
 }
@@ -90,8 +91,8 @@ impl From<&edit::Record> for Committed {
 }
 
 impl Committed {
-    /// What a record's line says by itself, whatever its long values refer to (SPEC, REC-6). `None` where it refers for one of
-    /// these too.
+    /// Reads the result from a record's line without resolving its references (SPEC, REC-6). Returns `None` if
+    /// one of the needed values is itself a reference.
     pub fn in_line(line: &str) -> Option<Self> {
         let LineAction { seq, action } = serde_json::from_str(line).ok()?;
         let ActionInLine { kind, rebased, skipped, outcome, edits } = action;
@@ -109,12 +110,12 @@ impl Committed {
     }
 }
 
-/// How the commands of a group ended, or nothing where none drags a feature.
+/// Returns the outcomes, or an empty list if no command of the group drags a feature.
 fn keep_if_any_drag(outcomes: Vec<Option<DragOutcome>>) -> Vec<Option<DragOutcome>> {
     if outcomes.iter().any(Option::is_some) { outcomes } else { Vec::new() }
 }
 
-/// Of a record's line what its sender is told, but for ids.
+/// Part of a record's line that gives the sender's result, without ids.
 #[derive(Deserialize)]
 struct LineAction {
     seq: u64,
@@ -123,7 +124,7 @@ struct LineAction {
 
 #[derive(Deserialize)]
 struct ActionInLine {
-    // A reference has none.
+    // Required, because a reference has no such field.
     #[serde(rename = "type")]
     kind: ActionKind,
     #[serde(default)]
@@ -138,7 +139,7 @@ struct ActionInLine {
 
 #[derive(Deserialize)]
 struct CommandInLine {
-    // A reference has none.
+    // Required, because a reference has no such field.
     #[serde(rename = "command")]
     _command: IgnoredAny,
     #[serde(default)]
@@ -155,16 +156,16 @@ enum ActionKind {
     Redo,
 }
 
-/// Of a record's line its changes.
+/// Part of a record's line that has the changes.
 #[derive(Deserialize)]
 struct LineChanges {
     changes: Vec<ChangeInLine>,
 }
 
-/// A change, by what it is of and whether that was and is there: none of it is kept.
+/// Change by its object, and by the presence of the old and the new value. The values are not kept.
 #[derive(Deserialize)]
 struct ChangeInLine {
-    // A reference has none.
+    // Required, because a reference has no such field.
     #[serde(rename = "type")]
     _type: IgnoredAny,
     light: Option<u64>,
@@ -175,7 +176,7 @@ struct ChangeInLine {
 }
 
 impl Outcome {
-    /// Its record, where it was committed.
+    /// Returns the sequence number of the record, if it was committed.
     pub fn seq(&self) -> Option<u64> {
         match self {
             Self::Committed(committed) => Some(committed.seq),
@@ -183,12 +184,12 @@ impl Outcome {
         }
     }
 
-    /// Why it was not committed, for programs.
+    /// Returns the code for programs, if the request was not committed.
     pub fn code(&self) -> Option<ErrorCode> {
         self.problem().map(|problem| problem.code)
     }
 
-    /// What is wrong, where it was not committed.
+    /// Returns the error, if the request was not committed.
     pub fn problem(&self) -> Option<&Problem> {
         match self {
             Self::Committed(_) => None,
@@ -197,51 +198,50 @@ impl Outcome {
     }
 }
 
-/// A drag as all clients see it.
+/// State of a drag, for all clients.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(into = "GestureStateJson", try_from = "GestureStateJson")]
 pub struct GestureState {
-    /// Its holder's name for it.
+    /// Name of the gesture, chosen by its holder.
     pub gesture: String,
-    /// Its holder.
+    /// Number of the client that holds the gesture.
     pub client: u64,
-    /// The light it is on.
+    /// Id of the dragged light.
     pub light: u64,
-    /// The latest update, taken or refused; `changes` are of the latest that was taken.
+    /// Number of the latest update, accepted or refused. `changes` come from the latest accepted one.
     pub update: u64,
-    /// The session's count of gesture changes; frames carry it.
+    /// Number of gesture changes in the session. Frames carry it.
     pub live_revision: u32,
-    /// What it changes in the document now.
+    /// Changes of the document by the drag.
     pub changes: Vec<Change>,
-    /// How it stands where it drags a feature.
+    /// Outcome so far, if the drag moves a feature.
     pub outcome: Option<Box<DragOutcome>>,
-    /// Whether it goes on, and how it ended where it does not.
     pub status: GestureStatus,
 }
 
-/// Whether a drag goes on, and how it ended where it does not.
+/// Status of a drag: in progress, or the way in which it ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum GestureStatus {
-    /// It goes on.
+    /// The drag is in progress.
     Held {
-        /// Why the update was not taken. Its holder alone is told.
+        /// Reason that the update was refused. Only the holder receives it.
         refused: Option<Problem>,
     },
-    /// It ended as a record.
+    /// The drag ended as a record.
     Committed,
-    /// It was ended by its holder, or with the connection.
+    /// The holder cancelled the drag, or its connection ended.
     Cancelled {
-        /// Why its commit could not be: it never had a valid update.
+        /// Reason that the commit was refused: the drag never had a valid update.
         refused: Option<Problem>,
     },
-    /// It was not updated for too long.
+    /// The drag had no update for too long.
     Expired,
-    /// Its begin or its commit was refused.
+    /// The begin or the commit was refused.
     Rejected(Problem),
 }
 
 impl GestureStatus {
-    /// Why an update, the begin or the commit was refused.
+    /// Returns the reason that an update, the begin or the commit was refused.
     pub fn problem(&self) -> Option<&Problem> {
         match self {
             Self::Held { refused } | Self::Cancelled { refused } => refused.as_ref(),
@@ -255,45 +255,46 @@ impl GestureStatus {
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct EditResultJson {
-    /// The sender's name for it.
+    /// Operation id, chosen by the sender.
     op_id: String,
-    /// What became of it.
+    /// Status of the request.
     status: EditStatus,
-    /// Its record, where it was committed.
+    /// Sequence number of the record, if it was committed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seq: Option<u64>,
-    /// What undo or redo left as it was, a sentence each.
+    /// Parts that undo or redo left unchanged, one sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     skipped: Vec<String>,
-    /// Ids of what it brought into the document, where there is any.
+    /// Ids of new objects in the document, if there are any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     added: Option<Added>,
-    /// How it ended where it drags a feature.
+    /// Outcome, if the command drags a feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     outcome: Option<Box<DragOutcome>>,
-    /// The same of each edit of an atomic request, `null` of one that drags no feature; left out where none does.
+    /// Outcome of each edit of an atomic request, `null` for one that drags no feature. Left out if none does.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     outcomes: Vec<Option<DragOutcome>>,
-    /// Why it was rejected or is unknown, for programs.
+    /// Code for programs, if the request was rejected or its outcome is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code: Option<ErrorCode>,
-    /// Why it was rejected or is unknown, for people.
+    /// Message for people, if the request was rejected or its outcome is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     message: Option<String>,
 }
 
-/// What became of a request.
+/// Status of a request.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 enum EditStatus {
-    /// In the log.
+    /// The record is in the log.
     Committed,
-    /// In the log, after another's change of the same light that the sender did not know.
+    /// The record is in the log. Another actor changed the same light in between, which the sender did not
+    /// know.
     Rebased,
-    /// Not carried out, however often it is sent again under this name.
+    /// The request was not executed, and will not be under this operation id.
     Rejected,
-    /// The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is
-    /// carried out at most once.
+    /// The disk failed during the write, so the record may or may not be in the log. Sent again with the same
+    /// operation id, the request is executed at most once.
     Unknown,
 }
 
@@ -301,50 +302,50 @@ enum EditStatus {
 #[derive(Clone, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 struct GestureStateJson {
-    /// Its holder's name for it.
+    /// Name of the gesture, chosen by its holder.
     gesture: String,
-    /// Its holder.
+    /// Number of the client that holds the gesture.
     client: u64,
-    /// The light it is on.
+    /// Id of the dragged light.
     light: u64,
-    /// The latest update, taken or refused; `changes` are of the latest that was taken.
+    /// Number of the latest update, accepted or refused. `changes` come from the latest accepted one.
     update: u64,
-    /// The session's count of gesture changes; frames carry it.
+    /// Number of gesture changes in the session. Frames carry it.
     live_revision: u32,
-    /// What it changes in the document now.
+    /// Changes of the document by the drag.
     changes: Vec<Change>,
-    /// How it stands where it drags a feature.
+    /// Outcome so far, if the drag moves a feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     outcome: Option<Box<DragOutcome>>,
-    /// How it ended; missing while it is under way.
+    /// End of the drag; left out while it is in progress.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ended: Option<GestureEnd>,
-    /// Why an update or a commit was refused, for programs.
+    /// Code for programs, if an update or a commit was refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     code: Option<ErrorCode>,
-    /// Why an update or a commit was refused, for people.
+    /// Message for people, if an update or a commit was refused.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     message: Option<String>,
 }
 
-/// How a drag ended.
+/// End of a drag.
 #[derive(Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 enum GestureEnd {
-    /// As a record.
+    /// The drag ended as a record.
     Committed,
-    /// By its holder, or with the connection.
+    /// The holder cancelled the drag, or its connection ended.
     Cancelled,
-    /// Without an update for too long.
+    /// The drag had no update for too long.
     Expired,
     /// The begin or the commit was refused.
     Rejected,
 }
 
-/// What a refusal lacks.
+/// Error of a refusal without a code or without a message.
 const NO_PROBLEM: &str = "what was refused has both a `code` and a `message`";
 
-/// Both parts of a problem, or none.
+/// Returns the problem if both parts are present, `None` if both are absent, and else an error.
 fn problem(code: Option<ErrorCode>, message: Option<String>) -> Result<Option<Problem>, &'static str> {
     match (code, message) {
         (Some(code), Some(message)) => Ok(Some(Problem { code, message })),
@@ -443,7 +444,7 @@ mod tests {
         from_value(Value::Object(object)).map_err(|error| error.to_string())
     }
 
-    /// A line says by itself what its record as a whole does, though its values are references.
+    /// The line of a record gives the result without resolving its references.
     #[test]
     fn what_is_told_of_a_record_is_in_its_line() {
         let line = |action: &str, changes: &str| {
@@ -470,13 +471,13 @@ mod tests {
         assert_eq!((grouped.added.lights, grouped.outcomes), (vec![3], vec![]));
         assert_eq!(group(held), None);
         assert_eq!(group(&format!("[{held}]")), None);
-        // What comes back by an undo has the id that it had.
+        // An object that an undo restores has its old id.
         let undo = r#"{"type":"undo","scope":"mine","target":1,"skipped":["it stays"]}"#;
         let undone = Committed { seq: 7, skipped: vec!["it stays".into()], ..Committed::default() };
         assert_eq!(line(undo, held), Some(undone));
     }
 
-    /// The text, to the last byte, is that of the version before outcomes were one of several things.
+    /// The text equals, byte for byte, that of the version before outcomes became enums.
     #[test]
     fn results_are_the_fields_that_they_always_were() {
         for text in [

@@ -14,7 +14,7 @@ use serde_json::{Map, json};
 
 use crate::error::excerpt;
 
-/// [`light::Links`] in JSON, as they are read.
+/// [`light::Links`] in JSON, for parsing.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Links {
@@ -24,7 +24,7 @@ struct Links {
     exclude: Vec<String>,
 }
 
-/// A value as it stands in JSON.
+/// Serializes a value.
 pub(crate) struct WireValue<'a>(pub &'a Value);
 
 impl Serialize for WireValue<'_> {
@@ -49,7 +49,7 @@ impl Serialize for WireValue<'_> {
     }
 }
 
-/// Values as a JSON array.
+/// Serializes values as a JSON array.
 pub(crate) struct WireValues<'a>(pub &'a [Value]);
 
 impl Serialize for WireValues<'_> {
@@ -60,7 +60,7 @@ impl Serialize for WireValues<'_> {
     }
 }
 
-/// Reads a value of a row's kind. Whether it is in range is for the domain to say.
+/// Parses a value of the row's kind. The domain checks the range.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueSeed(pub &'static Parameter);
 
@@ -100,7 +100,8 @@ impl<'de> DeserializeSeed<'de> for ValueSeed {
     }
 }
 
-/// Reads an array of such values. `null` gives none, where they have a default: as if the array were left out.
+/// Parses an array of values of the row's kind. If the row has a default, `null` gives `None`, as if the array
+/// were left out.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueListSeed(pub &'static Parameter);
 
@@ -155,7 +156,7 @@ fn names(choices: &[ParameterChoice]) -> impl Iterator<Item = &'static str> {
     choices.iter().map(|choice| choice.name)
 }
 
-/// That a word is none of those expected.
+/// Returns the error for a name that is none of `expected`.
 pub(crate) fn unknown<E: de::Error>(
     what: &str,
     word: &str,
@@ -169,7 +170,7 @@ pub(crate) fn unknown<E: de::Error>(
     de::Error::custom(format!("unknown {what} `{}`, expected {expected}", excerpt(word)))
 }
 
-/// The schema of a row's values.
+/// Returns the JSON Schema of a row's values.
 pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
     use std::ops::Bound::{Excluded, Included};
     let vector = |length: usize| json!({"type": "array", "items": {"type": "number", "format": "double"}, "minItems": length, "maxItems": length});
@@ -221,7 +222,7 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
     }
 }
 
-/// Settings of the rows of some owners: in JSON an object whose one field is the parameter's name.
+/// Defines the wire type of the settings of some owners: an object with one field, named like the parameter.
 macro_rules! setting {
     ($(#[$doc:meta])* $name:ident of $owners:expr) => {
         $(#[$doc])*

@@ -1,4 +1,4 @@
-//! The table of parameters in JSON: what pages and programs make their controls of.
+//! Table of parameters in JSON. The page and programs build their controls from it.
 
 use std::collections::BTreeMap;
 use std::ops::Bound;
@@ -9,11 +9,11 @@ use serde_json::Value;
 
 use crate::parameter::WireValue;
 
-/// A row for each thing that can be set.
+/// Table of all parameters that can be set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ParameterTable {
-    /// The rows, in the order in which people see them.
+    /// Rows, in the order of presentation.
     pub parameters: Vec<Parameter>,
 }
 
@@ -21,33 +21,36 @@ pub struct ParameterTable {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Parameter {
-    /// The word for it in commands, light files and logs.
+    /// Name in commands, light files and logs.
     pub name: String,
-    /// What has it.
+    /// Owners of the parameter: types of lights, control points or cameras.
     pub of: Vec<ParameterOwner>,
-    /// What it is called in a document, by owner: `/lights/ID/coneAngle`, for the command `set`.
+    /// Address in a document by owner, for the command `set`: `/lights/ID/coneAngle`.
     pub address: BTreeMap<String, String>,
-    /// What its values are.
+    /// Kind and range of the values.
     pub kind: ParameterKind,
-    /// By owner, the value where none is given, as in light files; none where the owner must have one of its own.
+    /// Default by owner, as in light files. An owner that must have a value of its own is left out.
     pub default: BTreeMap<String, Value>,
-    /// Where it stands in its owner's JSON, fields within fields parted by `/`. Of a control point, the light's list.
+    /// Path in the owner's JSON, with `/` between nested fields. For a control point, the path of the light's
+    /// list.
     pub path: String,
-    /// What becomes stale when it changes.
+    /// Results that become stale when the parameter changes.
     pub touches: ParameterTouches,
-    /// Whether keyframes may drive it.
+    /// True if keyframes may drive the parameter.
     pub animates: bool,
-    /// What another of the same owner has to be for it to have an effect; left out where it always has.
+    /// Required value of another parameter of the same owner. Without it this parameter has no effect. Left out
+    /// if the parameter always has an effect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub needs: Option<ParameterNeeds>,
-    /// Which of those that have it have it for later alone, such as a spotlight that may be bent: no picture shows it of them.
+    /// Owners that keep the parameter only for later, such as a spotlight that may be bent. It has no effect on
+    /// their pictures.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub idle_of: Vec<ParameterOwner>,
-    /// The heading that it stands under.
+    /// Heading of the parameter's group.
     pub group: String,
-    /// Its name for people.
+    /// Name for people.
     pub label: String,
-    /// A sentence about it.
+    /// One sentence about the parameter.
     pub doc: String,
 }
 
@@ -55,9 +58,8 @@ pub struct Parameter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ParameterNeeds {
-    /// The other's name.
+    /// Name of the other parameter.
     pub parameter: String,
-    /// What it has to be.
     pub value: ParameterNeeded,
 }
 
@@ -65,13 +67,13 @@ pub struct ParameterNeeds {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterNeeded {
-    /// One of these.
+    /// Values of which the other parameter has one.
     OneOf(#[schemars(schema_with = "values")] Vec<Value>),
-    /// Any but these.
+    /// Values of which the other parameter has none.
     NoneOf(#[schemars(schema_with = "values")] Vec<Value>),
 }
 
-/// Makers of clients take no `true` for what any item may be.
+/// Returns a schema with explicit item types, because client generators reject the schema `true` for items.
 fn values(_: &mut SchemaGenerator) -> Schema {
     json_schema!({"type": "array", "items": {"type": ["boolean", "number", "string", "null"]}})
 }
@@ -98,15 +100,15 @@ pub enum ParameterOwner {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterTouches {
-    /// No picture shows it.
+    /// No picture.
     Nothing,
-    /// By which factors it adds what it adds to pictures.
+    /// Factors by which pictures add the light's contribution.
     Weight,
-    /// What the light adds to pictures.
+    /// Contribution of the light to pictures.
     Radiance,
-    /// That and the light's shadow map.
+    /// Contribution of the light and its shadow map.
     ShadowMap,
-    /// Everything.
+    /// All pictures and maps.
     Scene,
 }
 
@@ -114,80 +116,77 @@ pub enum ParameterTouches {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", rename_all_fields = "camelCase", deny_unknown_fields)]
 pub enum ParameterKind {
-    /// A number.
+    /// Number.
     Number {
-        /// What it counts.
+        /// Unit; empty for none.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         unit: String,
-        /// The least that it may be.
+        /// Minimum, inclusive.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         min: Option<f64>,
-        /// The most that it may be.
+        /// Maximum, inclusive.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         max: Option<f64>,
-        /// What it must be more than.
+        /// Minimum, exclusive.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         exclusive_min: Option<f64>,
-        /// What it must be less than.
+        /// Maximum, exclusive.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         exclusive_max: Option<f64>,
-        /// The ends of a slider; what is typed may go on to the range.
+        /// Ends of a slider. A typed value may lie beyond them, within the range.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         slider: Option<[f64; 2]>,
-        /// What a step of a control changes it by.
+        /// Step of a control.
         step: f64,
-        /// How a slider is divided.
+        /// Scale of a slider.
         scale: ParameterScale,
-        /// What `null` means, for people; where it is left out there has to be a number.
+        /// Meaning of `null`, for people. If left out, the value must be a number.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         none: Option<String>,
     },
-    /// Yes or no.
+    /// Boolean.
     Flag,
-    /// One of several words.
-    Choice {
-        /// The words.
-        choices: Vec<ParameterChoice>,
-    },
-    /// Linear RGB.
+    /// One of several names.
+    Choice { choices: Vec<ParameterChoice> },
+    /// Color in linear RGB.
     Color,
-    /// Three numbers.
+    /// Vector of three numbers.
     Vector {
-        /// What they count.
+        /// Unit of each number; empty for none.
         #[serde(default, skip_serializing_if = "String::is_empty")]
         unit: String,
-        /// What a step of a control changes one by.
+        /// Step of a control for each number.
         step: f64,
     },
-    /// A unit quaternion `[x, y, z, w]`.
+    /// Rotation as a unit quaternion `[x, y, z, w]`.
     Rotation,
     /// Text.
     Text {
-        /// Bytes of UTF-8 that it has at most.
+        /// Maximum length in bytes of UTF-8.
         max_bytes: usize,
     },
-    /// Some nodes of the scene: `{"include": [PATH, ...], "exclude": [PATH, ...]}`, or `null` for all of them.
+    /// Set of nodes of the scene: `{"include": [PATH, ...], "exclude": [PATH, ...]}`, or `null` for all nodes.
     Links {
-        /// Nodes that both lists name at most.
+        /// Maximum number of paths in both lists together.
         max_paths: usize,
-        /// Bytes of UTF-8 that all their paths have at most.
+        /// Maximum length of all paths together, in bytes of UTF-8.
         max_bytes: usize,
     },
-    /// A number over an angle: `[[DEGREES, NUMBER], ...]`, the degrees ascending from 0 to less than 360, linear from one to the
-    /// next and from the last on around to the first; or `null` for none.
+    /// Number as a function of an angle: `[[DEGREES, NUMBER], ...]`, or `null` for none. Degrees ascend from 0
+    /// to less than 360. The number is linear between pairs, and from the last pair around to the first.
     PeriodicCurve {
-        /// Pairs that it has at most.
+        /// Maximum number of pairs.
         max_knots: usize,
-        /// The least that the number may be.
+        /// Minimum of the number.
         min: f64,
-        /// The most.
+        /// Maximum of the number.
         max: f64,
-        /// What a step of a control changes it by.
+        /// Step of a control.
         step: f64,
-        /// What `null` means, for people.
+        /// Meaning of `null`, for people.
         none: String,
     },
-    /// How a camera projects, as a whole.
+    /// Projection of a camera as a whole.
     Projection,
 }
 
@@ -195,9 +194,9 @@ pub enum ParameterKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ParameterScale {
-    /// Evenly.
+    /// Linear scale.
     Linear,
-    /// Evenly in the logarithm.
+    /// Logarithmic scale.
     Logarithmic,
 }
 
@@ -205,13 +204,13 @@ pub enum ParameterScale {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ParameterChoice {
-    /// The word.
+    /// Name in JSON.
     pub name: String,
-    /// For people.
+    /// Name for people.
     pub label: String,
 }
 
-/// The table that this program goes by.
+/// Returns the table of this version.
 pub fn parameter_table() -> ParameterTable {
     ParameterTable { parameters: document::parameters().map(Parameter::from).collect() }
 }
@@ -228,7 +227,7 @@ impl ParameterOwner {
         }
     }
 
-    /// How addresses of what it has begin.
+    /// Returns the start of addresses of the owner's parameters.
     fn address_prefix(self) -> &'static str {
         match self {
             Self::Spot | Self::Bendy | Self::Omni | Self::Directional => "/lights/ID",

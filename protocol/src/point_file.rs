@@ -6,17 +6,16 @@ use serde_json::value::RawValue;
 use crate::FileError;
 use crate::error::from_json;
 
-/// A world position, and how finely it was written down.
+/// World position, with the precision of its text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WrittenPoint {
-    /// The position.
     pub position: DVec3,
-    /// A unit of the last digit of the coordinate that is written with the most decimals: 0.001 for
-    /// `[1, 2.5, 0.250]`. Zeros at the end count.
+    /// Unit of the last digit of the coordinate with the most decimals: 0.001 for `[1, 2.5, 0.250]`. Trailing
+    /// zeros count.
     pub last_digit: f64,
 }
 
-/// Reads a point file's text.
+/// Parses the text of a point file.
 pub fn parse(text: &str) -> Result<Vec<WrittenPoint>, FileError> {
     let points: Vec<[f64; 3]> = from_json(text)?;
     let written: Vec<[&RawValue; 3]> = serde_json::from_str(text).map_err(FileError::Syntax)?;
@@ -29,11 +28,11 @@ pub fn parse(text: &str) -> Result<Vec<WrittenPoint>, FileError> {
         .collect())
 }
 
-/// A unit of the last digit of a JSON number.
+/// Returns the unit of the last digit of a JSON number.
 fn last_digit(number: &str) -> f64 {
     let (digits, exponent) = number.split_once(['e', 'E']).unwrap_or((number, "0"));
     let decimals = digits.split_once('.').map_or(0, |(_, decimals)| decimals.len());
-    // An exponent too long for i32 is that of a zero, or of what is rounded to one.
+    // A number whose exponent does not fit i32 is zero, or rounds to zero.
     let exponent: i32 = exponent.parse().unwrap_or(0);
     let exponent = exponent.saturating_sub(i32::try_from(decimals).unwrap_or(i32::MAX));
     format!("1e{exponent}").parse().expect("a power of ten")

@@ -1,4 +1,4 @@
-//! Why a pixel is lit or not, in JSON (SPEC, section 7).
+//! Probes in JSON: reasons that a pixel is lit or not, light by light (SPEC, section 7).
 
 use glam::DVec3;
 use reference::{DisabledBy, LightProbe, LightState, Probe};
@@ -8,123 +8,123 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Camera, Problem, Vec3};
 
-/// The body of `POST /sessions/S/probe`.
+/// Body of `POST /sessions/S/probe`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ProbeRequest {
-    /// Who looks; by default the document's first camera, or one that sees everything.
+    /// Camera of the picture. Default: the document's first camera, or one that sees the whole scene.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<ProbeCamera>,
     /// Width and height of the picture, in pixels.
     pub size: [u32; 2],
-    /// In pixels from the picture's top left corner; a pixel's centre is at .5.
+    /// Position in pixels from the picture's top left corner. The centre of a pixel is at .5.
     pub pixel: [f64; 2],
-    /// Whether it is asked where highlights lie.
+    /// True if the answer also has the positions of highlights.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub highlights: bool,
 }
 
-/// Who looks.
+/// Camera of a probe.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ProbeCamera {
-    /// A camera that need not be one of the document's.
+    /// Camera given in the request. It need not belong to the document.
     Own(Camera),
-    /// One of the document's, by its id.
+    /// Camera of the document, by its id.
     Id(u64),
 }
 
-/// The answer to `probe`.
+/// Answer to `probe`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProbeAnswer {
-    /// The client's name for it.
+    /// Name of the probe, chosen by the client.
     pub probe: String,
-    /// The record that the document was after, but for the drags under way.
+    /// Sequence number of the latest record in the probed document. Drags in progress are applied on top.
     pub log_seq: u64,
-    /// The session's count of gesture changes then; frames carry it.
+    /// Number of gesture changes in the session at that time. Frames carry it.
     pub live_revision: u32,
-    /// What was found; `null` where the probe is refused.
+    /// Result; `null` if the probe is refused.
     pub found: Option<Probed>,
-    /// Why it is refused; `null` where it is not.
+    /// Reason of the refusal; `null` if the probe has a result.
     pub refused: Option<Problem>,
 }
 
-/// [`Probe`] in JSON: what a point of a picture shows.
+/// [`Probe`] in JSON: surface and lights at a point of a picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct Probed {
-    /// The nearest surface that is drawn there; `null` where there is only background.
+    /// Nearest visible surface; `null` if there is only background.
     pub seen: Option<ProbedSurface>,
-    /// Every light, in the order of ids; none where nothing is seen.
+    /// All lights, sorted by id. Empty if no surface is visible.
     pub lights: Vec<ProbedLight>,
 }
 
-/// A surface that is seen.
+/// Surface at the probed pixel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProbedSurface {
     /// Path of the node (LINK-1).
     pub node: String,
-    /// Name of the material; `null` where it has none.
+    /// Name of the material; `null` if it has none.
     pub material: Option<String>,
-    /// In the world.
+    /// World position.
     pub position: Vec3,
-    /// Unit shading normal in the world, towards the viewer.
+    /// Unit shading normal in world space, on the viewer's side.
     pub normal: Vec3,
     /// Distance along the view axis, in world units.
     pub depth: f64,
-    /// Radiance that the scene's fill gives it, linear RGB.
+    /// Radiance from the scene's fill light, linear RGB.
     pub fill: Vec3,
 }
 
-/// What a light does there.
+/// Light at the probed surface.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProbedLight {
-    /// The light's id.
+    /// Id of the light.
     pub light: u64,
-    /// What people call it.
+    /// Name for people.
     pub name: String,
-    /// Whether it lights the surface, or why not.
     pub state: ProbeState,
-    /// Why it shines nowhere, where it is `disabled`; else `null`.
+    /// Reason that the light emits nothing, if it is `disabled`; else `null`.
     pub disabled_by: Option<ProbeDisabledBy>,
-    /// What is in its way, where it is `shadowed`; else `null`.
+    /// First occluder, if the light is `shadowed`; else `null`.
     pub shadowed_by: Option<ProbedCaster>,
-    /// Where the surface lies in it; `null` outside.
+    /// Light coordinates of the surface; `null` outside the light.
     pub place: Option<ProbedPlace>,
-    /// On a surface square to the light, linear RGB, were nothing in the way; 0 where it is `disabled`, `unlinked` or `outside`.
+    /// Unshadowed irradiance on a surface perpendicular to the light, linear RGB. It is 0 if the light is
+    /// `disabled`, `unlinked` or `outside`.
     pub irradiance: Vec3,
-    /// What it adds to the radiance towards the eye, linear RGB.
+    /// Radiance that the light adds towards the viewer, linear RGB.
     pub radiance: Vec3,
-    /// Share of that in the luminance that all lights together give, 0 to 1.
+    /// Share of that radiance in the luminance of all lights together, 0 to 1.
     pub share: f64,
-    /// The way of its light to the surface as a polyline: points in the world, from the source on; of a directional light from
-    /// outside of the scene. Empty outside.
+    /// Light path to the surface, as a polyline in world space. It starts at the source, or outside the scene
+    /// for a directional light. Empty outside the light.
     pub path: Vec<Vec3>,
-    /// The centre of its highlight near the pixel, in pixels; left out where it is not asked for or there is none.
+    /// Centre of the light's highlight near the pixel, in pixels. Left out if not requested or not found.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub highlight: Option<[f64; 2]>,
 }
 
-/// Whether a light lights a surface, or the first reason of these that it does not.
+/// State of a light at a surface: `lit`, or the first of these reasons that it is not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ProbeState {
-    /// Its light arrives.
+    /// The light arrives.
     Lit,
-    /// It shines nowhere.
+    /// The light emits nothing.
     Disabled,
-    /// The node is not among those that it lights.
+    /// The light's `lightLink` excludes the node.
     Unlinked,
-    /// The surface lies outside of its tube, its cone or its sides, or past its range.
+    /// The surface lies outside the light's tube, cone or rectangle, or beyond its range.
     Outside,
-    /// Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
+    /// The light has faded to zero: beyond a cutoff, outside its outline, or at the edge of its profile.
     Faded,
-    /// The surface turns its back to where its light comes from.
+    /// The surface faces away from the light.
     FacingAway,
-    /// Something stands in its way.
+    /// An occluder lies on the light path.
     Shadowed,
 }
 
@@ -132,47 +132,48 @@ pub enum ProbeState {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum ProbeDisabledBy {
-    /// The view shows others alone.
+    /// The view shows only other lights.
     Muted,
-    /// It is turned off.
+    /// The light is off.
     Off,
-    /// Its intensity or its colour is 0, or what surfaces scatter and mirror of it.
+    /// The intensity or the color is 0, or the light adds to neither diffuse nor specular reflection.
     Dark,
 }
 
-/// The first that light meets on its way.
+/// First occluder on a light path.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProbedCaster {
     /// Path of the node (LINK-1).
     pub node: String,
-    /// Where, in the world.
+    /// World position.
     pub position: Vec3,
 }
 
-/// Where a surface lies in a light.
+/// Light coordinates of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct ProbedPlace {
-    /// Along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0 without).
+    /// Coordinate along the light: 0 to the number of segments of a BendyLight, else the share of the light's
+    /// range (0 without a range).
     pub t: f64,
-    /// Across the light: in radii where it has a cone or a tube, in halves of a directional light's width (0 without), and on
-    /// the face of a cube about an omni light, from -1 to 1.
+    /// Coordinate across the light: in radii of a cone or tube, in half widths of a directional light (0
+    /// without a width), and from -1 to 1 on the face of a cube around an omni light.
     pub v: f64,
-    /// The same, upwards.
+    /// Coordinate across the light and perpendicular to `v`, upwards, in the same units.
     pub w: f64,
-    /// Radius of the tube or the cone there, in world units; `null` of lights that have none.
+    /// Radius of the tube or cone there, in world units; `null` for other lights.
     pub radius: Option<f64>,
-    /// Length of the light's way from its source, bent as it is, in world units; `null` where it comes from infinitely far away.
+    /// Length of the curved light path from the source, in world units; `null` if the source is infinitely far
+    /// away.
     pub path_length: Option<f64>,
-    /// Unit vector in the world from the surface to where its light comes from.
+    /// Unit vector in world space from the surface towards the light.
     pub direction: Vec3,
 }
 
 impl Probed {
-    /// What was found in a scene.
-    ///
-    /// `highlight` says where the highlight of a light lies that is asked for.
+    /// Converts the result of a probe in a scene. `highlight` returns the centre of a light's highlight in
+    /// pixels.
     pub fn new(
         probe: &Probe,
         posed: &PosedScene,
@@ -231,7 +232,7 @@ impl ProbedLight {
     }
 }
 
-/// JSON has no infinity, which is what a light gives at its very source.
+/// Limits an infinite value, because JSON has none. The irradiance at the source itself is infinite.
 fn finite(color: DVec3) -> Vec3 {
     color.min(DVec3::MAX).to_array()
 }

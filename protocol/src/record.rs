@@ -1,4 +1,4 @@
-//! Changes and records in JSON, and the lines of a log file.
+//! Changes and records in JSON.
 
 use std::sync::Arc;
 
@@ -7,41 +7,37 @@ use light::{ControlPoint, LightError, LightId, ParameterOwner, Setting};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::document::Vec3;
-use crate::error::from_json;
+use crate::error::{check_format, from_json};
+use crate::format::FORMAT;
+use crate::vector::Vec3;
 use crate::{
     Camera, CameraParameter, Command, DragOutcome, FileError, Light, LightParameter, Pin, PointParameter,
     Refused, SceneRef,
 };
 
-/// The format of records and logs that this version writes. Earlier ones are upgraded when they are read: 1 knew neither
-/// `rebased` nor references; up to 2 a document's hash was over the fields that lights had then; up to 3 a log's proof did
-/// not cover its header; up to 4 a record had one command at most.
-pub const FORMAT: u32 = 5;
-
-/// Bytes of one record in JSON, in full. One that replaces a document at its limits (256 lights of 258 control points)
-/// by another such takes 28 MiB.
+/// Maximum bytes of a record's JSON in full. A record that replaces a document at its limits (256 lights of 258
+/// control points) by another such document takes 28 MiB.
 pub const MAX_RECORD_BYTES: usize = 32 << 20;
 
-/// [`document::Change`] in JSON; `type` says which (SPEC, section 3).
+/// [`document::Change`] in JSON. `type` selects the variant (SPEC, section 3).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
 pub enum Change {
-    /// Another scene's geometry.
+    /// Replacement of the scene's geometry.
     Scene { old: Option<SceneRef>, new: Option<SceneRef> },
-    /// A light that comes or goes.
+    /// Addition, removal or replacement of a light.
     Light { light: u64, old: Option<Box<PlacedLight>>, new: Option<Box<PlacedLight>> },
-    /// A parameter of a light.
+    /// Change of a light's parameter.
     LightParameter { light: u64, old: LightParameter, new: LightParameter },
-    /// A parameter of a control point.
+    /// Change of a control point's parameter.
     Point { light: u64, layout: u64, point: usize, old: PointParameter, new: PointParameter },
-    /// Control points that were renumbered.
+    /// Renumbering of a light's control points.
     ControlPoints { light: u64, old: ControlPoints, new: ControlPoints },
-    /// A camera that comes or goes.
+    /// Addition or removal of a camera.
     Camera { camera: u64, old: Option<Camera>, new: Option<Camera> },
-    /// A parameter of a camera.
+    /// Change of a camera's parameter.
     CameraParameter { camera: u64, old: CameraParameter, new: CameraParameter },
-    /// A pin that comes, goes, or becomes another.
+    /// Addition, removal or change of a pin.
     Pin { pin: u64, old: Option<Pin>, new: Option<Pin> },
 }
 
@@ -49,25 +45,23 @@ pub enum Change {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct PlacedLight {
-    /// Numbering of its control points.
+    /// Numbering of the control points (DOC-2).
     pub layout: u64,
-    /// The light.
     pub light: Light,
 }
 
-/// [`document::ControlPoints`] in JSON; one entry a control point in each list.
+/// [`document::ControlPoints`] in JSON. Each list has one entry per control point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct ControlPoints {
-    /// Their numbering.
+    /// Numbering of the control points (DOC-2).
     pub layout: u64,
     /// Light-local positions.
     pub points: Vec<Vec3>,
     /// Light-local radii.
     pub radii: Vec<f64>,
-    /// Linear RGB.
+    /// Colors in linear RGB.
     pub colors: Vec<Vec3>,
-    /// Intensities.
     pub intensities: Vec<f64>,
 }
 
@@ -75,9 +69,9 @@ pub struct ControlPoints {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Actor {
-    /// Stays with a person over connections.
+    /// Id of a person or program, the same over all connections.
     pub id: String,
-    /// For people.
+    /// Name for people.
     pub name: String,
 }
 
@@ -85,17 +79,17 @@ pub struct Actor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Scope {
-    /// One's own steps.
+    /// Own steps of the actor.
     Mine,
-    /// Everybody's.
+    /// Steps of all actors.
     Session,
 }
 
-/// [`edit::Action`] in JSON; `type` says which.
+/// [`edit::Action`] in JSON. `type` selects the variant.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
 pub enum Action {
-    /// A command.
+    /// Command.
     Edit {
         command: Command,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -103,7 +97,7 @@ pub enum Action {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         outcome: Option<Box<DragOutcome>>,
     },
-    /// The last command of a drag.
+    /// Last command of a drag.
     Gesture {
         command: Command,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -111,15 +105,15 @@ pub enum Action {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         outcome: Option<Box<DragOutcome>>,
     },
-    /// Commands as one step.
+    /// Commands committed as one step.
     Group {
         edits: Vec<RecordedCommand>,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
         rebased: bool,
     },
-    /// Taking back a step.
+    /// Undo of a step.
     Undo { scope: Scope, target: u64, skipped: Vec<String> },
-    /// Taking back an undo.
+    /// Redo of a step that was undone.
     Redo { scope: Scope, target: u64, skipped: Vec<String> },
 }
 
@@ -127,9 +121,8 @@ pub enum Action {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct RecordedCommand {
-    /// What was done.
     pub command: Command,
-    /// How that ended where it drags a feature.
+    /// Outcome, if the command drags a feature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub outcome: Option<Box<DragOutcome>>,
 }
@@ -138,31 +131,31 @@ pub struct RecordedCommand {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase", deny_unknown_fields)]
 pub struct Record {
-    /// [`FORMAT`].
+    /// Format of the record: [`FORMAT`].
     pub format: u32,
-    /// Counts from 1 without gaps.
+    /// Sequence number. Records count from 1 without gaps.
     pub seq: u64,
     /// Milliseconds since 1970 UTC.
     pub time_ms: u64,
-    /// Who.
     pub actor: Actor,
-    /// The sender's name for the step.
+    /// Operation id, chosen by the sender.
     pub op_id: String,
-    /// What was asked for.
+    /// Request that led to the record.
     pub action: Action,
-    /// What it did.
+    /// Changes of the document.
     pub changes: Vec<Change>,
 }
 
 impl Record {
-    /// Reads a record in full, of any format up to [`FORMAT`]. What a later format added has its default in an earlier one.
+    /// Parses a record in full, of any format up to [`FORMAT`]. Fields that a later format added get their
+    /// defaults.
     pub fn parse(text: &str) -> Result<Self, FileError> {
-        // Before the rest is looked at: a later format may have fields that are not known here.
+        // Checks the format first, because a later format may have unknown fields.
         Self::format_of(text)?;
         from_json(text)
     }
 
-    /// The format of a record, one that is known.
+    /// Returns the format of a record, or an error if it is unknown.
     pub fn format_of(text: &str) -> Result<u32, FileError> {
         #[derive(Deserialize)]
         struct Versioned {
@@ -173,7 +166,8 @@ impl Record {
         Ok(format)
     }
 
-    /// What it holds that formats 1 and 2 did not have, and that their hashes would pass over.
+    /// Returns the name of something in the record that formats 1 and 2 did not have. Hashes of those formats
+    /// would ignore it.
     fn missing_in_format_2(&self) -> Option<&'static str> {
         let of_command = |command: &Command| match command {
             Command::AddLight { light } => light.missing_in_format_2(),
@@ -193,7 +187,7 @@ impl Record {
         commanded.or_else(|| self.changes.iter().find_map(Change::missing_in_format_2))
     }
 
-    /// One line of JSON, in full.
+    /// Returns the record as one line of JSON, in full.
     pub fn to_json(&self) -> String {
         crate::log_line::to_line(self)
     }
@@ -205,28 +199,23 @@ impl Change {
             Self::Light { old, new, .. } => {
                 [old, new].into_iter().flatten().find_map(|placed| placed.light.missing_in_format_2())
             }
-            // Of old and new alike, or the change is refused.
+            // Old and new value belong to the same parameter, or the conversion refuses the change.
             Self::LightParameter { new, .. } => name_missing_in_format_2(&[ParameterOwner::Spot, ParameterOwner::Bendy], &new.0),
             Self::Point { new, .. } => name_missing_in_format_2(&[ParameterOwner::Point], &new.0),
             Self::Scene { .. }
             | Self::ControlPoints { .. }
             | Self::Camera { .. }
             | Self::CameraParameter { .. }
-            // Hashes of those formats are over pins too.
+            // Hashes of formats 1 and 2 cover pins.
             | Self::Pin { .. } => None,
         }
     }
 }
 
-/// The name of what is set, where none of `of` had it in formats 1 and 2.
+/// Returns the name of the parameter if no owner in `owners` had it in formats 1 and 2.
 fn name_missing_in_format_2(owners: &[ParameterOwner], setting: &Setting) -> Option<&'static str> {
     let name = setting.parameter.name;
     (!owners.iter().any(|owner| was_in_format_2(*owner, name))).then_some(name)
-}
-
-/// Refuses a format that this version cannot read.
-pub(crate) fn check_format(found: u32) -> Result<(), Refused> {
-    if (1..=FORMAT).contains(&found) { Ok(()) } else { Err(Refused::Format { found }) }
 }
 
 impl From<&document::NumberedLight> for PlacedLight {
@@ -279,7 +268,7 @@ impl TryFrom<ControlPoints> for document::ControlPoints {
     }
 }
 
-/// Old and new value of one parameter; refused where they are of two.
+/// Converts the old and the new value of a change, or returns an error if they belong to different parameters.
 fn of_one(old: impl Into<Setting>, new: impl Into<Setting>) -> Result<(Setting, Setting), Refused> {
     let (old, new) = (old.into(), new.into());
     if old.parameter == new.parameter {

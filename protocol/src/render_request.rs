@@ -1,5 +1,5 @@
-//! What a picture is asked to be, by `bendylights render` and by `GET /sessions/S/render`: parameters, defaults, limits and
-//! refusals of both.
+//! Requests for pictures by `bendylights render` and `GET /sessions/S/render`: parameters, defaults, limits and
+//! errors of both.
 
 use std::collections::BTreeMap;
 
@@ -11,22 +11,23 @@ use thiserror::Error;
 use crate::ErrorCode;
 use crate::error::excerpt;
 
-/// How large a picture may be asked for.
+/// Limits of a requested picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RenderLimits {
-    /// Pixels along a side.
+    /// Maximum pixels a side.
     pub max_side: u32,
-    /// Samples a pixel.
+    /// Maximum samples per pixel.
     pub max_samples: u32,
 }
 
 impl RenderLimits {
-    /// Over HTTP, where others wait.
+    /// Limits over HTTP, where other clients wait.
     pub const HTTP: Self = Self { max_side: 4096, max_samples: 64 };
-    /// On the command line. The side is that of the largest texture that every GPU of WebGPU's default limits holds.
+    /// Limits on the command line. The maximum side is that of the largest texture within WebGPU's default
+    /// limits.
     pub const COMMAND_LINE: Self = Self { max_side: 8192, max_samples: 4096 };
 
-    /// Reads width and height in pixels: `1920x1080`.
+    /// Parses width and height in pixels: `1920x1080`.
     pub fn parse_size(self, text: &str) -> Result<[u32; 2], RenderRefusal> {
         let side = |text: &str| text.parse().ok().filter(|side: &u32| *side > 0 && !text.starts_with('+'));
         let sides = text.split_once('x').and_then(|(width, height)| Some([side(width)?, side(height)?]));
@@ -35,7 +36,7 @@ impl RenderLimits {
         self.check_size(sides.ok_or_else(unread)?)
     }
 
-    /// Checks that neither side is too long.
+    /// Returns the size, or an error if a side is too long.
     pub fn check_size(self, size: [u32; 2]) -> Result<[u32; 2], RenderRefusal> {
         let max_side = self.max_side;
         if size.iter().any(|side| *side > max_side) {
@@ -44,7 +45,7 @@ impl RenderLimits {
         Ok(size)
     }
 
-    /// Checks a number of samples a pixel.
+    /// Returns the number of samples per pixel, or an error if it is out of range.
     pub fn check_samples(self, samples: u32) -> Result<u32, RenderRefusal> {
         let max_samples = self.max_samples;
         match samples {
@@ -55,31 +56,31 @@ impl RenderLimits {
     }
 }
 
-/// A camera that a picture is asked of.
+/// Camera of a requested picture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraChoice {
-    /// One that is there, as it is named.
+    /// Existing camera, by its name or id.
     Named(String),
-    /// The asker's own.
+    /// Camera given in the request.
     Own(Box<crate::Camera>),
 }
 
-/// What a picture is asked to be. Which camera and which light a name means depends on where they are.
+/// Request for a picture. Names of cameras and lights are resolved later, in the scene or document.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderRequest {
-    /// The camera; by default the first, or one that frames the scene.
+    /// Camera. Default: the first, or one that frames the scene.
     pub camera: Option<CameraChoice>,
-    /// Width and height in pixels; by default of the camera's shape, about as many as 640x360.
+    /// Width and height in pixels. Default: the camera's aspect ratio, with about as many pixels as 640x360.
     pub size: Option<[u32; 2]>,
-    /// What the picture shows.
     pub aovs: Aovs,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
-    /// The light that AOVs of a light are of, as it is named; by default the first, of all AOVs each.
+    /// Light of the AOVs that belong to a light, by name or id. Default: the first light, or each light for
+    /// `all`.
     pub light: Option<String>,
-    /// How much of the scene's fill the beauty has.
+    /// Factor of the scene's fill light in the beauty.
     pub fill: f64,
-    /// Stops by which a PNG of the beauty is brightened; an EXR holds the radiance itself.
+    /// Stops by which a PNG of the beauty is brightened. An EXR holds the radiance itself.
     pub exposure: f64,
 }
 
@@ -90,20 +91,20 @@ impl Default for RenderRequest {
     }
 }
 
-/// Which quantities are asked for.
+/// Requested AOVs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Aovs {
-    /// These, each once and one at least.
+    /// List of AOVs, without duplicates and not empty.
     Listed(Vec<Aov>),
-    /// All that a camera sees, those of a light for each light.
+    /// All AOVs of a camera. Those that belong to a light are drawn for each light.
     All,
 }
 
 impl Aovs {
-    /// What stands for all of them.
+    /// Text that requests all AOVs.
     pub const ALL: &str = "all";
 
-    /// Reads names with commas between, or `all`.
+    /// Parses names separated by commas, or `all`.
     pub fn parse(text: &str) -> Result<Self, UnknownAov> {
         if text == Self::ALL {
             return Ok(Self::All);
@@ -118,7 +119,7 @@ impl Aovs {
         Ok(Self::Listed(aovs))
     }
 
-    /// Each of them.
+    /// Returns each AOV.
     pub fn each(&self) -> &[Aov] {
         match self {
             Self::Listed(aovs) => aovs,
@@ -135,7 +136,7 @@ impl Aovs {
         }
     }
 
-    /// The names of the quantities.
+    /// Returns the names, separated by commas.
     pub fn names(&self) -> String {
         let names: Vec<&str> = self.each().iter().map(|aov| aov.name()).collect();
         names.join(", ")
@@ -143,7 +144,7 @@ impl Aovs {
 }
 
 impl RenderRequest {
-    /// Checks how much of the fill the beauty is to have.
+    /// Returns the factor of the fill light, or an error if it is out of range.
     pub fn check_fill(factor: f64) -> Result<f64, RenderRefusal> {
         if View::FILL_RANGE.contains(&factor) {
             Ok(factor)
@@ -152,13 +153,13 @@ impl RenderRequest {
         }
     }
 
-    /// Reads the same.
+    /// Parses and checks the factor of the fill light.
     pub fn parse_fill(text: &str) -> Result<f64, RenderRefusal> {
         let refused = || RenderRefusal::Fill(text.chars().take(20).collect());
         Self::check_fill(text.parse().map_err(|_| refused())?)
     }
 
-    /// Checks by how many stops a picture is to be brightened.
+    /// Returns the exposure in stops, or an error if it is out of range.
     pub fn check_exposure(stops: f64) -> Result<f64, RenderRefusal> {
         if View::EXPOSURE_RANGE.contains(&stops) {
             Ok(stops)
@@ -167,18 +168,18 @@ impl RenderRequest {
         }
     }
 
-    /// Reads the same.
+    /// Parses and checks the exposure in stops.
     pub fn parse_exposure(text: &str) -> Result<f64, RenderRefusal> {
         let refused = || RenderRefusal::Exposure(text.chars().take(20).collect());
         Self::check_exposure(text.parse().map_err(|_| refused())?)
     }
 
-    /// Width over height of the picture, for a camera that is made to frame the scene.
+    /// Returns width over height of the picture, for a camera that is made to frame the scene.
     pub fn framing_aspect(&self) -> f64 {
         self.size.map_or(DEFAULT_ASPECT, |[width, height]| f64::from(width) / f64::from(height))
     }
 
-    /// The view of its first quantity, from `camera` and of the light of index `light`.
+    /// Returns the view of the first AOV. `light` is the index of the AOV's light.
     pub fn view(&self, camera: Camera, light: usize, limits: RenderLimits, slot: ViewSlot) -> View {
         let size = self.size.unwrap_or_else(|| camera.projection.default_size(limits.max_side));
         let Self { samples, fill, exposure, .. } = *self;
@@ -186,7 +187,8 @@ impl RenderRequest {
         View { samples, aov, light, fill, exposure, slot, ..View::beauty(camera, size) }
     }
 
-    /// Refuses a light where no quantity is of one, and a drawing of a light's map beside what a camera sees.
+    /// Returns an error if a light is given but no AOV belongs to a light, or if a wireframe is requested
+    /// beside AOVs of the camera.
     pub fn check_quantities(&self) -> Result<(), RenderRefusal> {
         let aovs = self.aovs.each();
         if aovs.len() > 1 && aovs.contains(&Aov::Wireframe) {
@@ -199,59 +201,57 @@ impl RenderRequest {
     }
 }
 
-/// The parameters of `GET /sessions/S/render`, as they come.
+/// Query parameters of `GET /sessions/S/render`, unparsed.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderParameters {
-    /// A name, an id, or a camera as JSON.
+    /// Name, id, or camera in JSON.
     pub camera: Option<String>,
-    /// As [`RenderLimits::parse_size`] reads it.
+    /// Text for [`RenderLimits::parse_size`].
     pub size: Option<String>,
-    /// As [`Aovs::parse`] reads them.
+    /// Text for [`Aovs::parse`].
     pub aov: Option<String>,
-    /// As [`RenderRequest::samples`].
+    /// Value of [`RenderRequest::samples`].
     pub samples: Option<u32>,
-    /// As [`RenderRequest::light`].
+    /// Value of [`RenderRequest::light`].
     pub light: Option<String>,
-    /// As [`RenderRequest::fill`].
+    /// Value of [`RenderRequest::fill`].
     pub fill: Option<f64>,
-    /// As [`RenderRequest::exposure`].
+    /// Value of [`RenderRequest::exposure`].
     pub exposure: Option<f64>,
-    /// The record after which the document is shown; by default the latest.
+    /// Sequence number of the record after which the document is drawn. Default: the latest.
     pub at: Option<u64>,
-    /// The lights that shine: ids or names, as a JSON array or with commas between; by default all.
+    /// Ids or names of the lights that shine, as a JSON array or separated by commas. Default: all lights.
     pub lights: Option<String>,
-    /// What is set for this picture alone: a JSON object of addresses and values.
+    /// Parameters to set for this picture only: a JSON object of addresses and values.
     pub set: Option<String>,
-    /// What a PNG has where nothing is seen.
+    /// Background of a PNG.
     #[serde(default)]
     pub background: RenderBackground,
-    /// What files the picture comes as: `png`, `exr`, or both with a comma between.
+    /// File formats: `png`, `exr`, or both separated by a comma.
     pub format: Option<String>,
 }
 
-/// What a PNG has where nothing is seen.
+/// Background of a PNG, where no surface is visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RenderBackground {
-    /// Black.
     #[default]
     Black,
-    /// Nothing.
     Transparent,
 }
 
-/// What file a picture comes as.
+/// File format of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RenderFormat {
-    /// For people.
+    /// Tone-mapped picture for people.
     Png,
     /// Linear values.
     Exr,
 }
 
 impl RenderParameters {
-    /// What they ask for, within the limits of HTTP.
+    /// Parses and checks the request, within the limits of HTTP.
     pub fn request(&self) -> Result<RenderRequest, RenderRefusal> {
         let (limits, default) = (RenderLimits::HTTP, RenderRequest::default());
         Ok(RenderRequest {
@@ -265,7 +265,7 @@ impl RenderParameters {
         })
     }
 
-    /// The files that are asked for, each once and one at least.
+    /// Returns the requested file formats, without duplicates and not empty.
     pub fn formats(&self) -> Result<Vec<RenderFormat>, RenderRefusal> {
         let mut formats = Vec::new();
         for name in self.format.as_deref().unwrap_or("png").split(',') {
@@ -281,7 +281,7 @@ impl RenderParameters {
         Ok(formats)
     }
 
-    /// The lights that shine, as they are called, where not all do.
+    /// Returns the names or ids of the lights that shine, or `None` if all do.
     pub fn lights(&self) -> Result<Option<Vec<String>>, RenderRefusal> {
         let Some(text) = self.lights.as_deref() else { return Ok(None) };
         if text.trim_start().starts_with('[') {
@@ -291,7 +291,7 @@ impl RenderParameters {
         Ok(Some(names.map(str::to_owned).collect()))
     }
 
-    /// What is set for this picture alone, by its addresses.
+    /// Returns the parameters to set for this picture only, by address.
     pub fn set(&self) -> Result<BTreeMap<String, Value>, RenderRefusal> {
         self.set.as_deref().map_or_else(|| Ok(BTreeMap::new()), |text| json_parameter("set", text))
     }
@@ -304,7 +304,7 @@ fn choose_camera(text: &str) -> Result<CameraChoice, RenderRefusal> {
     Ok(CameraChoice::Named(text.into()))
 }
 
-/// What a parameter holds as JSON.
+/// Parses the JSON of parameter `what`.
 fn json_parameter<T: serde::de::DeserializeOwned>(
     what: &'static str,
     text: &str,
@@ -312,75 +312,71 @@ fn json_parameter<T: serde::de::DeserializeOwned>(
     crate::parse_body(text).map_err(|why| RenderRefusal::Json { what, why: why.to_string() })
 }
 
-/// Why a picture is not made.
+/// Error of a requested picture.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum RenderRefusal {
-    /// Something else than a size.
+    /// The size cannot be parsed.
     #[error("the size is `{text}`: write it as WIDTHxHEIGHT in pixels, each from 1 to {max_side}")]
     Size {
-        /// The start of what came.
+        /// Start of the given text.
         text: String,
-        /// Pixels along a side at most.
+        /// Maximum pixels a side.
         max_side: u32,
     },
-    /// A side over the limit.
+    /// A side is too long.
     #[error("each side of a picture has 1 to {max_side} pixels: make it smaller")]
     TooLarge {
-        /// Pixels along a side at most.
+        /// Maximum pixels a side.
         max_side: u32,
     },
-    /// No sample at all.
+    /// The number of samples is 0.
     #[error("a pixel has 1 to {max_samples} samples: ask for more than 0")]
     NoSamples {
-        /// Samples a pixel at most.
+        /// Maximum samples per pixel.
         max_samples: u32,
     },
-    /// Samples over the limit.
+    /// The number of samples is too large.
     #[error("a pixel has 1 to {max_samples} samples: ask for fewer")]
     TooManySamples {
-        /// Samples a pixel at most.
+        /// Maximum samples per pixel.
         max_samples: u32,
     },
-    /// A factor that the fill cannot have.
+    /// The factor of the fill light is not a number in its range.
     #[error("the fill's factor is `{0}`: give a number from {start} to {end}", start = View::FILL_RANGE.start(), end = View::FILL_RANGE.end())]
     Fill(String),
-    /// Stops that an exposure cannot have.
+    /// The exposure is not a number in its range.
     #[error("the exposure is `{0}`: give a number of stops from {start} to {end}", start = View::EXPOSURE_RANGE.start(), end = View::EXPOSURE_RANGE.end())]
     Exposure(String),
-    /// A light that nothing which is asked for is of.
+    /// A light is given, but no requested AOV belongs to a light.
     #[error(
         "{0} is not of one light: leave `light` out, or ask for t, vw, direction, visibility or wireframe"
     )]
     OfNoLight(String),
-    /// A wireframe beside other quantities.
+    /// A wireframe is requested beside other AOVs.
     #[error("a wireframe is the light's view and not the camera's: ask for it alone")]
     NotOfCamera,
-    /// Another kind of file.
+    /// The file format is unknown.
     #[error("the format is `{0}`: give png, exr, or png,exr")]
     Format(String),
-    /// A parameter that is not the JSON that it has to be.
+    /// A parameter is not the expected JSON.
     #[error("`{what}`: {why}")]
     Json {
-        /// The parameter's name.
+        /// Name of the parameter.
         what: &'static str,
-        /// What is wrong with it.
         why: String,
     },
-    /// More than one request may hold.
+    /// The pictures exceed the memory of one request.
     #[error(
         "the pictures have more than {limit_mib} MiB before they are compressed: ask for fewer pixels, AOVs or lights"
     )]
-    TooMuch {
-        /// How much they may have.
-        limit_mib: usize,
-    },
-    /// A quantity that pictures do not show.
+    TooMuch { limit_mib: usize },
+    /// The AOV is unknown.
     #[error(transparent)]
     Aov(#[from] UnknownAov),
 }
 
 impl RenderRefusal {
-    /// The code that programs act on.
+    /// Returns the code for programs.
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Size { .. }
@@ -401,7 +397,7 @@ impl RenderRefusal {
 mod tests {
     use super::*;
 
-    /// What is refused has the number that is allowed in its sentence, which each place that takes pictures has of its own.
+    /// Each caller has its own limits. The message of a refusal names the limit of its caller.
     #[test]
     fn limits_are_held_and_named() {
         for limits in [RenderLimits::HTTP, RenderLimits::COMMAND_LINE] {

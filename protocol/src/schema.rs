@@ -1,4 +1,4 @@
-//! JSON Schema, made from the wire types themselves.
+//! JSON Schema of the wire types.
 
 use schemars::generate::{Contract, SchemaGenerator, SchemaSettings};
 use serde_json::{Map, Value, json};
@@ -9,16 +9,16 @@ use crate::{
     SessionList, TraceLine,
 };
 
-/// Which of a type's two faces a schema describes.
+/// Direction that a schema describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SchemaSide {
-    /// What is understood: fields with defaults may be left out.
+    /// Input that the server accepts. Fields with defaults are optional.
     Read,
-    /// What is written: every field is there, but for those that say something by their absence.
+    /// Output that the server writes. Every field is required, except those whose absence has a meaning.
     Written,
 }
 
-/// JSON Schema (draft 2020-12) of every shape of the protocol, under `$defs`.
+/// Returns the JSON Schema (draft 2020-12) of every message, log line and table of the protocol, under `$defs`.
 pub fn json_schema(face: SchemaSide) -> Value {
     let mut generator = generator(face, "/$defs");
     let messages = [name::<ClientMessage>(&mut generator), name::<ServerMessage>(&mut generator)];
@@ -41,7 +41,8 @@ pub fn json_schema(face: SchemaSide) -> Value {
     })
 }
 
-/// What `generator` has defined: every variant of a union by a name of its own, `place` being where they will stand.
+/// Takes the definitions out of `generator`. Every variant of a union becomes a named definition. `place` is
+/// the JSON pointer under which the caller puts them.
 pub(crate) fn definitions(mut generator: SchemaGenerator, place: &str) -> Map<String, Value> {
     let mut definitions = generator.take_definitions(true);
     definitions.values_mut().for_each(simplify);
@@ -61,13 +62,15 @@ pub(crate) fn generator(face: SchemaSide, definitions: &'static str) -> SchemaGe
     SchemaSettings::draft2020_12().with(place).into_generator()
 }
 
-/// A reference to `T`, which the generator then defines.
+/// Returns a reference to `T`, and makes the generator define it.
 pub(crate) fn name<T: schemars::JsonSchema>(generator: &mut SchemaGenerator) -> Value {
     generator.subschema_for::<T>().to_value()
 }
 
-/// Takes out of a schema what is Rust's: choices among strings become one `enum` or `const`, defaults of null go, which say no
-/// more than that a field may be left out and are wrong where its type has no null, and descriptions lose their links.
+/// Removes traces of Rust from a schema.
+///
+/// Choices among strings become one `enum` or `const`. Defaults of null go: they only say that a field is
+/// optional, and are wrong if its type has no null. Descriptions lose the brackets of links.
 fn simplify(schema: &mut Value) {
     match schema {
         Value::Object(fields) => {
@@ -85,7 +88,7 @@ fn simplify(schema: &mut Value) {
     }
 }
 
-/// Makes one `enum`, or one `const`, of what is a choice among strings, each with a description.
+/// Turns a choice among strings, each with a description, into one `enum` or one `const`.
 fn plain_choice(fields: &mut Map<String, Value>) {
     let Some(options) = fields.get("oneOf").and_then(Value::as_array) else { return };
     let names: Option<Vec<Value>> = options.iter().map(|option| option.get("const").cloned()).collect();
@@ -102,7 +105,7 @@ fn plain_choice(fields: &mut Map<String, Value>) {
     }
 }
 
-/// The description of a choice, with those of its options below.
+/// Returns the description of a choice, followed by a list of the descriptions of its options.
 fn described(choice: &Map<String, Value>, options: &[Value]) -> String {
     let whole = choice.get("description").and_then(Value::as_str).unwrap_or_default();
     let lines = options.iter().filter_map(|option| {

@@ -1,41 +1,40 @@
-//! What pictures came to: which passes ran, why, and how long it took (SPEC, FRAME-13 and TRACE-1).
+//! Statistics of pictures: passes, their causes and times (SPEC, FRAME-13 and TRACE-1).
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a frame came to, for a client that asks.
+/// Statistics of one frame, sent to clients that asked for them.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct FrameStats {
-    /// The number in its header.
+    /// Frame number, as in the frame's header.
     pub frame: u64,
-    /// Microseconds from the change to the start of the render, as in its header.
+    /// Microseconds from the change to the start of the render, as in the header.
     pub wait_us: u32,
-    /// Microseconds of the render, as in its header.
+    /// Microseconds of the render, as in the header.
     pub render_us: u32,
-    /// Microseconds of the encoding, as in its header.
+    /// Microseconds of the encoding, as in the header.
     pub encode_us: u32,
-    /// Bytes of its messages, headers included.
+    /// Bytes of the frame's messages, headers included.
     pub bytes: u64,
-    /// Its messages.
+    /// Number of messages, one per tile.
     pub tiles: u32,
-    /// Width and height of its picture in pixels.
+    /// Width and height of the picture in pixels.
     pub size: [u32; 2],
-    /// By how much the texels a side of shadow maps are divided: 1 where they are full.
+    /// Divisor of the texels a side of shadow maps: 1 at full resolution.
     pub shadow_map_divisor: u16,
-    /// How good it is.
     pub quality: FrameQuality,
-    /// What ran for it; empty where the picture was held and nothing had to be drawn.
+    /// Passes that ran for the picture. Empty if the picture came from the cache.
     pub passes: Vec<PassRun>,
 }
 
-/// How good a picture is.
+/// Quality of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum FrameQuality {
-    /// Quick, with loss: things move.
+    /// Fast and lossy: something in the view moves.
     Moving,
-    /// Lossless and in full: things are still.
+    /// Lossless and in full: nothing in the view moves.
     Settled,
 }
 
@@ -43,93 +42,92 @@ pub enum FrameQuality {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct PassRun {
-    /// What was drawn.
     pub pass: Pass,
-    /// Id of the light that it is of; `null` where it is of none.
+    /// Id of the pass's light; `null` if the pass belongs to no light.
     pub light: Option<u64>,
-    /// Why what there was did not serve.
+    /// Cause of the runs: the reason that the cached result was not used.
     pub cause: Cause,
-    /// How often, in all samples and tiles of the picture.
+    /// Number of runs, over all samples and tiles of the picture.
     pub runs: u32,
 }
 
-/// A kind of pass.
+/// Kind of pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Pass {
-    /// What pixels see.
+    /// Surface of each pixel.
     Gbuffer,
-    /// A light's shadow map.
+    /// Shadow map of a light.
     ShadowMap,
-    /// The fill, and lights that have no layers.
+    /// Fill light, and lights without layers.
     Lighting,
-    /// What one light alone adds.
+    /// Contribution of one light.
     Layer,
-    /// Layers of some lights added up.
+    /// Sum of the layers of several lights.
     Sum,
-    /// The picture for a screen.
+    /// Tone-mapped picture for a screen.
     Display,
 }
 
-/// Why a pass had to run.
+/// Reason that a pass ran instead of using a cached result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Cause {
-    /// There was nothing of its kind yet.
+    /// No result existed yet.
     First,
-    /// The scene is another.
+    /// The scene changed.
     Scene,
-    /// The camera moved, or the picture has another size.
+    /// The camera moved, or the picture changed its size.
     Camera,
-    /// What its pixels see has changed.
+    /// The G-buffer changed.
     Gbuffer,
-    /// A light has changed.
+    /// A light changed.
     Light,
-    /// What there was is not fine enough, or another size.
+    /// The existing result has a lower resolution or another size.
     Resolution,
-    /// What there was had to go for want of room.
+    /// The existing result was evicted to free memory.
     Evicted,
-    /// It is not kept: it is of one picture, tile or sample.
+    /// The result is never cached: it belongs to one picture, tile or sample.
     NotKept,
 }
 
-/// A line of the file that `bendylights serve --trace` writes: a picture that was made.
+/// Line of the file that `bendylights serve --trace` writes, for one picture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub struct TraceLine {
-    /// When its drawing began, in seconds since the server started.
+    /// Start of the render, in seconds since the server started.
     pub time: f64,
     /// Name of the session.
     pub session: String,
-    /// Of what it is.
+    /// Subject of the picture.
     pub what: TraceWhat,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How good it is; stills are settled.
+    /// Quality of the picture. Stills are settled.
     pub quality: FrameQuality,
-    /// Microseconds from the change, of a still from the request, to the start of the render.
+    /// Microseconds until the start of the render: from the change, or for a still from the request.
     pub wait_us: u32,
-    /// Microseconds of the render, without what was drawn for others in between.
+    /// Microseconds of the render, without the work for other pictures in between.
     pub render_us: u32,
-    /// Microseconds of the encoding; `null` where it was not encoded, as something newer came.
+    /// Microseconds of the encoding; `null` if a newer picture superseded this one before it was encoded.
     pub encode_us: Option<u32>,
-    /// What ran for it.
+    /// Passes that ran for the picture.
     pub passes: Vec<PassRun>,
-    /// Lines of pictures before it that are missing, as the disk was too slow for them.
+    /// Number of lines missing before this one because the disk was too slow.
     #[serde(default, skip_serializing_if = "is_none_left_out")]
     pub left_out: u64,
 }
 
-/// Of what a traced picture is.
+/// Subject of a traced picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase")]
 pub enum TraceWhat {
-    /// The view of a client.
+    /// View of a client.
     View {
-        /// The number that the session gave it.
+        /// Number of the client in its session.
         client: u64,
     },
-    /// A picture for HTTP.
+    /// Picture for an HTTP request.
     Still {},
 }
 

@@ -1,8 +1,8 @@
-//! Names for the variants of unions, so that code that is generated from a schema has them too.
+//! Names for the variants of unions, so that code generated from a schema has them too.
 
 use serde_json::{Map, Value, json};
 
-/// What stands before and after a variant's own name to make one that says what it is, for each union.
+/// Prefix and suffix of the name of each variant, per union.
 const UNIONS: &[(&str, [&str; 2])] = &[
     ("Action", ["", "Action"]),
     ("CameraParameter", ["Camera", ""]),
@@ -22,8 +22,8 @@ const UNIONS: &[(&str, [&str; 2])] = &[
     ("ViewSource", ["", "View"]),
 ];
 
-/// Gives each variant of each union a definition of its own, and each union that `type` tells apart a discriminator.
-/// `place` is where definitions stand.
+/// Gives each variant of each union a definition, and each union that `type` discriminates a discriminator.
+/// `place` is the JSON pointer of the definitions.
 pub fn name_variants(definitions: &mut Map<String, Value>, place: &str) {
     for (union, affixes) in UNIONS {
         let Some(mut definition) = definitions.remove(*union) else { continue };
@@ -58,7 +58,8 @@ fn variants_of(definition: &mut Value) -> Option<Vec<Value>> {
     }
 }
 
-/// Defines a variant, and what its one field holds where that is an object of its own; gives a reference to it.
+/// Defines a variant, and the object in its one field if the variant has no tag. Returns a reference to the
+/// variant.
 fn define(
     definitions: &mut Map<String, Value>,
     mut variant: Value,
@@ -81,14 +82,14 @@ fn define(
         }
         own
     };
-    // With a default, whoever makes one in code need not say again what its class says.
+    // With a default, code that constructs a generated class need not repeat the tag.
     if let Some(kind) = variant.pointer_mut("/properties/type") {
         kind["default"] = kind["const"].clone();
     }
     define(&format!("{before}{own}{after}"), variant)
 }
 
-/// The `type` that tells an object from others.
+/// Returns the value of `type` that identifies a variant.
 fn tag(definition: &Value) -> Option<&str> {
     definition.pointer("/properties/type/const")?.as_str()
 }

@@ -1,7 +1,9 @@
-//! What serde says of JSON that it does not take, in words for whoever wrote the JSON.
+//! Error messages of serde, translated into the terms of JSON for the author of the JSON.
 
-/// The sentence without Rust's words: a value has JSON's kinds, a place has fields, and where one of several words is meant
-/// they are listed.
+/// Translates a message of `serde_json` about a value of the wrong shape.
+///
+/// The result has no Rust terms. It names values by JSON's types, calls members fields, and lists the words
+/// that an enumeration accepts. A message of no known form passes through unchanged.
 pub(crate) fn json_wording(said: &str) -> String {
     let translated = |text: &str| -> Option<String> {
         if let Some(rest) =
@@ -44,7 +46,7 @@ pub(crate) fn json_wording(said: &str) -> String {
     translated(said).unwrap_or_else(|| said.to_owned())
 }
 
-/// Why text is no JSON at all.
+/// Translates a message of `serde_json` about text that is not JSON.
 pub(crate) fn syntax_error_wording(said: &str) -> String {
     let (what, place) = said.split_once(" at line ").map_or((said, String::new()), |(what, place)| {
         (what, format!(" (line {})", place.replace(" column ", ", character ")))
@@ -77,7 +79,8 @@ pub(crate) fn syntax_error_wording(said: &str) -> String {
     format!("{what}{place}")
 }
 
-/// A value that was found, such as a string with its text, a number in backticks, or the word for an object.
+/// Describes a value that serde found: a string with its text, a number without its backticks, an object as "an
+/// object".
 fn value(found: &str) -> String {
     match found.split_once(' ') {
         Some(("string", text)) => format!("the text {text}"),
@@ -96,7 +99,7 @@ fn value(found: &str) -> String {
     }
 }
 
-/// What was expected, by the kinds that JSON has.
+/// Describes the type that serde expected, by the types of JSON.
 fn kind(expected: &str) -> String {
     if let Some(count) = expected.strip_prefix("an array of length ") {
         return format!("an array of {count}");

@@ -1,10 +1,11 @@
-//! A test that cannot run everywhere is ignored and says what it needs, so that its absence shows; `make test` runs it.
+//! Tests that need more than a checkout are ignored and state their need, so that their absence is visible; `make test`
+//! runs them.
 //!
-//! None passes because something is missing: `println!("skipped")` and a return would.
+//! A test must not pass because something is missing, by `println!("skipped")` and a return.
 
 use crate::sources::sources;
 
-/// What a test may need, and what its name must then say for `make test` to leave it out where that is missing.
+/// Needs of ignored tests, and the word in the test's name by which `make test` skips it if the need is missing.
 const NEEDS: &[(&str, &str)] = &[
     ("needs ../shared/assets", "shared_assets"),
     ("needs strace", ""),
@@ -17,7 +18,7 @@ const NEEDS: &[(&str, &str)] = &[
     ("the child of ", "child_that_"),
 ];
 
-/// A sentence for each test of `text` that `make test` would not run as it should.
+/// Returns a sentence for each test of `text` that `make test` would not run correctly.
 fn faults(text: &str) -> Vec<String> {
     let lines: Vec<&str> = text.lines().map(str::trim).collect();
     let mut faults = Vec::new();
@@ -49,7 +50,8 @@ fn what_is_ignored_says_what_it_needs_and_make_test_runs_it() {
     assert!(ignored > 20, "{ignored} are ignored");
     assert_eq!(faulty, [""; 0]);
     let makefile = include_str!("../../Makefile");
-    let ignored = makefile.lines().find(|line| line.contains("cargo test") && line.contains("--include-ignored"));
+    let ignored =
+        makefile.lines().find(|line| line.contains("cargo test") && line.contains("--include-ignored"));
     let ignored = ignored.expect("make test runs what is ignored");
     assert!(ignored.contains("--workspace") && ignored.contains("--skip child_that_ "), "{ignored}");
 

@@ -1,4 +1,4 @@
-//! Habits of this repository that can be checked.
+//! Conventions of this repository that can be tested.
 
 mod docs;
 mod ignored;

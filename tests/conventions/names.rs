@@ -6,7 +6,18 @@ use crate::sources::{Source, sources};
 
 /// Words of identifiers that a newcomer would have to learn. docs/glossary.md says what to call each.
 const GONE: &[&str] = &[
-    "Place", "Shown", "Newcomer", "Spread", "stranger", "strangers", "deed", "deeds", "outrun", "glide", "gliding", "holed",
+    "Place",
+    "Shown",
+    "Newcomer",
+    "Spread",
+    "stranger",
+    "strangers",
+    "deed",
+    "deeds",
+    "outrun",
+    "glide",
+    "gliding",
+    "holed",
     "is_of_a_hand",
 ];
 
@@ -29,7 +40,9 @@ fn gone(text: &str) -> Vec<&str> {
 /// Public types of libraries, by their names, with the files that have them.
 fn public_types(sources: &[Source]) -> BTreeMap<&str, Vec<&str>> {
     let mut types: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    let of_library = |path: &str| path.contains("/src/") && !path.contains("crates/bendylights") && !path.contains("/commands/");
+    let of_library = |path: &str| {
+        path.contains("/src/") && !path.contains("crates/bendylights") && !path.contains("/commands/")
+    };
     for source in sources.iter().filter(|source| of_library(&source.path)) {
         for line in source.text.lines() {
             let keywords = ["pub struct ", "pub enum ", "pub trait ", "pub type ", "pub union "];
@@ -59,7 +72,10 @@ fn no_two_public_types_share_a_name_but_domain_and_wire() {
     let planted = [
         Source { path: "crates/a/src/lib.rs".into(), text: "pub struct Light;\npub enum Kind {}".into() },
         Source { path: "protocol/src/light.rs".into(), text: "pub struct Light {}".into() },
-        Source { path: "crates/b/src/lib.rs".into(), text: "pub(crate) struct Kind;\npub type Kind = u8;".into() },
+        Source {
+            path: "crates/b/src/lib.rs".into(),
+            text: "pub(crate) struct Kind;\npub type Kind = u8;".into(),
+        },
     ];
     assert_eq!(shared(&public_types(&planted)), ["Kind"]);
 }

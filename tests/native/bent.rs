@@ -24,12 +24,12 @@ fn through<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
         .map_points(|_, point| point.intensity = 4.0)
 }
 
-/// The demo's light, with what it is called by.
+/// The demo's light with its name.
 fn key(loaded: &LoadedScene) -> Light {
     loaded.contents.lights[0].light().clone()
 }
 
-/// `light` in many ways: each parameter that a layer or a map depends on has another value in one of them at least.
+/// Variants of `light`: at least one changes each parameter that a layer or a map depends on.
 fn varied(light: &Light) -> Vec<(&'static str, Light)> {
     let with = || light.clone();
     let without = |names: &[&str]| Links::new(Vec::new(), names.iter().map(ToString::to_string).collect());
@@ -75,11 +75,11 @@ fn a_bent_light_looks_the_same() {
         assert_the_same(name, &looked, &light);
         for (what, varied) in varied(&light) {
             assert_the_same(&format!("{name}, {what}"), &looked, &varied);
-            // The planted fault: the parameter is dropped.
+            // The planted fault: the parameter is ignored.
             let changed = differing_pixels(&looked, &light, &varied);
             assert!(changed > 100, "{name}, {what}: dropping it goes unseen but for {changed} pixels");
         }
-        // One that ends in the air, and goes on from there.
+        // A light that ends in the air, and its extension.
         let ended = through(
             [[-1.2, 2.6, 0.6], [-1.0, 2.2, 0.5], [-0.6, 1.8, 0.35], [-0.1, 1.4, 0.2]],
             [0.1, 0.25, 0.4, 0.55],
@@ -87,7 +87,7 @@ fn a_bent_light_looks_the_same() {
         let extended = ended.clone().with(END_MODE, EndMode::Extend);
         assert_the_same(&format!("{name}, extended"), &looked, &extended);
         assert!(differing_pixels(&looked, &ended, &extended) > 100, "{name}: it goes on nowhere");
-        // The planted fault: a light that stands a hand's breadth aside.
+        // The planted fault: a light 0.05 units to one side.
         let aside = light.clone().with(TRANSLATION, light.get(TRANSLATION) + DVec3::X * 0.05);
         let found = compared(&looked, &light, &aside);
         assert!(found.fault().is_some(), "{name} with the light aside: {found:?}");
@@ -107,7 +107,7 @@ fn shadows_are_filtered_alike() {
     }
 }
 
-/// Lights of one segment to eight, and one that opens so wide that its map has five faces.
+/// Lights of one to eight segments, and one so wide that its map has five faces.
 #[test]
 fn any_number_of_segments_looks_the_same() {
     let loaded = demo("vases");
@@ -140,7 +140,7 @@ fn shared_assets_look_the_same() {
         let points = points.map(|point| point.map(|x: f64| size * x));
         through(points, [0.25, 0.5, 0.75, 0.85, 1.5].map(|radius: f64| size * radius))
     };
-    // Of a wood as much is to be seen as of a room.
+    // The larger light shows as much of the wood as the others show of a room.
     for (file, size) in
         [("bench.glb", 1.0), ("vases_bowl.glb", 1.5), ("bedroom.glb", 1.0), ("outdoor.glb", 3.5)]
     {

@@ -1,4 +1,4 @@
-//! The same picture both ways, and how they differ.
+//! Draws a picture with both backends and compares them.
 
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
@@ -7,12 +7,12 @@ use light::{Light, LightInstance};
 use render::{Backend, Gpu, MemoryBudget, Renderer, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
-/// Pixels of each picture: none of its sides is a multiple of four, so that blocks of pixels reach beyond them.
+/// Size of each picture: no side is a multiple of four, so that blocks of pixels extend beyond the picture.
 pub const SIZE: [u32; 2] = [343, 191];
-/// Pixels beside an edge that a filter of four texels may reach.
+/// Distance in pixels from an edge that a filter of four texels can affect.
 const BESIDE: usize = 2;
 
-/// One renderer a way, and the scene that both have.
+/// One renderer per backend, and the scene that both have.
 struct BothRenderers {
     wgpu: Renderer,
     native: Renderer,
@@ -24,23 +24,22 @@ static BOTH: LazyLock<Mutex<BothRenderers>> = LazyLock::new(|| {
     Mutex::new(BothRenderers { wgpu, native, scene: None })
 });
 
-/// A renderer on a device of its own whose lights `backend` draws.
+/// Makes a renderer with `backend`, on a device of its own.
 pub fn renderer_of(backend: Backend) -> Renderer {
     let gpu = Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     Renderer::new(Arc::new(gpu)).expect("the device works")
 }
 
-/// The light alone, as a renderer takes it.
+/// The light alone, checked for a renderer.
 pub fn instances(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered(vec![light.clone()]).expect("a light")
 }
 
-/// The demo of that name.
 pub fn demo(name: &str) -> LoadedScene {
     assets::demo(name).expect("it is one of the demos")
 }
 
-/// Where and how a comparison looks.
+/// Scene, view and settings of a comparison.
 #[derive(Clone)]
 pub struct ViewedScene {
     pub scene: Arc<PosedScene>,
@@ -49,13 +48,13 @@ pub struct ViewedScene {
 }
 
 impl ViewedScene {
-    /// At a scene by its own camera.
+    /// View of a scene by its own camera.
     pub fn at(loaded: &LoadedScene) -> Self {
         let view = View::beauty(loaded.contents.cameras[0].clone(), SIZE);
         Self { scene: scene::pose(loaded.scene.clone()), view, shadows: ShadowSettings::default() }
     }
 
-    /// Does `work` with both renderers, which have the scene and the settings.
+    /// Calls `work` with both renderers, which have the scene and the settings.
     fn with<T>(&self, work: impl FnOnce(&mut BothRenderers) -> T) -> T {
         let mut both = BOTH.lock().unwrap_or_else(PoisonError::into_inner);
         let is_other = both.scene.take().is_none_or(|scene| !Arc::ptr_eq(&scene, &self.scene));
@@ -74,7 +73,7 @@ impl ViewedScene {
         renderer.render_display(&self.view, lights).expect("it can be drawn")
     }
 
-    /// Which pixels have one of another visibility beside them.
+    /// Marks the pixels that have a different visibility within `BESIDE` pixels.
     fn edges(&self, renderer: &mut Renderer, light: &Light) -> Vec<bool> {
         let view = View { aov: Aov::Visibility, ..self.view.clone() };
         let picture = renderer.render(&view, &instances(light)).expect("it can be drawn");
@@ -90,27 +89,27 @@ impl ViewedScene {
     }
 }
 
-/// What the two ways show of a light, in pixels.
+/// Numbers of pixels in a comparison of both backends.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Compared {
-    /// Those that the light changes.
+    /// Pixels that the light changes.
     lit: usize,
-    /// Those near an edge of a shadow or of the light.
+    /// Pixels near an edge of a shadow or of the light.
     edges: usize,
-    /// Those near an edge that differ by more than 1 of 255.
+    /// Pixels near an edge that differ by more than 1 of 255.
     beside: usize,
-    /// Those elsewhere that do.
+    /// Other pixels that differ by more than 1 of 255.
     away: usize,
 }
 
 impl Compared {
-    /// What is wrong with it, or nothing.
+    /// Returns the fault, if any.
     ///
-    /// Roundings apart, both compute the same, so that of 255 steps they may differ by one. At an edge a texel of the map may
-    /// have another triangle: both rasterisers move corners to 1/256 of a texel, from places that differ in their last bits,
-    /// some 1/1000 of a texel of maps thousands of texels wide. A corner that lies so near to where rounding turns is moved the
-    /// other way: one coordinate in some thousand, and then one of hundreds of centres changes sides. One pixel in a thousand
-    /// is more than was ever seen.
+    /// Both compute the same up to rounding, so values may differ by one of 255 steps. At an edge, a texel of the map
+    /// may have a different triangle. Both rasterizers snap corners to 1/256 of a texel, from positions that differ in
+    /// their last bits, some 1/1000 of a texel for maps thousands of texels wide. A corner that close to the middle
+    /// between two steps snaps the other way: this happens to one coordinate in some thousand, and then one of hundreds
+    /// of texel centers changes sides. One pixel in a thousand is more than was ever measured.
     pub fn fault(&self) -> Option<&'static str> {
         if self.lit < 1000 {
             return Some("little to see");
@@ -122,8 +121,8 @@ impl Compared {
     }
 }
 
-/// Compares `native` as the processor shows it with `wgpu` as the device does, which but for planted faults is the
-/// same.
+/// Compares the picture of `native` by the CPU with that of `wgpu` by the GPU. Both lights are the same except for
+/// planted faults.
 pub fn compared(looked: &ViewedScene, wgpu: &Light, native: &Light) -> Compared {
     let (of_processor, dark, of_device, edges) = looked.with(|both| {
         let of_processor = looked.shown(&mut both.native, &instances(native));
@@ -145,15 +144,15 @@ pub fn compared(looked: &ViewedScene, wgpu: &Light, native: &Light) -> Compared 
     compared
 }
 
-/// Holds both pictures of a light to each other.
+/// Tests that both pictures of a light agree.
 pub fn assert_the_same(name: &str, looked: &ViewedScene, light: &Light) {
     let compared = compared(looked, light, light);
     println!("{name}: {compared:?}");
     assert_eq!(compared.fault(), None, "{name}: {compared:?}");
 }
 
-/// How many pixels change by more than 1 of 255 on the device where it draws `light` in place of `other`: whether what they
-/// differ by is in the picture at all.
+/// Number of pixels that change by more than 1 of 255 on the GPU if it draws `light` instead of `other`. It shows that
+/// their difference is visible at all.
 pub fn differing_pixels(looked: &ViewedScene, light: &Light, other: &Light) -> usize {
     let [a, b] =
         looked.with(|both| [light, other].map(|light| looked.shown(&mut both.wgpu, &instances(light))));

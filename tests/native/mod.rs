@@ -1,8 +1,8 @@
-//! Pictures that the processor lights are those that the graphics device does. One binary, so that all comparisons share
-//! one renderer a way.
+//! Tests that pictures shaded by the CPU equal those of the GPU. All tests are in one binary, so that all comparisons
+//! share one renderer per backend.
 //!
-//! Both start from one G-buffer and draw their own maps. What they share, and what these tests can tell: ARCHITECTURE.md,
-//! "The native path".
+//! Both start from one G-buffer and draw their own maps. docs/decisions/37-reference-renderer.md lists the code and
+//! data that they share, and so the faults that these tests cannot detect.
 
 mod bent;
 mod both;

@@ -1,4 +1,4 @@
-//! Lights with straight rays: every shape, filter and parameter, over casters with holes and with links.
+//! Lights with straight rays: every shape, filter and parameter, over alpha-tested casters and with links.
 
 use std::sync::{Arc, LazyLock};
 
@@ -14,9 +14,9 @@ use render::{Culling, ShadowFilter, ShadowSettings};
 use scene::{Aov, PosedScene, View};
 
 use super::both::{SIZE, ViewedScene, assert_the_same, compared, demo, differing_pixels};
-use super::boxes::{looking, room, view};
+use crate::boxes::{looking, room, view};
 
-/// The room of boxes, the same one each time.
+/// View of the room of boxes, which is posed once.
 fn in_room() -> ViewedScene {
     static ROOM: LazyLock<Arc<PosedScene>> = LazyLock::new(|| scene::pose(room()));
     let eye = DVec3::new(1.2, 3.6, 4.4);
@@ -32,7 +32,7 @@ fn lamp(degrees: f64) -> Light {
     lamp.with(CONE_ANGLE, degrees).with(INTENSITY, 40.0)
 }
 
-/// Between the posts, turned so that no face of its map lies along a wall.
+/// Omni light between the posts, rotated so that no face of its map is parallel to a wall.
 fn bulb() -> Light {
     let turned = DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.5);
     Light::omni().with(TRANSLATION, DVec3::new(0.2, 1.7, 0.1)).with(ROTATION, turned).with(INTENSITY, 10.0)
@@ -43,7 +43,7 @@ fn sun() -> Light {
     Light::directional().with(ROTATION, looking(from, DVec3::ZERO, DVec3::X)).with(INTENSITY, 2.0)
 }
 
-/// The sun through a window, turned about its axis.
+/// Directional light with a window, rotated about its axis.
 fn window() -> Light {
     sun().with(TRANSLATION, DVec3::new(0.3, 0.2, -0.4)).with(WIDTH, Some(3.0)).with(HEIGHT, Some(2.0))
 }
@@ -58,7 +58,7 @@ fn lights_of_every_shape_show_what_the_device_shows() {
     let looked = in_room();
     for (name, light) in shapes() {
         assert_the_same(name, &looked, &light);
-        // The planted fault: a hundredth of the room's width aside, or half a degree.
+        // The planted fault: a hundredth of the room's width to one side, and half a degree.
         let moved = light.get(TRANSLATION) + DVec3::new(0.1, 0.0, 0.0);
         let turned = light.get(ROTATION) * DQuat::from_rotation_x(0.5_f64.to_radians());
         let other = light.clone().with(TRANSLATION, moved).with(ROTATION, turned);
@@ -131,7 +131,7 @@ fn links_leave_what_they_leave_on_the_device() {
     }
 }
 
-/// Holds `light` to itself, and has the planted fault seen that drops what makes it another than `plain`.
+/// Tests that both pictures of `light` agree, and that they differ visibly from those of `plain`.
 fn does_what_it_does(what: &str, plain: &Light, light: &Light) {
     let looked = in_room();
     assert_the_same(what, &looked, light);
@@ -139,7 +139,7 @@ fn does_what_it_does(what: &str, plain: &Light, light: &Light) {
     assert!(changed > 100, "{what}: dropping it goes unseen but for {changed} pixels");
 }
 
-/// Each parameter that a layer holds or a sum multiplies it by.
+/// Each parameter that a layer depends on, or that its sum is multiplied by.
 #[test]
 fn every_parameter_does_what_it_does_on_the_device() {
     let curve = || PeriodicCurve::new(vec![[0.0, 1.0], [90.0, 0.4], [200.0, 0.9]]).expect("a curve");

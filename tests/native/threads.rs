@@ -1,4 +1,4 @@
-//! How many threads draw, which no picture tells. In processes of their own, in which no other test has started any.
+//! Tests the number of threads that draw, in child processes, in which no other test has started any.
 
 use std::process::Command;
 
@@ -7,7 +7,7 @@ use render::{Backend, View};
 
 use super::both::{SIZE, demo, instances, renderer_of};
 
-/// The picture of the demo as `backend` has it in this process, and how many threads of it relight then.
+/// Draws the demo with `backend` in this process. Returns the picture and the number of relight threads.
 fn shown_by(backend: Backend, size: [u32; 2]) -> (Vec<u8>, usize) {
     let loaded = demo("vases");
     let light: &Light = loaded.contents.lights[0].light();
@@ -18,14 +18,14 @@ fn shown_by(backend: Backend, size: [u32; 2]) -> (Vec<u8>, usize) {
     (bytes, threads_that_relight())
 }
 
-/// How many threads of this process relight.
+/// Number of relight threads of this process.
 fn threads_that_relight() -> usize {
     let tasks = std::fs::read_dir("/proc/self/task").expect("Linux tells");
     let names = tasks.filter_map(|task| std::fs::read_to_string(task.ok()?.path().join("comm")).ok());
     names.filter(|name| name.starts_with("relight")).count()
 }
 
-/// One of the tests below alone.
+/// Command that runs only one of the tests below.
 fn child(name: &str) -> Command {
     let mut command = Command::new(std::env::current_exe().expect("it runs"));
     command.args(["--ignored", "--exact", &format!("native::threads::{name}"), "--nocapture"]);

@@ -1,4 +1,4 @@
-//! `bendylights backup`: while people work, and killed at any moment.
+//! `bendylights backup` during edits, and killed at any moment.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,13 +16,14 @@ use store::Store;
 use crate::program::program;
 use crate::sessions::support::Server;
 
-/// What is acknowledged in a second.
+/// Acknowledged edits per second.
 const EDITS_A_SECOND: u32 = 60;
 const BACKUPS: u64 = 5;
-/// Of each kind. A copy waits for the disk a dozen times; `BENDYLIGHTS_KILLS=200` takes minutes.
+/// Number of kills of backups and of restores. A copy waits for the disk a dozen times; `BENDYLIGHTS_KILLS=200` takes
+/// minutes.
 const KILLS: u32 = 20;
 
-/// Begins a copy of `data` to `to`.
+/// Starts a copy of `data` to `to`.
 fn backup(data: &Path, to: &Path) -> Child {
     let mut command = Command::new(program());
     command.args(["backup", "--quiet", "--data"]).arg(data).arg(to).stdout(Stdio::null());
@@ -74,7 +75,7 @@ fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
         eprintln!("{rate:.0} edits a second");
     });
 
-    // A copy is served like any other folder, and comes to the document that it was copied at.
+    // A copy can be served like any other folder, and has the document at the time of the copy.
     let last = copy(BACKUPS - 1);
     let row = Store::open(&last).expect("a copy").session("main").expect("a session");
     let restored = ServerProcess::start(program(), &last, &[]).expect("started");
@@ -83,7 +84,7 @@ fn a_backup_under_60_edits_a_second_holds_all_that_was_acknowledged_before() {
     assert_eq!((state.seq, state.hash), (row.seq, row.hash));
 }
 
-/// A data folder with a log and some scenes.
+/// Makes a data folder with a log and some scenes.
 fn make_data(data: &Path) {
     let log = Path::new(env!("CARGO_MANIFEST_DIR")).join("logs/format-4.jsonl");
     let mut import = Command::new(program());
@@ -96,7 +97,7 @@ fn make_data(data: &Path) {
     }
 }
 
-/// Sessions with their hashes, and the scenes whose bytes are whole; `None` of a folder that is no data folder.
+/// Sessions with their hashes, and the number of complete scenes; `None` for a folder that is no data folder.
 fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
     let store = Store::open(data).ok()?;
     let rows = store.sessions().ok()?.into_iter().map(|row| store.session(&row.name));
@@ -112,8 +113,9 @@ fn holds(data: &Path) -> Option<(BTreeMap<String, String>, usize)> {
     Some((sessions, whole.count()))
 }
 
-/// Begins copies by `begin`, each of which is killed at another moment up to a little after it would have ended, and ever later where
-/// the machine holds all of them up; how many of them left something, and how many of these another thing than the whole.
+/// Starts copies with `begin` and kills each at a different time, up to a little after its usual end, and later if the
+/// machine is so slow that all were killed before. Returns the number of copies that left something, and of those among
+/// them that are not complete.
 fn kill_copies(data: &Path, to: &Path, count: u32, begin: impl Fn(&Path, &Path) -> Child) -> (u32, u32) {
     let whole = holds(data).expect("data");
     let began = Instant::now();
@@ -150,7 +152,7 @@ fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
         eprintln!("{kills} kills: {left} copies were whole by then");
         assert_eq!(damaged, 0, "of {left} that were left");
         assert!((1..kills).contains(&left), "some were killed before they were done, some after: {left}");
-        // The next one removes what the killed ones have left.
+        // The next copy removes the rest of the killed ones.
         let _ = fs::remove_dir_all(to);
         back_up(from, to);
         assert_eq!(holds(to), holds(from));
@@ -164,7 +166,7 @@ fn a_backup_and_its_restore_that_are_killed_anywhere_leave_all_or_nothing() {
         .collect();
     names.sort();
     assert_eq!(names, ["again", "copy"]);
-    // A planted fault: what copies file by file into its place is caught.
+    // The planted fault: a copy file by file into the final place is detected.
     let by_cp =
         |from: &Path, to: &Path| Command::new("cp").arg("-r").args([from, to]).spawn().expect("cp runs");
     let (left, damaged) = kill_copies(&copy, &folder.path().join("by-cp"), KILLS, by_cp);

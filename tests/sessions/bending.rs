@@ -1,4 +1,4 @@
-//! A light that is bent in place, seen in pixels and in the log.
+//! A light that is bent in place, in pixels and in the log.
 
 use light::ParameterOwner;
 use light::parameters::RANGE;
@@ -6,7 +6,7 @@ use protocol::{Action, ClientMessage, Command, GestureStatus, Record, Scope};
 
 use crate::sessions::support::{Mirror, Server, committed, move_point, moved, rename, state_of};
 
-/// How many values differ by more than 1 of 255.
+/// Number of values that differ by more than 1 of 255.
 fn apart(a: &[u8], b: &[u8]) -> usize {
     assert_eq!(a.len(), b.len(), "pictures of two sizes");
     a.iter().zip(b).filter(|(a, b)| a.abs_diff(**b) > 1).count()
@@ -16,8 +16,8 @@ fn owner(mirror: &Mirror, light: u64) -> ParameterOwner {
     mirror.document.lights()[&light::LightId(light)].light.light().owner()
 }
 
-/// The demo's key light made straight, bent in place, and both taken back: no pixel changes with the bending, and its
-/// handles lie where it shines.
+/// The demo's key light is straightened, bent in place, and both are undone. No pixel changes with the bending, and its
+/// handles are where it shines.
 ///
 /// Rules: CMD-12, DOC-2
 #[test]
@@ -41,7 +41,7 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
         .expect("committed");
     assert_eq!(apart(&straight, &ada.settled(bent)), 0, "values that change");
 
-    // What the room has found out is in the record, which so needs no scene.
+    // The record contains the range that the room found, so replay needs no scene.
     let log = server.process.get(&format!("/sessions/main/log?from={bent}&limit=1")).expect("answered");
     let record: serde_json::Value = serde_json::from_str(&log.text()).expect("a record");
     let range = record["action"]["command"]["range"].as_f64().expect("a range");
@@ -53,7 +53,7 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     );
     assert!((1.0..20.0).contains(&range), "the axis meets the table {range} units away");
 
-    // The planted fault: a control point beside its place is seen.
+    // The planted fault: a displaced control point is detected.
     let moved = ada.edited(move_point(light, 4, moved(last, [0.5, 0.0, 0.0]))).seq().expect("committed");
     assert!(apart(&straight, &ada.settled(moved)) > 100);
 
@@ -68,8 +68,8 @@ fn a_light_bends_in_place_without_a_pixel_changing() {
     assert!(ada.settled(undone) == straight, "the same pixels");
 }
 
-/// What stands behind a light that is bent waits for the scene's word; a gesture that bends one shows it too, and its record
-/// leaves nothing out either.
+/// Commands after a light is bent wait until the scene has answered. A gesture that bends a light shows it too, and its
+/// record is complete as well.
 ///
 /// Rules: CMD-12, GEST-8
 #[test]

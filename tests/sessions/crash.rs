@@ -1,4 +1,4 @@
-//! Power cuts: what was acknowledged is there, and the log replays to the same document.
+//! Power cuts: acknowledged edits survive, and the log replays to the same document.
 
 use light::parameters::RADIUS;
 use std::collections::BTreeMap;
@@ -17,13 +17,13 @@ use crate::sessions::support::Server;
 const CLIENTS: u64 = 4;
 const EDITS: u64 = 1_000;
 const KILLS: u64 = 5;
-/// Edits that a client has under way at once.
+/// Edits in flight per client.
 const UNDER_WAY: usize = 4;
 
-/// What the clients were told, and where the server is now.
+/// State shared by the clients: the answers that they got, and the address of the server.
 struct Shared {
     address: Mutex<ServerAddress>,
-    /// Sequence of each acknowledged operation.
+    /// Sequence number of each acknowledged operation.
     acknowledged: Mutex<BTreeMap<String, u64>>,
     next_edit: AtomicU64,
     light: u64,
@@ -32,7 +32,7 @@ struct Shared {
 /// Rules: SOCK-4, REC-1, REC-4, LOG-1, LOG-2
 #[test]
 fn acknowledged_edits_survive_kills_at_random_moments() {
-    // The moments differ from run to run on purpose; what must hold does not depend on them.
+    // The times differ from run to run on purpose; the tested properties do not depend on them.
     let seed = Instant::now().elapsed().subsec_nanos() ^ std::process::id();
     eprintln!("seed {seed}");
     let mut server = Server::start();
@@ -51,7 +51,7 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
         .collect();
     let mut random = u64::from(seed) | 1;
     for kill in 1..=KILLS {
-        // A moment somewhere within the next share of the edits.
+        // A random time within the next share of the edits.
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let target = EDITS * kill / (KILLS + 1) + (random >> 33) % (EDITS / (2 * KILLS));
         while acknowledged(&shared) < target {
@@ -69,7 +69,7 @@ fn acknowledged_edits_survive_kills_at_random_moments() {
     let (seq, hash) = server.state();
     assert_eq!(seq, EDITS + 1, "each edit once, after the scene");
 
-    // Once more from the disk alone.
+    // A last restart, from the disk alone.
     let data = server.data;
     server.process.kill().expect("killed");
     let log = data.path().join("main.jsonl");
@@ -85,7 +85,7 @@ fn acknowledged(shared: &Shared) -> u64 {
     shared.acknowledged.lock().expect("no panic").len() as u64
 }
 
-/// Makes edits until there are enough; over and over where the server is killed meanwhile.
+/// Makes edits until there are enough. Reconnects if the server is killed meanwhile.
 fn run_client(number: u64, shared: &Shared) {
     let mut open: BTreeMap<String, u64> = BTreeMap::new();
     loop {
@@ -94,7 +94,7 @@ fn run_client(number: u64, shared: &Shared) {
             std::thread::sleep(Duration::from_millis(5));
             continue;
         };
-        // What was under way when the server died is sent again, under the same names.
+        // Edits that were in flight when the server was killed are sent again, with the same operation ids.
         let resent = open.iter().all(|(op_id, edit)| send(&mut client, shared, op_id, *edit).is_ok());
         if resent && serve_edits(&mut client, shared, number, &mut open) {
             return;
@@ -102,7 +102,7 @@ fn run_client(number: u64, shared: &Shared) {
     }
 }
 
-/// True when all is done, false when the connection broke.
+/// True if all edits are done, false if the connection broke.
 fn serve_edits(client: &mut Client, shared: &Shared, number: u64, open: &mut BTreeMap<String, u64>) -> bool {
     loop {
         while open.len() < UNDER_WAY {
@@ -142,7 +142,8 @@ fn send(client: &mut Client, shared: &Shared, op_id: &str, edit: u64) -> Result<
     client.send(&ClientMessage::Edit { op_id: op_id.to_owned(), base_seq, command })
 }
 
-/// Every acknowledged operation stands in the log where it was said to; the last checkpoint is the server's hash.
+/// Tests that the log has every acknowledged operation at its acknowledged position, and that the last checkpoint has
+/// the server's hash.
 fn check_log(log: &Path, acknowledged: &BTreeMap<String, u64>, hash: &str) {
     let text = std::fs::read_to_string(log).expect("a log");
     let mut found = BTreeMap::new();
@@ -164,7 +165,7 @@ fn check_log(log: &Path, acknowledged: &BTreeMap<String, u64>, hash: &str) {
     assert_eq!(missing(&found), 1, "a planted loss is seen");
 }
 
-/// Runs the program; what it prints.
+/// Runs the program. Returns its output.
 fn bendylights(first: &[&str], data: &Path, then: &[&str], log: &Path) -> String {
     let output = Command::new(program()).args(first).arg(data).args(then).arg(log).output().expect("it runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -7,10 +7,10 @@ use protocol::{ClientMessage, ErrorCode, Outcome, Problem};
 
 use crate::sessions::support::{Mirror, Server, committed, rename};
 
-/// Edits that are tried until the disk fails, or works again.
+/// Maximum number of edits until the disk fails, or works again.
 const TRIES: usize = 200;
 
-/// A disk that fails as long as this lives.
+/// Makes the disk fail until it is mended.
 struct FailingDisk(Child);
 
 impl FailingDisk {
@@ -39,14 +39,14 @@ impl FailingDisk {
     }
 
     fn mend(mut self) {
-        // Asked to end it lets go of the server; killed it might leave it stopped.
+        // strace detaches from the server on TERM; if killed, it could leave the server stopped.
         let asked = Command::new("kill").args(["-TERM", &self.0.id().to_string()]).status();
         assert!(asked.is_ok_and(|status| status.success()));
         self.0.wait().expect("it ends");
     }
 }
 
-/// Sends renamings under names of their own until of one nobody knows; that one's name, and what it is answered.
+/// Sends renames, each with a new operation id, until one has an unknown outcome. Returns its id and the answer.
 fn unknown_edit(ada: &mut Mirror, light: u64) -> (String, Problem) {
     for _ in 0..TRIES {
         let op_id = ada.edit(rename(light, "renamed"));

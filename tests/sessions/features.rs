@@ -1,4 +1,4 @@
-//! Shadows and highlights dragged in sessions: live, pinned, recorded, replayed, and asked for without an edit.
+//! Shadows and highlights dragged in sessions: live, pinned, recorded, replayed, and queried without an edit.
 
 use protocol::{
     Action, ClientMessage, Command, DragKind, DragLimit, DragOutcome, DragRadii, DragStatus, ErrorCode,
@@ -10,10 +10,10 @@ use crate::program::program;
 use crate::sessions::support::{Mirror, Server, committed, rejected, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
-/// In the shadow of the blue vase's neck.
+/// A pixel in the shadow of the blue vase's neck.
 const SHADOW: [f64; 2] = [430.5, 265.5];
 
-/// The drag of docs/command-line.md: that shadow goes down the table by `down` pixels.
+/// The drag of docs/command-line.md: moves that shadow down the table by `down` pixels.
 fn drag(mirror: &Mirror, points: Option<Vec<usize>>, down: f64) -> Command {
     let camera = mirror.document.cameras().values().next().expect("the demo has a camera");
     Command::DragFeature {
@@ -38,7 +38,7 @@ fn begin(mirror: &mut Mirror) {
     mirror.send(&ClientMessage::GestureBegin { gesture: "drag".into(), light, base_seq });
 }
 
-/// The record of that number, as HTTP gives it.
+/// The record of that number, over HTTP.
 fn record(server: &Server, seq: u64) -> Record {
     let log = server.process.get(&format!("/sessions/main/log?from={seq}")).expect("answered").text();
     let line = log.lines().find(|line| line.contains(&format!("\"seq\":{seq},"))).expect("the record");
@@ -57,8 +57,8 @@ fn light_json(mirror: &Mirror) -> String {
     serde_json::to_string(&document.lights[0].light).expect("JSON")
 }
 
-/// Everybody sees it, the outcome with it; where the cursor goes on the light does not depend on where it was between; one
-/// record, one undo.
+/// All clients see the drag and its outcome. The result depends on the final cursor and not on its path. The drag is
+/// one record and one undo step.
 ///
 /// Rules: CMD-15, GEST-1, GEST-4, REC-2, REC-7, DRAG-2
 #[test]
@@ -84,7 +84,7 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
     let seen = state_of(&mut ben, |state| state.update == 3);
     assert_eq!((seen.changes, seen.outcome.map(|outcome| outcome.status)), (there, Some(DragStatus::Landed)));
 
-    // Off the table there is nothing to land on: the light stays, and comes when the cursor comes back.
+    // Off the table the drag has no surface to land on: the light stays, and follows when the cursor comes back.
     let mut off = drag(&ada, points(), 45.0);
     if let Command::DragFeature { to, .. } = &mut off {
         *to = [-9000.5, -9000.5];
@@ -106,13 +106,13 @@ fn a_shadow_is_dragged_live_and_is_one_record() {
     committed(&ada.result(&op_id));
     assert_eq!(light_json(&ada), began, "one step takes it back");
 
-    // The same as one edit is the same light.
+    // The same drag as a single edit gives the same light.
     let command = drag(&ada, points(), 45.0);
     committed(&ada.edited(command));
     assert_eq!(light_json(&ada), moved);
 }
 
-/// Updates that come faster than they are solved are passed over, the last of them never.
+/// Updates that arrive faster than they are solved are skipped, except the last one.
 ///
 /// Rules: GEST-7, GEST-1
 #[test]
@@ -150,7 +150,8 @@ fn pins_are_everybodys_and_hold() {
     let id = ada.document.pins().keys().next().expect("a pin").0;
     assert_eq!(protocol::Document::from(&ada.document).pins[0].pin, pin);
 
-    // One control point cannot turn the way of the light to the cursor and keep its direction here: the pin is named.
+    // One control point cannot direct the light path to the cursor and keep its direction here: the answer names the
+    // pin.
     let command = drag(&ada, Some(vec![3]), 20.0);
     let began = light_json(&ada);
     committed(&ada.edited(command.clone()));
@@ -161,7 +162,7 @@ fn pins_are_everybodys_and_hold() {
     committed(&ada.result(&op_id));
     assert_eq!(light_json(&ada), began);
 
-    // Nobody pins what somebody drags.
+    // No client can pin a light that another one drags.
     begin(&mut ada);
     let little = drag(&ada, None, 5.0);
     send_update(&mut ada, 1, little);
@@ -170,7 +171,7 @@ fn pins_are_everybodys_and_hold() {
     ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
     state_of(&mut ben, |state| matches!(state.status, GestureStatus::Cancelled { .. }));
 
-    // Without it the same drag lands.
+    // Without the pin the same drag lands.
     committed(&ben.edited(Command::RemovePin { pin: id }));
     ada.catch_up(ben.seq);
     committed(&ada.edited(command));
@@ -204,14 +205,14 @@ fn programs_ask_where_drags_would_lead() {
     assert_eq!(there[0]["status"], "landed");
     assert_eq!(server.state(), (seq, hash), "nothing is edited");
 
-    // What the command line says of the same scene and drag.
+    // Result of the command line for the same scene and drag.
     let file = server.data.path().join("drags.json");
     std::fs::write(&file, json!([one]).to_string()).expect("written");
     let output = std::process::Command::new(program()).arg("drag").arg("demo:vases").arg(&file).output();
     let printed: Vec<Value> = serde_json::from_slice(&output.expect("it runs").stdout).expect("JSON");
     assert_eq!(without_seconds(&printed[0]), without_seconds(&there[0]));
 
-    // Its pins are the document's, unless it says which.
+    // The document's pins apply unless the request has its own.
     let at = there[0]["fromWorld"].clone();
     let pin = json!({"kind": "lit", "light": ada.light(), "at": at, "hard": true});
     committed(&ada.edited(serde_json::from_value(json!({"type": "addPin", "pin": pin})).expect("a command")));
@@ -247,14 +248,14 @@ fn programs_ask_where_drags_would_lead() {
     }
 }
 
-/// Replay takes the values that were recorded; asked to, it solves again and says how far that is from them.
+/// Replay uses the recorded values; with `--resolve` it solves again and reports the difference.
 ///
 /// Rules: REC-2, REC-7
 #[test]
 fn a_log_is_solved_again() {
     let server = Server::start();
     let mut ada = server.connect("ada");
-    // Each goes on from where the shadow lies by then.
+    // Each drag starts where the shadow is by then.
     let ways = [(None, 0.0, 30.0), (Some(vec![2, 3, 4]), 30.0, 18.0), (Some(vec![1, 2]), 18.0, 21.0)];
     for (points, began, ended) in ways {
         let mut command = drag(&ada, points, ended);
@@ -284,7 +285,8 @@ fn a_log_is_solved_again() {
     assert_eq!((&resolved["drags"], &resolved["same"]), (&json!(drags), &json!(drags)), "{resolved}");
     assert_eq!((&resolved["drift"], &resolved["other_solver"]), (&json!(0.0), &json!(0)));
 
-    // The planted fault: a log in which a drag led elsewhere. Its checkpoints no longer hold, so only the drift is looked at.
+    // The planted fault: a log in which a drag led to another position. Its checkpoints no longer match, so only the
+    // drift is tested.
     let text = std::fs::read_to_string(&file).expect("a log");
     let moved = text.lines().map(with_a_point_elsewhere).collect::<Vec<_>>().join("\n") + "\n";
     assert_ne!(moved, text);
@@ -298,7 +300,7 @@ fn a_log_is_solved_again() {
     assert!(resolved["drift"].as_f64().expect("a number") > 0.09, "{resolved}");
 }
 
-/// The line with the first control point that the last drag moved 0.1 elsewhere.
+/// Moves the first control point of the last drag by 0.1 in its log line.
 fn with_a_point_elsewhere(line: &str) -> String {
     let mut record: Value = serde_json::from_str(line).expect("JSON");
     let is_last = record["action"]["command"]["points"] == json!([1, 2]);

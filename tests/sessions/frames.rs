@@ -1,4 +1,4 @@
-//! What is rendered, encoded and sent, and what is not.
+//! Tests what is rendered, encoded and sent, and what is not.
 
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use stream::{Codec, FrameHeader};
 
 use crate::sessions::support::{Mirror, Server, frame_pixels, move_point, moved, rename};
 
-/// How often the server rendered and encoded.
+/// Numbers of rendered and of encoded frames.
 fn work(server: &Server) -> [f64; 2] {
     ["bendylights_frames_rendered_total", "bendylights_frames_encoded_total"]
         .map(|name| server.process.metric(name, "").expect("counted"))
@@ -41,7 +41,7 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
     let (settled, _) = frame(&mut ada, |header| header.flags.is_settled);
     assert_eq!((settled.codec, settled.log_seq, settled.width, settled.height), (Codec::Png, seq, 160, 90));
 
-    // At rest, and through a change that no picture shows, nothing is drawn, nothing encoded, nothing sent.
+    // At rest, and after a change that no picture shows, nothing is drawn, encoded or sent.
     let at_rest = work(&server);
     ada.edited(rename(light, "another name"));
     let until = Instant::now() + idle_for();
@@ -51,24 +51,24 @@ fn moving_is_jpeg_rest_is_lossless_and_then_nothing_happens() {
     }
     assert_eq!(work(&server), at_rest);
 
-    // The comparison sees work where there is some.
+    // The counters detect work if there is some.
     ada.edited(move_point(light, 2, moved(ada.point(2), [0.0, -0.3, 0.0])));
     frame(&mut ada, |header| header.flags.is_settled);
     assert!(work(&server)[0] > at_rest[0] && work(&server)[1] > at_rest[1]);
 }
 
-/// Long enough for several settle times; `BENDYLIGHTS_IDLE_S=60` for the minute.
+/// Several settle times; `BENDYLIGHTS_IDLE_S=60` waits for a minute.
 fn idle_for() -> Duration {
     let seconds = std::env::var("BENDYLIGHTS_IDLE_S").ok().and_then(|text| text.parse().ok());
     Duration::from_secs(seconds.unwrap_or(3))
 }
 
-/// `position`, to one side at even steps and back at odd ones.
+/// `position`, moved to one side at even steps and to the other at odd ones.
 fn oscillate(position: Vec3, step: u32) -> Vec3 {
     moved(position, [0.0, if step.is_multiple_of(2) { 0.1 } else { -0.1 }, 0.0])
 }
 
-/// What comes within a moment, not acknowledged.
+/// Frames that arrive within a moment. They are not acknowledged.
 fn unacknowledged(mirror: &mut Mirror) -> Vec<FrameHeader> {
     let mut frames = Vec::new();
     while let Some(incoming) = mirror.client.receive(Duration::from_millis(50)).expect("received") {
@@ -87,7 +87,7 @@ fn no_more_than_three_frames_are_under_way() {
     let mut ben = server.connect("ben");
     let light = ada.light();
     ada.open_view();
-    // Ada acknowledges her first, and then reads but does not acknowledge.
+    // Ada acknowledges the first frame. From then on she reads but does not acknowledge.
     frame(&mut ada, |_| true);
     let mut frames: Vec<FrameHeader> = Vec::new();
     let mut edits = 0;
@@ -99,14 +99,14 @@ fn no_more_than_three_frames_are_under_way() {
     while frames.len() < 3 {
         edit_and_read(&mut ada, &mut frames);
     }
-    // The window is full now; what follows is not drawn for her.
+    // The window is full now; later states are not drawn for her.
     for _ in 0..4 {
         edit_and_read(&mut ada, &mut frames);
     }
     let latest = ben.seq;
     assert_eq!(frames.len(), 3, "frames without an acknowledgement");
     assert!(frames[2].log_seq < latest, "the last edits were drawn for nobody");
-    // The latest state wins: an acknowledgement brings what there is now, not what was missed.
+    // The latest state wins: an acknowledgement brings the current state, not the missed ones.
     for header in &frames {
         ada.client.ack(header).expect("sent");
     }
@@ -128,7 +128,7 @@ fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
     fast.open_view();
     frame(&mut fast, |header| header.flags.is_settled);
     let light = fast.light();
-    // From here on `silent` neither reads nor acknowledges: one frame was on its way to it.
+    // From here on `silent` neither reads nor acknowledges: one frame is in flight to it.
     let before = work(&server);
     let mut shown = 0;
     let until = Instant::now() + Duration::from_secs(3);
@@ -138,15 +138,16 @@ fn nothing_is_drawn_for_a_client_that_acknowledges_nothing() {
             fast.edited(move_point(light, 2, oscillate(fast.point(2), shown))).seq().expect("committed");
         frame(&mut fast, |header| header.log_seq == seq);
     }
-    // Every edit of the fast client came back as its own frame; a window that waited for the silent one would have
-    // stopped after three.
+    // Every edit of the fast client came back as a frame of its own; a window that waited for the silent client would
+    // have stopped after three.
     assert!(shown > 3, "{shown} edits in 3 s");
-    // Planted by what it was: a frame a window and two seconds for the silent one too. Lossless ones of the fast one come besides.
+    // The planted fault, an earlier version, drew a frame per window and two seconds for the silent client too.
+    // Lossless frames of the fast client come in addition.
     let drawn = work(&server)[0] - before[0];
     assert!(drawn <= 2.0 * shown as f64, "{drawn} pictures for {shown} edits");
     let frames = unacknowledged(&mut silent);
     assert_eq!(frames.len(), 1, "{frames:?}");
-    // It goes on where it acknowledges.
+    // The silent client continues after its acknowledgement.
     silent.client.ack(&frames[0]).expect("sent");
     let (next, _) = frame(&mut silent, |header| header.frame > 1);
     assert_eq!(next.log_seq, fast.seq);
@@ -165,7 +166,7 @@ fn followers_share_one_render_and_one_encoding() {
         let (header, _) = frame(follower, |header| header.flags.is_settled);
         assert_eq!((header.width, header.height), (160, 90), "the followed one's size");
     }
-    // Nothing is under way any more; from here on count.
+    // Nothing is in flight any more; counting starts here.
     let before = work(&server);
     let light = ada.light();
     let seq =
@@ -184,7 +185,7 @@ fn followers_share_one_render_and_one_encoding() {
     );
 }
 
-/// Who has a view of their own, and goes over to another's which rests, is shown what that shows.
+/// A client that leaves its own view for that of another client, which is at rest, gets the picture of that view.
 ///
 /// Rules: FRAME-5
 #[test]
@@ -219,7 +220,7 @@ fn moving_ones_view_is_no_edit() {
     assert_eq!(Document::from(&ada.document).cameras.len(), 1);
 }
 
-/// One's exposure and the lights that one sees alone are one's own: no record, and no frame for anybody else.
+/// Exposure and solo are private to a viewer: no record, and no frame for other clients.
 ///
 /// Rules: SOCK-7, SOCK-12, FRAME-1
 #[test]
@@ -246,21 +247,21 @@ fn view_settings_are_private() {
     let before = work(&server);
     let [alone, lamp_alone] = [&[key], &[added]].map(|solo| seen_with(&mut ada, 0.0, solo));
     assert!(sum(&alone) < sum(&both) && sum(&lamp_alone) < sum(&both) && alone != lamp_alone);
-    // Both, whichever way it is said; a light that there is not counts for nothing.
+    // The order of ids does not matter; an unknown light is ignored.
     assert!(seen_with(&mut ada, 0.0, &[added, 99, key]) == both);
     assert!(seen_with(&mut ada, 0.0, &[99]) == both);
     assert!(sum(&seen_with(&mut ada, 1.0, &[])) > sum(&both));
     assert!(sum(&seen_with(&mut ada, -1.0, &[])) < sum(&both));
-    // Ada's alone were drawn, each at most twice, moving and lossless.
+    // Only Ada's pictures were drawn, each at most twice, moving and lossless.
     assert!(work(&server)[0] - before[0] <= 12.0);
     assert_eq!(server.state().0, seq, "nothing was logged");
-    // Who follows sees what is followed.
+    // A follower sees the picture of the followed view.
     seen_with(&mut ada, 0.0, &[key]);
     ben.follow(&ada);
     let (header, followed) =
         frame(&mut ben, |header| header.flags.is_settled && header.camera_revision == revision);
     assert!(frame_pixels(&header, &followed) == alone && bens == both);
-    // The light goes, and with it being alone.
+    // Removing the light ends its solo.
     let gone = ada.edited(Command::RemoveLight { light: key }).seq().expect("committed");
     assert!(ada.settled(gone) == lamp_alone);
 
@@ -278,7 +279,8 @@ fn view_settings_are_private() {
     }
 }
 
-/// Drags for so long in a view that asks for `interaction`; the headers of the drag's frames, then that of the lossless one.
+/// Drags for `seconds` in a view that requests `interaction`. Returns the headers of the drag's frames, and that of the
+/// lossless one.
 fn dragged(
     server: &Server,
     interaction: Option<Interaction>,
@@ -303,13 +305,13 @@ fn dragged(
     (frames, frame(&mut ada, |header| header.flags.is_settled).0)
 }
 
-/// What a frame has of what its view has, as the client can tell.
+/// Size and map divisor of a frame, which the client compares with those of its view.
 fn detail_of(header: &FrameHeader) -> (u16, u16, u16) {
     (header.width, header.height, header.shadow_map_divisor)
 }
 
-/// A moving picture that would be too slow in full has fewer texels, and fewer pixels only where the client asked for it; what
-/// is forbidden stays full, as all is at rest.
+/// A moving picture that would be too slow has fewer texels, and has fewer pixels only if the client requested that.
+/// Forbidden reductions are not made, and none are made at rest.
 ///
 /// Rules: FRAME-10
 #[test]
@@ -330,7 +332,7 @@ fn moving_pictures_are_reduced_as_far_as_is_allowed_and_lossless_ones_never() {
             width >= least.0 && height >= least.1 && divisor <= least.2
         };
         assert!(frames.iter().all(within), "{interaction:?}");
-        // On a device that is quick enough there is no need.
+        // A fast device needs no reduction.
         let reduced = frames.iter().any(|header| detail_of(header) != FULL);
         assert!(least == FULL || reduced || !slow(&frames), "{interaction:?}: slow, and nothing was reduced");
         // Three seconds have room for three changes.
@@ -339,10 +341,10 @@ fn moving_pictures_are_reduced_as_far_as_is_allowed_and_lossless_ones_never() {
     }
 }
 
-/// 1280 x 720 with maps of all their texels.
+/// 1280 x 720 pixels with maps of full size.
 const FULL: (u16, u16, u16) = (1280, 720, 1);
 
-/// A spotlight beside the demo's own.
+/// A spotlight in addition to the demo's own light.
 fn lamp() -> protocol::Light {
     let json = json!({"type": "spot", "name": "lamp", "intensity": 30,
         "transform": {"translation": [0, 3, 4], "rotation": [0, 0, 0, 1], "scale": 1}});

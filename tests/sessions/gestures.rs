@@ -1,4 +1,4 @@
-//! Drags: live for everybody, one record, a lock that ends with the connection.
+//! Drags: live for all clients, one record, and a lock that ends with the connection.
 
 use light::parameters::RADIUS;
 use std::time::Duration;
@@ -36,7 +36,7 @@ fn a_drag_is_live_for_all_and_one_record() {
     assert_eq!((seen.light, seen.changes.len()), (light, 1));
     assert!(seen.live_revision >= 10);
 
-    // Somebody else's hands are kept off, and told whose it is.
+    // Edits of other clients are refused, and the answer names the actor who holds the light.
     let refused = ben.edited(rename(light, "mine now"));
     let problem = rejected(&refused);
     assert_eq!(problem.code, ErrorCode::Locked);
@@ -94,8 +94,8 @@ fn a_fold_leaves_the_last_valid_state() {
     assert_eq!(ada.radius(2), 1.6);
 }
 
-/// The wall is no refusal: the gesture is held, the point goes as far as the tube can bend, and where the cursor comes back
-/// it comes too, wherever it was between.
+/// A drag past the fold is not refused: the gesture is held, and the point goes as far as the tube can bend. If the
+/// cursor comes back, so does the point, whatever the path between.
 ///
 /// Rules: CMD-14, GEST-1, REC-2
 #[test]
@@ -136,7 +136,7 @@ fn a_control_point_slides_along_the_wall() {
     assert_eq!(ada.point(2), start, "one step takes it back");
 }
 
-/// Nothing of it was ever to be seen: that is a cancel, and the last reason is the answer.
+/// A commit of a drag without a valid state is a cancel, and the last reason is the answer.
 ///
 /// Rules: GEST-4, GEST-1
 #[test]

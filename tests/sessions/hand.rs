@@ -1,4 +1,4 @@
-//! Whose picture comes first, of which state it is, and what goes on meanwhile.
+//! Order of pictures during a drag, the state that they show, and work in parallel to it.
 
 use std::time::{Duration, Instant};
 
@@ -9,10 +9,10 @@ use stream::FrameHeader;
 
 use crate::sessions::support::{Mirror, Server, move_point, moved};
 
-/// One update an animation frame.
+/// One update per animation frame.
 const UPDATE_EVERY: Duration = Duration::from_micros(16_667);
 
-/// Opens a view of one's own, of that size, and waits until it is at rest.
+/// Opens a view of its own of `size` pixels, and waits until it is at rest.
 fn open(mirror: &mut Mirror, size: [u32; 2]) {
     mirror.open_view_of(size, None);
     mirror.receive_until("a lossless frame", |incoming| {
@@ -20,7 +20,8 @@ fn open(mirror: &mut Mirror, size: [u32; 2]) {
     });
 }
 
-/// Drags for so long, the first of `people`, by what `command` says of each update. The frames that each is sent meanwhile.
+/// The first of `people` drags for `time`, with the updates of `command`. Returns the frames that each received
+/// meanwhile.
 fn drag(
     people: &mut [Mirror],
     time: Duration,
@@ -49,7 +50,7 @@ fn drag(
     frames
 }
 
-/// From 0 to 0.5 and back, each update another than the one before.
+/// Goes from 0.5 to 0 and back; each update differs from the one before.
 fn to_and_fro(update: u64) -> f64 {
     (((update % 60) as f64) / 60.0 - 0.5).abs()
 }
@@ -60,9 +61,9 @@ fn median(values: impl Iterator<Item = u32>) -> u32 {
     values[values.len() / 2]
 }
 
-/// Somebody drags, three others watch that in views of their own: the hand's frames come before theirs, which come all the
-/// same, and none is begun of a state that is no longer the newest. (Each in turn, as it was, all had as many; and what waited
-/// in line was of when it got there, several pictures ago.)
+/// One client drags, and three others watch in views of their own. The interactive client's frames come first, the
+/// others' frames come too, and no render starts with an outdated state. (Before, all took turns and had equally many
+/// frames, and a waiting render showed the state at the time it was queued, several pictures ago.)
 ///
 /// Rules: FRAME-2, FRAME-11
 #[test]
@@ -79,16 +80,17 @@ fn interactive_views_come_first_and_stale_pictures_are_not_begun() {
     let most = counts[1..].iter().max().expect("three watch");
     assert!(counts[0] >= 2 * most || counts[0] > 300, "{counts:?}: the hand's come first");
     assert!(counts[1..].iter().all(|count| *count >= 2), "{counts:?}: nobody is starved");
-    // What is begun is of the latest update, which is as old as the hand's picture of it took that was drawn first, or as the
-    // next update lets it get, and what else runs on a full machine comes on top: less than as much again. What is of when it
-    // got in line is older by a round, in which the hand has two pictures and each of the three one.
+    // A render starts with the latest update. Its age is the render time of the interactive picture that was drawn
+    // before, or the time to the next update, and at most as much again for other work of a busy machine. A state from
+    // the time of queueing is older by a round, in which the interactive client has two pictures and each of the three
+    // others one.
     let render_us = median(frames[0].iter().map(|header| header.render_us));
     let wait_us = median(frames[1..].iter().flatten().map(|header| header.wait_us));
     let most_us = 2 * render_us.max(UPDATE_EVERY.as_micros() as u32);
     assert!(wait_us < most_us, "{wait_us} us of waiting, {render_us} of drawing");
 }
 
-/// Drawing and encoding go on at the same time: together they take longer than the drag lasted.
+/// Rendering and encoding run in parallel: their total time is longer than the drag.
 ///
 /// Rules: FRAME-2
 #[test]
@@ -103,7 +105,7 @@ fn the_next_picture_is_drawn_while_one_is_encoded() {
     let worked: u64 =
         frames[0].iter().map(|header| u64::from(header.render_us) + u64::from(header.encode_us)).sum();
     let worked = Duration::from_micros(worked);
-    // One after the other they cannot take longer than there was.
+    // In sequence they could not take longer than the drag.
     assert!(worked > time, "{worked:?} of work in {time:?}, {} frames", frames[0].len());
     let numbers: Vec<u32> = frames[0].iter().map(|header| header.live_revision).collect();
     assert!(numbers.is_sorted(), "pictures stay in order");

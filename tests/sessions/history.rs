@@ -1,4 +1,4 @@
-//! What undo and redo would take back, told before it is asked for.
+//! The next undo and redo steps, which clients are told in advance.
 
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, RADIUS};
 use protocol::{ClientMessage, Command, ErrorCode, History, Outcome, Scope, ServerMessage};
@@ -19,7 +19,7 @@ fn undo(mirror: &mut Mirror, scope: Scope) -> Outcome {
     mirror.result(&op_id)
 }
 
-/// The record that the latest record takes back.
+/// Record that the latest record undoes.
 fn target(server: &Server, seq: u64) -> u64 {
     let log = server.process.get(&format!("/sessions/main/log?from={seq}&limit=1")).expect("answered");
     let record: serde_json::Value = serde_json::from_str(&log.text()).expect("a record");
@@ -53,7 +53,8 @@ fn what_is_told_names_the_step_the_light_and_the_person() {
     assert_eq!((undone.redo.mine, undone.undo.session), (None, Some(mine)));
 }
 
-/// Told is what is then done, to the end and over a restart; steps that others have overtaken are not told.
+/// The announced step is the one that undo then takes back, until none is left and over a restart; steps that later
+/// records of others have overtaken are not announced.
 ///
 /// Rules: UNDO-8, UNDO-7, UNDO-5
 #[test]

@@ -1,4 +1,4 @@
-//! Sessions by HTTP alone.
+//! Sessions over HTTP alone.
 
 use bench::ServerProcess;
 use protocol::{
@@ -110,7 +110,7 @@ fn pictures_come_in_every_form() {
     }
     let exr = picture("format=exr&aov=t");
     assert_eq!(exr.body[..4], [0x76, 0x2f, 0x31, 0x01], "OpenEXR's magic number");
-    // Where the light does not reach, the lights' own radiance is none at all; there is a little of the fill.
+    // Outside of the light the lights' own radiance is zero; the fill adds a little.
     let black =
         |picture: &bench::Response| pixels(&picture.body).chunks(3).filter(|pixel| **pixel == [0; 3]).count();
     let [alone, dim] = ["fill=0", "fill=0.5"].map(picture);
@@ -122,7 +122,7 @@ fn pictures_come_in_every_form() {
     let [darker, brighter] = ["exposure=-1.5", "exposure=1"].map(picture);
     assert!(sum(&darker) < sum(&beauty) && sum(&beauty) < sum(&brighter));
     assert_eq!(pixels(&picture("exposure=0").body), pixels(&beauty.body));
-    // Values themselves know no exposure.
+    // Exposure does not affect the values of EXR files.
     assert_eq!(picture("format=exr&exposure=3").body, picture("format=exr").body);
     for wrong in [
         "fill=-1",
@@ -146,7 +146,7 @@ fn pictures_come_in_every_form() {
     }
 }
 
-/// Straight down from two heights the same point is seen, and nothing above.
+/// Straight down from two heights the same point is seen, and nothing straight up.
 ///
 /// Rules: HTTP-21
 #[test]
@@ -167,7 +167,7 @@ fn a_camera_is_told_what_it_looks_at() {
     let high = [pick([0.3, 12.0, 0.2], turned, perspective()), pick([0.3, 9.0, 0.2], turned, orthographic)];
     for other in high {
         let other = other.expect("the scene is below");
-        // Coordinates of at most 20, rounded a few times on their way.
+        // Coordinates of at most 20, rounded a few times.
         let apart = other.iter().zip(low).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 20.0 * 16.0 * f64::EPSILON, "{low:?} {other:?}");
     }
@@ -202,7 +202,7 @@ fn scenes_are_uploaded_by_their_bytes() {
     assert_eq!(refused.status, 400, "{}", refused.text());
 }
 
-/// A log that cannot be written, as on a full disk, is lost; nothing else is.
+/// A log that cannot be written, as on a full disk, is lost. Everything else works.
 ///
 /// Rules: HTTP-6
 #[cfg(unix)]

@@ -1,4 +1,4 @@
-//! Many at once, and what is left when they are gone.
+//! Many requests at once, and the memory that remains after them.
 
 use std::io::Write;
 use std::net::TcpStream;
@@ -9,10 +9,10 @@ use bench::{Incoming, stills};
 use crate::program::program;
 use crate::sessions::support::{Mirror, Server};
 
-/// A still of 2048 x 2048 pixels takes a hundred times as long as a frame of this drag. While a sample of a whole still was
-/// the smallest piece of work, eight of them left the drag less than a tenth of its frames, with gaps of a whole still.
-/// (`bendylights bench session --stills 8` measures it at full size; what the schedule promises is held by its own
-/// tests. Other tests share the machine with this one, and stop it for tenths of a second: hence the wide margins.)
+/// A still of 2048 x 2048 pixels takes a hundred times as long as a frame of this drag. With one sample of a whole
+/// still as the smallest piece of work, eight stills left the drag less than a tenth of its frames, with gaps of a
+/// whole still. (`bendylights bench session --stills 8` measures this at full size, and the schedule has tests of its
+/// own. Other tests share the machine with this one and stop it for tenths of a second, hence the wide margins.)
 ///
 /// Rules: HTTP-8
 #[test]
@@ -34,12 +34,12 @@ fn a_drag_goes_on_beside_eight_stills() {
     assert!(report.least_turns > 0.0 && report.finished_early == 0, "{report:#?}");
 }
 
-/// Bytes that the renderer keeps.
+/// Bytes that the renderer holds.
 fn kept(server: &Server, kind: &str) -> f64 {
     server.process.metric("bendylights_render_bytes", kind).expect("counted")
 }
 
-/// Waits until the renderer keeps what `enough` says; how much that is.
+/// Waits until `enough` accepts the bytes that the renderer holds. Returns them.
 fn wait_until_kept(server: &Server, kind: &str, enough: impl Fn(f64) -> bool) -> f64 {
     let until = Instant::now() + Duration::from_mins(1);
     loop {
@@ -52,7 +52,7 @@ fn wait_until_kept(server: &Server, kind: &str, enough: impl Fn(f64) -> bool) ->
     }
 }
 
-/// Memory of the server's process.
+/// Resident memory of the server's process.
 fn resident_bytes(server: &Server) -> f64 {
     let statm = std::fs::read_to_string(format!("/proc/{}/statm", server.process.pid())).expect("it runs");
     let pages: f64 = statm.split(' ').nth(1).and_then(|pages| pages.parse().ok()).expect("a number");
@@ -68,7 +68,7 @@ fn see(mirror: &mut Mirror, size: [u32; 2]) {
 #[test]
 fn views_that_close_free_their_memory() {
     let server = Server::start();
-    // What stays with the scene.
+    // Memory that stays with the scene.
     see(&mut server.connect("first"), [160, 90]);
     wait_until_kept(&server, "views", |bytes| bytes == 0.0);
     let (before, resident_before) = (kept(&server, ""), resident_bytes(&server));
@@ -78,8 +78,8 @@ fn views_that_close_free_their_memory() {
     for client in &mut clients {
         see(client, [1600, 900]);
     }
-    // 44 bytes a pixel where the device lights; where the processor does the G-buffer, in memory and as blocks, and up to 6 MiB
-    // that it is copied through.
+    // 44 bytes per pixel if the GPU shades. If the CPU does, the G-buffer in memory and as blocks, and up to 6 MiB of
+    // staging buffer.
     let a_pixel = kept(&server, "views") / (4.0 * 1600.0 * 900.0);
     assert!(
         a_pixel == 44.0 || (100.0..=100.0 + 6.3e6 / (1600.0 * 900.0)).contains(&a_pixel),
@@ -89,7 +89,7 @@ fn views_that_close_free_their_memory() {
     let resident_full = resident_bytes(&server);
     drop(clients);
     wait_until_kept(&server, "", |bytes| bytes <= before);
-    // Where a software driver draws, it is the process's own memory that is free again.
+    // With a software driver it is memory of the process that is freed.
     let grown = resident_full - resident_before;
     let left = resident_bytes(&server) - resident_before;
     assert!(grown < 1e8 || left < 0.5 * grown, "{left} of {grown} bytes stay");
@@ -109,7 +109,7 @@ fn stills_that_are_given_up_free_their_memory() {
     let address = &server.process.address;
     for _ in 0..3 {
         let begun: Vec<TcpStream> = (0..4).map(|_| ask(&address.host, &address.token)).collect();
-        // Each has 4 bytes a pixel for what is finished, and a tile.
+        // Each has 4 bytes per pixel for finished pixels, and a tile.
         wait_until_kept(&server, "tiled", |bytes| bytes > 4.0 * 4.0 * 4096.0 * 4096.0);
         drop(begun);
         wait_until_kept(&server, "", |bytes| bytes <= before);
@@ -133,7 +133,7 @@ fn a_session_leaves_stills_to_others() {
     drop(begun);
 }
 
-/// Asks for a large still, on a connection that can be cut.
+/// Requests a large still, on a connection that can be closed.
 fn ask(host: &str, token: &str) -> TcpStream {
     let mut connection = TcpStream::connect(host).expect("connected");
     let path = "/sessions/main/render?size=4096x4096&samples=16";

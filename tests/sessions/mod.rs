@@ -1,4 +1,4 @@
-//! Whole sessions: the program as a server, clients on real sockets, what they see and what is left on disk.
+//! Tests of whole sessions: the program as a server, clients on real sockets, their state and the files on disk.
 
 mod backup;
 mod bending;

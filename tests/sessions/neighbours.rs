@@ -1,4 +1,4 @@
-//! What one client loses to another, in counts. `bendylights bench neighbours` has the figures.
+//! The loss of one client to another, in counts. `bendylights bench neighbours` measures times.
 
 use std::io::Write;
 use std::net::TcpStream;
@@ -13,7 +13,7 @@ use stream::FrameHeader;
 
 use crate::sessions::support::{Mirror, Server, move_point, moved};
 
-/// A still of another session whose scene takes minutes to draw, asked for by a connection that is not read.
+/// Requests a still of another session, whose scene takes minutes to draw, on a connection that is not read.
 fn heavy_still(server: &Server, name: &str, scene: &[u8]) -> TcpStream {
     let uploaded = server.process.post(&format!("/assets?name={name}"), scene).expect("answered");
     let answer: serde_json::Value = serde_json::from_str(&uploaded.text()).expect("JSON");
@@ -43,8 +43,8 @@ fn wait_until(what: &str, mut is_so: impl FnMut() -> bool) {
     }
 }
 
-/// A still that the device or the processor would draw for a minute in one piece rests in its middle while others draw, and ends
-/// with who asked for it.
+/// A still that the GPU or the CPU would draw for a minute in one piece yields in the middle while others draw, and
+/// ends when its client disconnects.
 ///
 /// Rules: HTTP-8, FRAME-16
 #[test]
@@ -63,7 +63,7 @@ fn a_scene_that_takes_long_leaves_others_their_turns_and_ends_with_who_asked() {
             _ => None,
         });
     }
-    // It is still drawn: all of that came in between.
+    // The still is not finished: the edits above were drawn between its turns.
     let turns = metric(&server, "still_turns_total");
     wait_until("another turn of the still", || metric(&server, "still_turns_total") > turns);
     assert!(metric(&server, "least_still_turns") > 0.0);
@@ -74,7 +74,8 @@ fn a_scene_that_takes_long_leaves_others_their_turns_and_ends_with_who_asked() {
     assert_eq!(metric(&server, "still_turns_total"), ended, "nobody waits for it any more");
 }
 
-/// The latest moving frame of each while all move their cameras, and the codes of what they are told besides.
+/// Moves the cameras of all clients. Returns the latest moving frame of each, and the codes of the errors that they
+/// got.
 fn moving_frames(mirrors: &mut [Mirror], rounds: u32) -> (Vec<FrameHeader>, Vec<ErrorCode>) {
     let (mut latest, mut told) = (Vec::new(), Vec::new());
     for round in 1..=rounds {
@@ -100,7 +101,8 @@ fn moving_frames(mirrors: &mut [Mirror], rounds: u32) -> (Vec<FrameHeader>, Vec<
     (latest, told)
 }
 
-/// A view counts for five seconds after its last moving picture, by when each of four has to have drawn another.
+/// A view counts for five seconds after its last moving picture. Each of the four must draw another one within that
+/// time.
 ///
 /// Rules: FRAME-15
 #[test]
@@ -112,7 +114,7 @@ fn the_views_of_an_actor_move_so_many_pixels_at_most() {
         mirror.open_view_of(size, None);
         mirror
     };
-    // Of one actor four take more than 3840 x 2160; those of four actors are as large as they are.
+    // Four views of one actor exceed 3840 x 2160; those of four actors keep their size.
     let mut own: Vec<Mirror> = (0..4).map(|_| open("ada")).collect();
     let (frames, told) = moving_frames(&mut own, 5);
     let pixels = |frames: &[FrameHeader]| -> u64 {
@@ -155,11 +157,11 @@ fn sessions_share_a_scene_on_the_device() {
     .expect("sent");
     let frame = ben.wait_for("a frame", |incoming| matches!(incoming, Incoming::Frame(..)).then_some(()));
     frame.expect("a frame");
-    // The planted fault, a copy a session, has twice as much.
+    // The planted fault, a copy per session, has twice as much.
     assert!(kept() < 1.5 * before, "{} bytes of scenes, {before} for one session", kept());
 }
 
-/// Seconds until so many pings are answered, more than may have been saved up.
+/// Seconds until `count` pings are answered, more than the saved allowance.
 fn seconds_of_pings(client: &mut Client, count: u32) -> f64 {
     let start = Instant::now();
     for ping in 1..=count {
@@ -176,7 +178,7 @@ fn seconds_of_pings(client: &mut Client, count: u32) -> f64 {
     start.elapsed().as_secs_f64()
 }
 
-/// Nothing is lost of what is read later; without a hand it comes at once.
+/// Messages that are read later are not lost. Without an interactive client they are read at once.
 ///
 /// Rules: HTTP-28
 #[test]
@@ -210,6 +212,6 @@ fn busy_senders_are_throttled_while_another_client_interacts() {
     });
     std::thread::sleep(Duration::from_secs(1));
     let alone = seconds_of_pings(&mut ben, 1_200);
-    // 400 may be saved up, and 400 come back each second.
+    // Up to 400 messages are saved up, and 400 more are allowed each second.
     assert!(beside > 1.9 && alone < 0.5 * beside, "{beside} s beside a hand, {alone} s alone");
 }

@@ -1,4 +1,4 @@
-//! What opening a session takes.
+//! The work of opening a session.
 
 use serde_json::{Value, json};
 
@@ -15,7 +15,7 @@ fn decoded(server: &Server) -> f64 {
     server.process.metric("bendylights_scenes_decoded_total", "").expect("metrics")
 }
 
-/// A decoded scene may take gigabytes: of all that a log has loaded, only what is drawn is decoded.
+/// A decoded scene can take gigabytes: of all scenes that a log has loaded, only the drawn one is decoded.
 ///
 /// Rules: LOG-3, HTTP-8, HTTP-9, UNDO-1
 #[test]
@@ -32,7 +32,7 @@ fn a_session_opens_without_the_scenes_of_its_past() {
     assert_eq!(decoded(&server), 0.0);
     assert_eq!(server.state().0, 5);
     assert_eq!(decoded(&server), 1.0, "the present one");
-    // What was before is replayed from the first record on.
+    // An earlier state is replayed from the first record.
     let picture = server.process.get("/sessions/main/render?at=4&size=16x16").expect("answered");
     assert_eq!((picture.status, decoded(&server)), (200, 1.0));
     edit(&server, &json!({"undo": "session"}));

@@ -1,4 +1,4 @@
-//! Edits seen in pixels.
+//! Edits in pixels.
 
 use protocol::{ClientMessage, Scope};
 
@@ -24,7 +24,7 @@ fn a_bent_light_shows_and_its_undo_gives_the_same_pixels_back() {
     let undone = ada.result(&op_id).seq().expect("committed");
     assert!(ada.settled(undone) == before, "the same pixels");
 
-    // The streamed picture is the one that a program gets over HTTP, of now and of then.
+    // The streamed picture equals the one over HTTP, of the current and of the earlier state.
     let http = |at: u64| {
         let path = format!("/sessions/main/render?size=160x90&samples=4&at={at}");
         let answer = server.process.get(&path).expect("answered");

@@ -1,4 +1,4 @@
-//! The snippets of deploy/ for nginx and Caddy, by the real ones, in front of a real server.
+//! Tests the snippets of deploy/ with real nginx and Caddy, in front of a real server.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -13,14 +13,14 @@ use crate::program::program;
 
 const NGINX: &str = include_str!("../../deploy/nginx.conf");
 const CADDY: &str = include_str!("../../deploy/Caddyfile");
-/// The name in both.
+/// Host name in both snippets.
 const NAME: &str = "lights.example.org";
-/// The address of the server in both.
+/// Address of the server in both snippets.
 const SERVER: &str = "127.0.0.1:8080";
-/// A reverse proxy's usual patience with a connection on which nothing comes, and somewhat more.
+/// A bit more than the usual timeout of a reverse proxy for an idle connection.
 const IDLE: Duration = Duration::from_secs(65);
 
-/// A proxy in a folder of its own; killed when it is dropped.
+/// A proxy in a folder of its own, killed on drop.
 struct Proxy {
     process: Child,
     address: ServerAddress,
@@ -57,7 +57,7 @@ impl Proxy {
         proxy
     }
 
-    /// nginx with this snippet, without TLS.
+    /// Starts nginx with this snippet, without TLS.
     fn nginx(server: &ServerProcess, snippet: &str) -> Self {
         let configure = |server: &str, port: u16, folder: &Path| {
             let lines = snippet.lines().filter(|line| !line.trim().starts_with("ssl_certificate"));
@@ -79,7 +79,7 @@ impl Proxy {
         })
     }
 
-    /// Caddy with this snippet, without TLS.
+    /// Starts Caddy with this snippet, without TLS.
     fn caddy(server: &ServerProcess, snippet: &str) -> Self {
         let configure = |server: &str, port: u16, _: &Path| {
             let site = snippet.replace(NAME, &format!("http://127.0.0.1:{port}")).replace(SERVER, server);
@@ -93,17 +93,17 @@ impl Proxy {
         })
     }
 
-    /// Whether a session's socket opens through it.
+    /// True if the socket of a session opens through the proxy.
     fn opens_sockets(&self) -> bool {
         Client::connect(&self.address, "main", "Ada", None).is_ok()
     }
 
-    /// The status of a scene of 8 MiB that is sent through it.
+    /// Status of an upload of 8 MiB through the proxy.
     fn sends_scene(&self) -> u16 {
         self.address.post("/assets?name=large", &large_scene()).map_or(0, |answer| answer.status)
     }
 
-    /// Whether a socket on which nothing is said for so long lives.
+    /// True if a socket without messages survives for `time`.
     fn keeps_idle(&self, time: Duration) -> bool {
         let mut client = Client::connect(&self.address, "main", "Ben", None).expect("a socket");
         let until = Instant::now() + time;
@@ -115,7 +115,7 @@ impl Proxy {
         true
     }
 
-    /// The status that a page of the proxy's own address gets, as a browser asks: with `Origin`.
+    /// Status of a request from a page of the proxy's own address, with `Origin` as in a browser.
     fn answers_own_page(&self) -> String {
         let mut stream = TcpStream::connect(&self.address.host).expect("a connection");
         let host = &self.address.host;
@@ -129,7 +129,7 @@ impl Proxy {
     }
 }
 
-/// A sound .glb of 8 MiB, with nothing to see.
+/// A valid .glb of 8 MiB, with nothing to see.
 fn large_scene() -> Vec<u8> {
     let binary = vec![0; 8 << 20];
     let mut json = format!(
@@ -151,7 +151,7 @@ fn server(data: &Path) -> ServerProcess {
     server
 }
 
-/// What has to get through.
+/// Checks everything that must pass the proxy.
 fn check(proxy: &Proxy) {
     assert_eq!(proxy.answers_own_page(), "200", "it keeps Host");
     assert!(proxy.opens_sockets(), "it passes the upgrade on");
@@ -168,7 +168,7 @@ fn nginx_with_our_snippet_lets_everything_through() {
     let data = tempfile::tempdir().expect("a folder");
     let server = server(data.path());
     check(&Proxy::nginx(&server, NGINX));
-    // Planted faults: each line is there for something.
+    // Planted faults: each line of the snippet is necessary.
     let without = |start: &str| {
         let lines: Vec<_> = NGINX.lines().filter(|line| !line.trim().starts_with(start)).collect();
         assert_eq!(lines.len() + 1, NGINX.lines().count(), "{start}");

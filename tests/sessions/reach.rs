@@ -27,7 +27,7 @@ fn a_light_out_of_reach_is_refused_and_pictures_go_on() {
     assert_eq!((picture.status, picture.notes), (200, Vec::new()));
 }
 
-/// A log of an earlier version, with a lamp at 3.4e38.
+/// A log of an earlier version, with a light at 3.4e38.
 fn old_log() -> String {
     let lamp = r#"{"type": "spot", "name": "moon", "transform": {"translation": [3.4e38, 0, 0], "rotation": [0, 0, 0, 1], "scale": 1}}"#;
     let record = format!(
@@ -67,7 +67,7 @@ fn a_light_of_an_old_log_is_left_out_with_a_note() {
     let picture = server.get("/sessions/far/render?size=64x36").expect("answered");
     assert_eq!(picture.status, 200, "{}", picture.text());
     assert!(matches!(&picture.notes[..], [note] if note.contains("`moon`")), "{:?}", picture.notes);
-    // Of itself it has no picture.
+    // The light itself has no picture.
     let own = server.get("/sessions/far/render?size=64x36&aov=t").expect("answered");
     assert!(own.status != 200 && own.text().contains("`moon`"), "{}", own.text());
 
@@ -93,7 +93,7 @@ fn a_light_of_an_old_log_is_left_out_with_a_note() {
     let (message, fatal) = told.expect("told");
     assert!(message.contains("`moon`") && !fatal, "{message}");
 
-    // Brought near, it shines.
+    // After a move near the scene, it shines.
     let edits = r#"{"edits": [{"command": {"type": "placeLight", "light": 1, "translation": [0, 3, 0]}}]}"#;
     assert_eq!(server.post("/sessions/far/edits", edits.as_bytes()).expect("answered").status, 200);
     let picture = server.get("/sessions/far/render?size=64x36").expect("answered");

@@ -1,4 +1,4 @@
-//! Coming back: with the records that were missed, or with the whole document.
+//! Reconnects: with the missed records, or with the whole document.
 
 use bench::{Client, KnownHistory};
 use protocol::State;
@@ -18,7 +18,7 @@ fn a_client_that_comes_back_gets_what_it_missed() {
         ben.edited(rename(light, &format!("name {step}")));
     }
 
-    // A restart is no new history.
+    // A restart keeps the history.
     let server = server.restart();
     let back = Client::connect(&server.process.address, "main", "ada", Some(known.clone())).expect("welcome");
     let State::Tail(records) = back.welcome.state else { panic!("a tail") };
@@ -30,11 +30,11 @@ fn a_client_that_comes_back_gets_what_it_missed() {
     }
     assert_eq!(document.hash().to_string(), back.welcome.hash);
 
-    // Another history's numbers mean nothing here.
+    // The sequence numbers of another history are not valid here.
     let other = KnownHistory { epoch: "another".into(), ..known };
     let back = Client::connect(&server.process.address, "main", "ada", Some(other)).expect("welcome");
     assert!(matches!(back.welcome.state, State::Snapshot(_)));
-    // Nor do numbers from the future.
+    // Future sequence numbers are not valid either.
     let future = KnownHistory { epoch: back.welcome.epoch.clone(), last_seq: 1_000_000 };
     let back = Client::connect(&server.process.address, "main", "ada", Some(future)).expect("welcome");
     assert!(matches!(back.welcome.state, State::Snapshot(_)));

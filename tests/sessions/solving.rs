@@ -1,4 +1,4 @@
-//! A drag that takes long to solve, and what goes on meanwhile.
+//! Drags with slow solves, and work in parallel to them.
 
 use std::io::Write as _;
 use std::net::TcpStream;
@@ -16,12 +16,14 @@ use serde_json::{Value, json};
 use crate::sessions::support::{Mirror, Server, committed, rejected, rename, state_of};
 
 const SIZE: [u32; 2] = [640, 360];
-/// More edits of others than a session acknowledges that waits for a drag: the one that came before it, and the one that waited with it.
+/// Number of acknowledged edits of others that shows parallel work. A session that waited for the drag would
+/// acknowledge two: the one before it, and the one that waited with it.
 const MANY: usize = 5;
-/// So many that a drag takes time for these and more, also where the machine is busy.
+/// Enough pins that a drag takes longer than these edits, even on a busy machine.
 const PINS: usize = 240;
 
-/// Pins the light in many places, two of them hard, so that the drag that is given back takes hundreds of times as long as most.
+/// Adds pins at many points of the light, two of them hard. Returns a drag that takes hundreds of times as long as
+/// most.
 fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     let seen = (160..360).step_by(24).flat_map(|y| (100..600).step_by(24).map(move |x| (x, y)));
     let asked: Vec<Value> = seen
@@ -63,14 +65,14 @@ fn slow_drag(server: &Server, mirror: &mut Mirror) -> Command {
     }
 }
 
-/// Something that is no light's.
+/// A command that touches no light.
 fn rename_camera(mirror: &Mirror, name: &str) -> Command {
     let camera = mirror.document.cameras().keys().next().expect("the demo has a camera").0;
     let command = json!({"type": "setCamera", "camera": camera, "parameter": {"name": name}});
     serde_json::from_value(command).expect("a command")
 }
 
-/// What `waiting` comes to, and how many edits of `mirror` are acknowledged before.
+/// Calls `waiting`. Returns the number of edits of `mirror` that are acknowledged meanwhile, and the result.
 fn edits_during<T: Send>(mirror: &mut Mirror, waiting: impl FnOnce() -> T + Send) -> (usize, T) {
     thread::scope(|scope| {
         let waiting = scope.spawn(waiting);
@@ -98,7 +100,7 @@ fn send_commit(mirror: &mut Mirror) {
     mirror.send(&ClientMessage::GestureCommit { gesture: "drag".into(), op_id: "commit".into() });
 }
 
-/// Waits for the answer to a ping: by then all that was sent before has reached the session.
+/// Waits for the answer to a ping: all messages sent before it have reached the session by then.
 fn ping(mirror: &mut Mirror) {
     mirror.send(&ClientMessage::Ping { sent: 1.0 });
     mirror
@@ -114,14 +116,15 @@ fn two_and_a_slow_drag() -> (Server, Mirror, Mirror, Command) {
     (server, ada, ben, drag)
 }
 
-/// What an actor did, in order.
+/// Records of an actor, in order.
 fn records_of(server: &Server, actor: &str) -> Vec<Record> {
     let log = server.process.get("/sessions/main/log").expect("answered").text();
     let records = log.lines().filter_map(|line| serde_json::from_str::<Record>(line).ok());
     records.filter(|record| record.actor.id == actor).collect()
 }
 
-/// Others edit, and the client itself is answered whatever edits nothing. What it sends behind its drag comes in order.
+/// Others edit meanwhile, and the client itself gets answers to messages that edit nothing. Its edits after the drag
+/// keep their order.
 ///
 /// Rules: GEST-8
 #[test]
@@ -176,7 +179,7 @@ fn who_leaves_behind_a_commit_has_committed() {
 fn a_programs_edits_stay_in_order_around_a_drag() {
     let (server, ada, mut ben, drag) = two_and_a_slow_drag();
     let light = ada.light();
-    // The second goes on from where the first has led.
+    // The second drag starts where the first one ended.
     let mut back = drag.clone();
     if let Command::DragFeature { from, to, .. } = &mut back {
         std::mem::swap(from, to);
@@ -201,8 +204,8 @@ fn a_programs_edits_stay_in_order_around_a_drag() {
     assert_eq!(ben.name(), "last");
 }
 
-/// Nobody holds the light: what others change of it has the drag solved again, but not for ever, and they wait for none of it. Once
-/// they are done the same operation is carried out.
+/// Nobody holds the light. Changes by others make the drag solve again, a limited number of times, and do not wait for
+/// it. After they end, the same operation is carried out.
 ///
 /// Rules: GEST-8, GEST-9, REC-4
 #[test]
@@ -222,9 +225,9 @@ fn a_drag_is_refused_where_others_keep_changing_the_light() {
     assert!(count >= MANY, "{count} edits");
     assert_eq!(rejected(&outcome).code, ErrorCode::KeepsChanging, "{outcome:?}");
     ada.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq: ada.seq, command: drag });
-    // Ben's last edits may still be on their way to her.
+    // Ben's last edits may not have reached her yet.
     assert!(ada.result(&op_id).seq().is_some());
-    // Nothing of what Ben did is undone by it.
+    // It undoes none of Ben's edits.
     ben.catch_up(ada.seq);
     assert!(ben.name().starts_with("name "));
     let op_id = ada.op_id();
@@ -232,19 +235,19 @@ fn a_drag_is_refused_where_others_keep_changing_the_light() {
     assert!(ada.result(&op_id).seq().is_some());
 }
 
-/// Solves that go on or wait.
+/// Number of solves that run or wait.
 fn under_way(server: &Server) -> f64 {
     server.process.metric("bendylights_solves_under_way", "").expect("metrics")
 }
 
-/// Waits until a solve goes on.
+/// Waits until a solve runs.
 fn until_one_is_under_way(server: &Server) {
     while under_way(server) == 0.0 {
         thread::sleep(Duration::from_millis(1));
     }
 }
 
-/// How many edits of `mirror` are acknowledged until nothing is solved.
+/// Number of edits of `mirror` that are acknowledged until no solve is left.
 fn edits_until_none_is_under_way(server: &Server, mirror: &mut Mirror) -> usize {
     let mut count = 0;
     while under_way(server) > 0.0 {
@@ -254,7 +257,8 @@ fn edits_until_none_is_under_way(server: &Server, mirror: &mut Mirror) -> usize 
     count
 }
 
-/// What nobody waits for ends, whichever way it is given up: after a few edits of another, where the drag takes many.
+/// A solve without a waiting client ends, however it is abandoned: within a few edits of another client, while the
+/// whole drag takes many.
 ///
 /// Rules: GEST-10
 #[test]
@@ -263,7 +267,7 @@ fn what_nobody_waits_for_is_not_solved() {
     begin(&mut ada);
     send_update(&mut ada, 1, drag.clone());
     let (whole, _) = edits_during(&mut ben, || state_of(&mut ada, |state| state.update == 1));
-    // The same drag would be known.
+    // The result of the same drag would be cached.
     let mut drag = drag;
     if let Command::DragFeature { to, .. } = &mut drag {
         to[0] -= 1.0;
@@ -273,7 +277,7 @@ fn what_nobody_waits_for_is_not_solved() {
     ada.send(&ClientMessage::GestureCancel { gesture: "drag".into() });
     state_of(&mut ada, |state| !matches!(state.status, GestureStatus::Held { .. }));
     let cancelled = edits_until_none_is_under_way(&server, &mut ben);
-    // With something else behind the update, which is carried out all the same.
+    // The same with another edit after the update, which is carried out anyway.
     begin(&mut ada);
     send_update(&mut ada, 1, drag.clone());
     let light = ada.light();
@@ -308,7 +312,7 @@ fn what_nobody_waits_for_is_not_solved() {
     assert!(results.contains("on leaving"));
 }
 
-/// Who fills the line behind a drag waits alone.
+/// A client that fills the queue behind its drag blocks only itself.
 ///
 /// Rules: GEST-8
 #[test]
@@ -338,12 +342,12 @@ fn a_drag_that_is_cancelled_is_not_waited_for() {
     }
     let light = ben.light();
     committed(&ben.edited(rename(light, "free")));
-    // What becomes of the solves that nobody waits for is nothing.
+    // Abandoned solves have no effect.
     ada.catch_up(ben.seq);
     assert_eq!(committed(&ada.edited(drag)), ben.seq + 1);
 }
 
-/// Updates that come while one is solved, and not in one tick.
+/// Updates that arrive during a solve, and not in one tick.
 ///
 /// Rules: GEST-7
 #[test]
@@ -383,7 +387,7 @@ fn later_updates_supersede_waiting_ones() {
     committed(&ada.result("commit"));
 }
 
-/// More than a line holds: its client is not read until the drag is solved.
+/// More edits than the queue holds: the client's messages are not read until the drag is solved.
 ///
 /// Rules: GEST-8
 #[test]

@@ -1,4 +1,4 @@
-//! What frames say of themselves, to who asks.
+//! Statistics of frames, for clients that request them.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use stream::{FrameHeader, HEADER_BYTES};
 
 use crate::sessions::support::{Mirror, Server, move_point, moved};
 
-/// Opens a view of 160 x 90 of one's own, or of whom one follows.
+/// Opens a view of 160 x 90 pixels, of its own or of the followed leader.
 fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {
     let own = || ViewSource::Own(mirror.client.welcome.camera.clone());
     let source = leader.map_or_else(own, |leader| ViewSource::Follow(leader.client.welcome.client));
@@ -30,7 +30,7 @@ fn open(mirror: &mut Mirror, leader: Option<&Mirror>, stats: bool) {
     });
 }
 
-/// The next frame whose stats are `wanted`. Each frame has its own, directly behind it.
+/// Returns the next frame whose stats are `wanted`. Each frame's stats come directly after it.
 fn next_stats(
     mirror: &mut Mirror,
     mut wanted: impl FnMut(&FrameStats) -> bool,
@@ -56,7 +56,7 @@ fn next_stats(
     })
 }
 
-/// What the next moving frame came to; then waits until all is at rest.
+/// Passes that the next moving frame ran. Waits until all is at rest afterwards.
 fn passes_run(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
     let (.., stats) = next_stats(mirror, |stats| stats.quality == FrameQuality::Moving);
     let (.., at_rest) = next_stats(mirror, |stats| stats.quality == FrameQuality::Settled);
@@ -65,14 +65,14 @@ fn passes_run(mirror: &mut Mirror) -> Vec<(Pass, Option<u64>, Cause)> {
     stats.passes.iter().map(|run| (run.pass, run.light, run.cause)).collect()
 }
 
-/// Each edit names what had to be drawn for it, and nothing else. Lights have the document's ids.
+/// Each edit names the passes that it needed, and no others. Lights have the document's ids.
 ///
 /// Rules: FRAME-13
 #[test]
 fn stats_name_what_an_edit_had_drawn() {
     let server = Server::start();
     let mut ada = server.connect("ada");
-    // An id that is not the light's place among lights.
+    // An id that differs from the light's index among the lights.
     ada.edited(Command::AddCamera { camera: ada.client.welcome.camera.clone() });
     let lamp = json!({"type": "spot", "name": "lamp", "intensity": 30, "coneAngle": 40,
         "transform": {"translation": [0, 3, 4], "rotation": [-0.35, 0, 0, 0.936_749_7], "scale": 1}});
@@ -125,7 +125,7 @@ fn stats_name_what_an_edit_had_drawn() {
     let layer = |light| (Pass::Layer, Some(light), Cause::Gbuffer);
     assert!(runs.contains(&layer(key)) && runs.contains(&layer(lamp)), "{runs:?}");
 
-    // The same picture once more had nothing to draw.
+    // The same picture again needs no drawing.
     let (header, ..) = {
         ada.edit(Command::SetLight { light: lamp, parameter: INTENSITY.to(20.0).into() });
         next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled)
@@ -135,7 +135,7 @@ fn stats_name_what_an_edit_had_drawn() {
     assert_eq!((again.frame, again.flags.is_key, stats.passes), (header.frame + 1, true, Vec::new()));
 }
 
-/// How many frames and how many stats come until all is at rest, and for half a second more.
+/// Numbers of frames and of stats until all is at rest, and for half a second more.
 fn counted(mirror: &mut Mirror) -> (u64, u64) {
     let (mut frames, mut stats) = (0, 0);
     let mut count = |incoming: &Incoming| match incoming {
@@ -158,7 +158,7 @@ fn counted(mirror: &mut Mirror) -> (u64, u64) {
     (frames, stats)
 }
 
-/// Who follows asks for themselves, and a view that goes on may be asked for them and no longer.
+/// A follower requests stats for itself. An open view can start and stop its stats.
 ///
 /// Rules: FRAME-13, SOCK-12
 #[test]
@@ -167,7 +167,7 @@ fn only_who_asks_is_told() {
     let [mut ada, mut ben, mut cyd] = ["ada", "ben", "cyd"].map(|name| server.connect(name));
     let settings = || ViewSettings { exposure: 0.0, solo: Vec::new() };
     open(&mut ada, None, false);
-    // Nobody can follow a view that is not open yet.
+    // Only an open view can be followed.
     let adas = counted(&mut ada);
     open(&mut ben, Some(&ada), true);
     open(&mut cyd, Some(&ada), false);
@@ -177,22 +177,22 @@ fn only_who_asks_is_told() {
 
     ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(true), camera_revision: 2 });
     next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
-    // Left out, it stays as it is.
+    // Without the field the setting stays.
     ada.send(&ClientMessage::SetView { settings: settings(), stats: None, camera_revision: 3 });
     next_stats(&mut ada, |stats| stats.quality == FrameQuality::Settled);
     ada.send(&ClientMessage::SetView { settings: settings(), stats: Some(false), camera_revision: 4 });
     let (frames, stats) = counted(&mut ada);
     assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
-    // Another view asks anew.
+    // A new view has a setting of its own.
     open(&mut ben, None, false);
-    // Whatever was under way to the view before.
+    // Frames of the old view may still be in flight.
     counted(&mut ben);
     ben.edit(move_point(ada.light(), 2, moved(ada.point(2), [0.0, 0.2, 0.0])));
     let (frames, stats) = counted(&mut ben);
     assert!(frames > 0 && stats == 0, "{stats} stats, {frames} frames");
 }
 
-/// What cannot be sent with its frame is not sent at all: they pile up for nobody.
+/// Stats that cannot be sent with their frame are not sent at all, so they do not pile up.
 ///
 /// Rules: FRAME-13, SOCK-10
 #[test]

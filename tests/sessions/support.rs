@@ -11,7 +11,7 @@ use stream::FrameHeader;
 
 use crate::program::program;
 
-/// A server with the demo scene in session `main`, over its own data, ready.
+/// A ready server with the demo scene in session `main` and data of its own.
 pub struct Server {
     pub process: ServerProcess,
     pub data: tempfile::TempDir,
@@ -28,7 +28,7 @@ impl Server {
         Mirror::connect(&self.process, actor)
     }
 
-    /// Kills it, and starts it again over the same data.
+    /// Kills the server, and starts it again with the same data.
     pub fn restart(self) -> Self {
         let Self { process, data } = self;
         process.kill().expect("killed");
@@ -36,7 +36,7 @@ impl Server {
         Self { process, data }
     }
 
-    /// Sequence and hash of `main` as HTTP tells them.
+    /// Sequence number and hash of `main`, over HTTP.
     pub fn state(&self) -> (u64, String) {
         let state = self.process.get("/sessions/main").expect("answered");
         assert_eq!(state.status, 200, "{}", state.text());
@@ -51,7 +51,7 @@ fn start_over(data: &Path) -> ServerProcess {
     process
 }
 
-/// A client that keeps the document by applying what the server sends.
+/// A client that keeps the document by applying the server's messages.
 pub struct Mirror {
     pub client: Client,
     pub document: document::Document,
@@ -75,22 +75,22 @@ impl Mirror {
         lights.find(|(_, light)| !light.points().is_empty()).expect("a BendyLight")
     }
 
-    /// The first BendyLight's id.
+    /// Id of the first BendyLight.
     pub fn light(&self) -> u64 {
         self.bendy().0.0
     }
 
-    /// What the first BendyLight is called.
+    /// Name of the first BendyLight.
     pub fn name(&self) -> &str {
         self.bendy().1.name()
     }
 
-    /// Where control point `point` of the first BendyLight is.
+    /// Position of control point `point` of the first BendyLight.
     pub fn point(&self, point: usize) -> Vec3 {
         self.bendy().1.points()[point].position.to_array()
     }
 
-    /// How wide the first BendyLight is at control point `point`.
+    /// Radius of the first BendyLight at control point `point`.
     pub fn radius(&self, point: usize) -> f64 {
         self.bendy().1.points()[point].radius
     }
@@ -99,26 +99,26 @@ impl Mirror {
         self.client.send(message).expect("sent");
     }
 
-    /// A name for an operation that no other client of these tests uses.
+    /// An operation id that no other client of these tests uses.
     pub fn op_id(&mut self) -> String {
         self.operations += 1;
         format!("{}-{}", self.actor, self.operations)
     }
 
-    /// Sends a command; its operation's name.
+    /// Sends a command. Returns its operation id.
     pub fn edit(&mut self, command: protocol::Command) -> String {
         let (op_id, base_seq) = (self.op_id(), self.seq);
         self.send(&ClientMessage::Edit { op_id: op_id.clone(), base_seq, command });
         op_id
     }
 
-    /// Sends a command and waits for what becomes of it, and for its record.
+    /// Sends a command, and waits for its outcome and its record.
     pub fn edited(&mut self, command: protocol::Command) -> Outcome {
         let op_id = self.edit(command);
         self.result(&op_id)
     }
 
-    /// Waits for what becomes of an operation, and for its record.
+    /// Waits for the outcome of an operation, and for its record.
     pub fn result(&mut self, op_id: &str) -> Outcome {
         let outcome = self.wait_for("a result", |message| match message {
             ServerMessage::EditResult(result) if result.op_id == op_id => Some(result.outcome.clone()),
@@ -139,7 +139,7 @@ impl Mirror {
         }
     }
 
-    /// Waits for a message. Records on the way are applied and checked, frames acknowledged.
+    /// Waits for a message. Applies and checks records meanwhile, and acknowledges frames.
     pub fn wait_for<T>(
         &mut self,
         what: &'static str,
@@ -167,12 +167,12 @@ impl Mirror {
         found.unwrap_or_else(|error: BenchError| panic!("{error}"))
     }
 
-    /// Opens a view of 160 x 90 from where the session suggests.
+    /// Opens a view of 160 x 90 pixels with the camera that the session suggests.
     pub fn open_view(&mut self) {
         self.open_view_of([160, 90], None);
     }
 
-    /// Opens one of that size in pixels, reduced while something moves as `interaction` allows.
+    /// Opens a view of this size in pixels, with the reductions that `interaction` allows while something moves.
     pub fn open_view_of(&mut self, [width, height]: [u32; 2], interaction: Option<Interaction>) {
         let source = protocol::ViewSource::Own(self.client.welcome.camera.clone());
         self.send(&ClientMessage::OpenView {
@@ -186,7 +186,7 @@ impl Mirror {
         });
     }
 
-    /// Looks at what `leader` sees: as large as that is, whatever this asks for.
+    /// Follows the view of `leader`. The picture has its size; the size in this request is ignored.
     pub fn follow(&mut self, leader: &Self) {
         self.send(&ClientMessage::OpenView {
             source: protocol::ViewSource::Follow(leader.client.welcome.client),
@@ -199,7 +199,7 @@ impl Mirror {
         });
     }
 
-    /// The pixels of the next lossless frame that shows record `log_seq`.
+    /// Pixels of the next lossless frame that shows record `log_seq`.
     pub fn settled(&mut self, log_seq: u64) -> Vec<u8> {
         let (header, payload) = self.receive_until("a lossless frame", |incoming| match incoming {
             Incoming::Frame(header, payload) if header.flags.is_settled && header.log_seq >= log_seq => {
@@ -219,7 +219,7 @@ pub fn state_of(mirror: &mut Mirror, mut wanted: impl FnMut(&GestureState) -> bo
     })
 }
 
-/// Follows the session's history by one message.
+/// Applies a message to the document and checks its hash.
 fn apply_message(message: &ServerMessage, document: &mut document::Document, seq: &mut u64) {
     let hash = match message {
         ServerMessage::Log { record, hash, .. } => {
@@ -240,34 +240,32 @@ fn apply_message(message: &ServerMessage, document: &mut document::Document, seq
     assert_eq!(document.hash().to_string(), *hash, "after record {seq}");
 }
 
-/// A picture file as RGB pixels.
+/// RGB pixels of a picture file.
 pub fn pixels(file: &[u8]) -> Vec<u8> {
     image::load_from_memory(file).expect("a picture").to_rgb8().into_raw()
 }
 
-/// The RGB pixels of a frame that holds a whole picture.
+/// RGB pixels of a frame that contains a whole picture.
 pub fn frame_pixels(header: &FrameHeader, tiles: &Tiles) -> Vec<u8> {
     let mut picture = RgbImage::new(header.width.into(), header.height.into());
     tiles.draw_on(&mut picture).expect("pictures");
     picture.into_raw()
 }
 
-/// Moves control point `point` of `light` to `position`.
 pub fn move_point(light: u64, point: usize, position: Vec3) -> protocol::Command {
     protocol::Command::SetPoint { light, point, parameter: POSITION.to(position.into()).into() }
 }
 
-/// Renames `light`.
 pub fn rename(light: u64, name: &str) -> protocol::Command {
     protocol::Command::SetLight { light, parameter: NAME.to(name.into()).into() }
 }
 
-/// `position`, moved.
+/// `position` plus `by`.
 pub fn moved(position: Vec3, by: Vec3) -> Vec3 {
     std::array::from_fn(|k| position[k] + by[k])
 }
 
-/// The record of what was committed, with nothing of others in between.
+/// Sequence number of a committed edit that was not rebased.
 pub fn committed(outcome: &Outcome) -> u64 {
     match outcome {
         Outcome::Committed(committed) if !committed.rebased => committed.seq,
@@ -275,7 +273,7 @@ pub fn committed(outcome: &Outcome) -> u64 {
     }
 }
 
-/// What was wrong with what was rejected.
+/// Problem of a rejected edit.
 pub fn rejected(outcome: &Outcome) -> &Problem {
     match outcome {
         Outcome::Rejected(problem) => problem,

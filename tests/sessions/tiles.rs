@@ -1,4 +1,4 @@
-//! Frames in parts: what of a picture is sent, and that it comes to the whole.
+//! Frames in parts: the tiles that are sent, and the whole picture that they form.
 
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,7 @@ fn area(tiles: &Tiles) -> u32 {
 
 const ALL: u32 = SIZE[0] as u32 * SIZE[1] as u32;
 
-/// Adds a small spotlight, far from the demo's own, which lights little of the picture. Its id.
+/// Adds a small spotlight far from the demo's own light, which lights little of the picture. Returns its id.
 fn add_lamp(mirror: &mut Mirror) -> u64 {
     let json = serde_json::json!({"type": "spot", "name": "lamp", "intensity": 3, "coneAngle": 4,
         "transform": {"translation": [0, 3, 4], "rotation": [-0.35, 0, 0, 0.936_749_7], "scale": 1}});
@@ -45,8 +45,9 @@ fn add_lamp(mirror: &mut Mirror) -> u64 {
     mirror.document.lights().keys().map(|id| id.0).max().expect("a light")
 }
 
-/// Of what changes little little is sent: a whole picture of the first step, then its parts, which come to the same on the
-/// client's canvas as a whole one does within what JPEG loses. The lossless frame comes in bands that are all of it.
+/// Small changes send few tiles: a whole picture for the first step, then parts of it. On the client's canvas they form
+/// the same picture as a whole one, within the loss of JPEG. The lossless frame arrives in bands that cover the whole
+/// picture.
 ///
 /// Rules: FRAME-4, FRAME-12
 #[test]
@@ -74,7 +75,7 @@ fn what_changes_little_is_little_to_send() {
     assert!(parts[1..].iter().all(|part| *part < ALL / 3), "{parts:?} of {ALL} pixels");
     assert!(parts[1..].iter().all(|part| *part > 0));
 
-    // What has come of the parts is what somebody sees who is sent all of it.
+    // The parts form the picture that a new client gets as a whole.
     let mut late = server.connect("late");
     late.follow(&ada);
     let (first, tiles) = next(&mut late, |_| true);
@@ -84,12 +85,12 @@ fn what_changes_little_is_little_to_send() {
     let mut truth = canvas.clone();
     lossless.draw_on(&mut truth).expect("pictures");
     let wrong = canvas.pixels().zip(truth.pixels()).filter(|(a, b)| {
-        // JPEG at this quality errs by less at all but edges, where samples differ too.
+        // JPEG at this quality errs by less except at edges, where samples differ too.
         (0..3).any(|k| a[k].abs_diff(b[k]) > 60)
     });
     let wrong = wrong.count();
     assert!(wrong < ALL as usize / 200, "{wrong} pixels are others");
-    // The comparison sees a tile that never came.
+    // The comparison detects a missing tile.
     let mut torn = truth.clone();
     let tile = FrameTile { x: 256, y: 128, width: 64, height: 64 };
     for (x, y) in (tile.y..tile.y + 64).flat_map(|y| (tile.x..tile.x + 64).map(move |x| (x, y))) {
@@ -99,8 +100,8 @@ fn what_changes_little_is_little_to_send() {
     assert!(seen.count() > ALL as usize / 200);
 }
 
-/// Who could not decode a part is sent a whole picture next, in the middle of a drag as at rest; what came before the latest
-/// whole one, or never, is not answered.
+/// A client that could not decode a part gets a whole picture next, during a drag and at rest. Requests for frames
+/// before the latest whole one, or for frames that were never sent, are ignored.
 ///
 /// Rules: FRAME-14
 #[test]
@@ -128,7 +129,7 @@ fn who_asks_for_a_key_frame_is_sent_the_whole() {
     ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
     let (whole, tiles) = next(&mut ada, |header| header.flags.is_key);
     assert!(whole.frame > torn && area(&tiles) == ALL);
-    // It is of what came before.
+    // The requested frame is older than the whole picture.
     ada.send(&ClientMessage::RequestKeyFrame { frame: torn });
     let (header, tiles) = dim(&mut ada, 5);
     assert!(area(&tiles) < ALL && !header.flags.is_key, "parts go on");
@@ -150,7 +151,7 @@ fn who_asks_for_a_key_frame_is_sent_the_whole() {
     }
 }
 
-/// An edit in the middle of a lossless frame ends it: the rest is never sent, and a whole picture of the edit comes.
+/// An edit during a lossless frame ends it: the rest is never sent, and a whole picture of the edit follows.
 ///
 /// Rules: FRAME-12
 #[test]
@@ -166,7 +167,7 @@ fn an_edit_interrupts_the_lossless_frame() {
         step += 1;
         let by = if step % 2 == 0 { 0.1 } else { -0.1 };
         committed(&ada.edited(move_point(light, 2, moved(point, [0.0, by, 0.0]))));
-        // Edits come at every moment of a lossless frame, from before its render to its last tile.
+        // Edits come at every time of a lossless frame, from before its render to its last tile.
         let pause = Instant::now() + Duration::from_millis(240 + 15 * (step % 12));
         while let Some(left) = pause.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
             if let Some(Incoming::Frame(header, tiles)) = ada.client.receive(left).expect("received") {

@@ -23,14 +23,14 @@ fn two_clients_end_with_the_same_document() {
     ada.result(&last);
     let result = ben.edited(rename(light, "key, by Ben"));
     let seq = result.seq().expect("committed");
-    // Everybody gets everything, in one order; `Mirror` checks each record's hash on the way.
+    // All clients get all records, in one order; `Mirror` checks each record's hash.
     ada.catch_up(seq);
     ben.catch_up(seq);
     let (server_seq, server_hash) = server.state();
     for mirror in [&ada, &ben] {
         assert_eq!((mirror.seq, mirror.document.hash().to_string()), (server_seq, server_hash.clone()));
     }
-    // One record for the scene, 20 of each, one name.
+    // One record for the scene, 20 of each client, and one name.
     assert_eq!(server_seq, 42);
 }
 
@@ -85,7 +85,7 @@ fn undo_takes_back_ones_own_and_survives_a_restart() {
     assert_eq!((ada.name(), ada.radius(2)), (&*first_name, 1.5), "Ada's name is gone, Ben's radius stays");
     assert_ne!(ada.document.hash(), start);
 
-    // The same operation again is answered, not carried out.
+    // The same operation again gets the first answer and is not carried out.
     ada.send(&undo);
     let again = ada.wait_for("a result", |message| match message {
         ServerMessage::EditResult(result) => Some(result.outcome.clone()),

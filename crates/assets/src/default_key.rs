@@ -1,4 +1,4 @@
-//! A light for scenes that have none.
+//! Default light for scenes without lights.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -10,19 +10,18 @@ use scene::{Camera, DEFAULT_ASPECT, framing_camera};
 
 use crate::LoadedScene;
 
-/// What it is called.
 const KEY_NAME: &str = "default key";
-/// Lux: a white wall square to it is as bright as white can be.
+/// Intensity in lux. A white wall perpendicular to the light then has the radiance of full white.
 const KEY_INTENSITY_LUX: f64 = PI;
-/// Where its light goes, as the camera sees it: ahead, from above and from the left. So little from the side that it still
-/// grazes the flank of what the framing camera sees from its corner.
+/// Direction of the light in camera space: forwards, down and to the right. It turns so little sideways that it
+/// still grazes the side faces that the framing camera sees from its corner.
 const LIGHT_DIRECTION_IN_CAMERA: DVec3 = DVec3::new(0.2, -0.6, -1.0);
 
 impl LoadedScene {
-    /// The scene as it is first seen: under its own lights or, where it has triangles and no light, under a key that a note
-    /// names.
+    /// Adds a key light if the scene has triangles and no light, with a note that names it.
     ///
-    /// For whoever takes a scene's lights; whoever brings others wants neither the key nor the note.
+    /// Callers that use the scene's own lights need it. Callers that bring other lights want neither the key
+    /// nor the note.
     #[must_use]
     pub fn with_default_light(mut self) -> Self {
         let triangles = self.scene.meshes.iter().flat_map(|mesh| &mesh.primitives);
@@ -40,8 +39,8 @@ impl LoadedScene {
     }
 }
 
-/// A directional light from beside the first camera, or the one that a picture would be taken with. It stands off the
-/// scene's box, where its handles are in nobody's way.
+/// Returns a directional light from beside the first camera, or from beside the framing camera if there is none.
+/// It stands on the sphere around the scene's box, so that its handles do not hide the scene.
 fn default_key(reach: &SceneBounds, cameras: &[Camera]) -> Option<CheckedLight> {
     let camera = cameras.first().cloned().unwrap_or_else(|| framing_camera(reach, DEFAULT_ASPECT));
     let rotation = camera.rotation.normalize()

@@ -1,4 +1,4 @@
-//! The scene that `bendylights example` writes: a file of glTF that anybody may open, change and give away.
+//! Scene of `bendylights example`: a glTF file that anybody may open, change and redistribute.
 
 use document::SceneContents;
 use glam::{DQuat, DVec3, Vec3};
@@ -12,12 +12,12 @@ use crate::demo;
 /// Chunk types of a `.glb` file: JSON and binary data.
 const JSON_CHUNK: u32 = 0x4E4F_534A;
 const BINARY_CHUNK: u32 = 0x004E_4942;
-/// glTF's numbers for component types and primitives' indices.
+/// glTF's constants for component types.
 const F32: u32 = 5126;
 const U32: u32 = 5125;
 
-/// The scene `demo:vases` as a `.glb` file with its camera and, in place of its BendyLight, a spotlight called `lamp` where that
-/// stands, to be bent.
+/// Returns the scene `demo:vases` as a `.glb` file with its camera. A spotlight called `lamp` replaces its
+/// BendyLight at the same position, for the user to bend.
 pub fn example_glb() -> Vec<u8> {
     let loaded = demo("vases").expect("a demo scene");
     let key = demo_key(&loaded.contents);
@@ -34,7 +34,7 @@ pub fn example_glb() -> Vec<u8> {
     glb(&loaded.scene, &loaded.contents.cameras, &lamp)
 }
 
-/// The BendyLight of the scene `demo:vases`, for a light file.
+/// Returns the BendyLight of the scene `demo:vases`, for a light file.
 pub fn example_light() -> Light {
     demo_key(&demo("vases").expect("a demo scene").contents)
 }
@@ -43,12 +43,12 @@ fn demo_key(contents: &SceneContents) -> Light {
     contents.lights[0].light().clone()
 }
 
-/// Turns a light's -Z towards a place.
+/// Returns the rotation that turns a light's -Z from `from` to `to`.
 fn toward(from: DVec3, to: DVec3) -> DQuat {
     DQuat::from_rotation_arc(DVec3::NEG_Z, (to - from).normalize())
 }
 
-/// A scene without textures, whose nodes stand where they are drawn, with its cameras and a spotlight.
+/// Serializes a scene without textures, with its cameras and a spotlight. Nodes must have no parents.
 fn glb(scene: &Scene, cameras: &[Camera], lamp: &Light) -> Vec<u8> {
     let mut file = GlbBuilder::default();
     let meshes: Vec<Value> =
@@ -122,7 +122,7 @@ fn written_camera(camera: &Camera) -> Value {
     }
 }
 
-/// The file's binary part, and what its JSON says of it.
+/// Binary chunk of the file, and the JSON that describes it.
 #[derive(Default)]
 struct GlbBuilder {
     bytes: Vec<u8>,
@@ -165,7 +165,7 @@ impl GlbBuilder {
         )
     }
 
-    /// Every accessor has a view of its own, whose numbers all have four bytes.
+    /// Adds an accessor with a buffer view of its own. All its numbers have four bytes.
     fn accessor(&mut self, bytes: Vec<u8>, mut accessor: Value, bounds: &Value) -> usize {
         self.views.push(json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()}));
         self.bytes.extend(bytes);
@@ -178,7 +178,7 @@ impl GlbBuilder {
     }
 }
 
-/// The container of glTF's binary form: a header and two chunks, each filled up to four bytes.
+/// Returns a GLB container: a header and two chunks, each padded to four bytes.
 fn container(mut json: Vec<u8>, mut binary: Vec<u8>) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     binary.resize(binary.len().next_multiple_of(4), 0);
@@ -211,14 +211,14 @@ mod tests {
         assert_eq!(ours.len(), theirs.len());
         for (ours, theirs) in ours.iter().zip(&theirs) {
             assert!(ours.positions == theirs.positions && ours.indices == theirs.indices);
-            // Reading makes their length 1 anew.
+            // The import normalizes them again.
             let mut normals = ours.normals.iter().zip(&theirs.normals);
             assert!(normals.all(|(ours, theirs)| ours.distance(*theirs) < 1e-6));
         }
         let colors = |scene: &Scene| -> Vec<_> {
             scene.materials.iter().map(|m| (m.name.clone(), m.base_color, m.roughness, m.metallic)).collect()
         };
-        // Reading adds a material for what has none.
+        // The import adds a material for primitives without one.
         assert_eq!(colors(&read.scene)[..made.scene.materials.len()], colors(&made.scene));
         let [camera, written] = [&read, &made].map(|loaded| loaded.contents.cameras[0].clone());
         assert!(camera.translation.distance(written.translation) < 1e-6, "f32 of glTF's JSON");

@@ -1,9 +1,14 @@
-//! Reads glTF 2.0 into a [`scene::Scene`], within limits, and makes the procedural demo scenes.
+//! Imports glTF 2.0 into a [`scene::Scene`], within limits, and builds the procedural demo scenes.
 //!
-//! A scene file comes from a stranger. So every number in it is checked before it is used, every size is
-//! checked before memory is taken (see [`limits`]), and nothing outside the scene's own folder is read.
-//! [`pack`] makes one file of many, for keeping by its hash.
-//! Input never panics; it loads, or an [`AssetError`] says why not and what to do.
+//! Scene files come from untrusted sources. The importer checks every number before it uses it, checks every
+//! size before it allocates memory (see [`limits`]), and reads nothing outside the scene's own folder. It never
+//! panics: an [`AssetError`] names the fault and the fix. [`pack`] turns a scene of several files into one
+//! file, which the store keeps by its hash.
+//!
+//! The crate knows no JSON of the protocol, no renderer and no network.
+//!
+//! Begin with `load` and `LoadedScene`, then `import/mod.rs` and `import/check.rs`, the first check of a
+//! file.
 
 mod default_key;
 mod demo;
@@ -22,29 +27,29 @@ pub use fault::{AssetError, AssetFault};
 pub use limits::ImportLimit;
 use scene::Scene;
 
-/// A scene read from a file.
+/// Imported scene.
 #[derive(Clone, Debug)]
 pub struct LoadedScene {
-    /// The scene; [`Scene::check`] has passed.
+    /// Scene that has passed [`Scene::check`].
     pub scene: Scene,
-    /// The lights and cameras that came with it.
+    /// Lights and cameras of the file.
     pub contents: SceneContents,
-    /// What the file itself calls it, within [`light::MAX_NAME_BYTES`], where that says more than "Scene"; `demo:NAME` for a
-    /// demo.
+    /// Name in the file, within [`light::MAX_NAME_BYTES`]; `demo:NAME` for a demo. `None` if the file has none,
+    /// or just "Scene".
     pub name: Option<String>,
-    /// What a person should know that was left out or changed, one sentence each.
+    /// Notes for people about content that was left out or changed, one sentence each.
     pub notes: Vec<String>,
 }
 
 /// Reads a `.gltf` or `.glb` file and the files beside it that it refers to.
 ///
-/// Units and axes are glTF's: metres, +Y up. Animations, skins and morph targets are left at rest.
+/// Units and axes are glTF's: metres, +Y up. Animations, skins and morph targets stay in their rest state.
 pub fn load(path: &Path) -> Result<LoadedScene, AssetError> {
     import::import_file(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
 }
 
-/// Reads a scene from bytes that hold all of it: those of [`pack`], of a `.glb` or self-contained `.gltf`
-/// file, or of [`demo_bytes`]. No file is read.
+/// Reads a scene from bytes that hold all of it: those of [`pack`], of a `.glb` or self-contained `.gltf` file,
+/// or of [`demo_bytes`]. Reads no file.
 pub fn load_bytes(bytes: &[u8]) -> Result<LoadedScene, AssetError> {
     let loaded = match demo::demo_from_bytes(bytes) {
         Some(demo) => demo,
@@ -53,12 +58,12 @@ pub fn load_bytes(bytes: &[u8]) -> Result<LoadedScene, AssetError> {
     loaded.map_err(|fault| AssetError { file: "the scene".into(), fault })
 }
 
-/// The bytes of one file that holds all of a scene on disk.
+/// Returns the bytes of one file that holds a whole scene on disk.
 ///
-/// A file that refers to no others is taken as it is. Of any other the JSON is, with all that it refers to
-/// put in its place as `data:` addresses: pictures that are not drawn, too, so that a later version that
-/// draws them finds them. The same files give the same bytes on every machine, and [`load_bytes`] makes of
-/// them what [`load`] makes of the files.
+/// A file that refers to no others is returned as it is. For any other file the result is its JSON, with all
+/// other files embedded as `data:` addresses. Pictures that are not drawn are embedded too, for a later version
+/// that draws them. The same files give the same bytes on every machine, and [`load_bytes`] of them gives the
+/// same scene as [`load`] of the files.
 pub fn pack(path: &Path) -> Result<Vec<u8>, AssetError> {
     import::pack(path).map_err(|fault| AssetError { file: path.display().to_string(), fault })
 }

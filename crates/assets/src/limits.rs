@@ -1,4 +1,4 @@
-//! How large a scene may be.
+//! Limits of imported scenes.
 //!
 //! Together the limits keep one load under 2 GiB of memory and, on one core, under 20 seconds.
 
@@ -6,32 +6,34 @@ use std::collections::BTreeMap;
 
 use crate::AssetFault;
 
-/// Bytes of the scene file and of all files it refers to. Large scenes ship 100 to 300 MB; twice that is room.
+/// Bytes of the scene file and of all files that it refers to. Large scenes have 100 to 300 MB.
 pub const MAX_BYTES_READ: u64 = 512 << 20;
-/// JSON nesting. glTF needs about 10; a parser that recurses needs a bound far below its stack.
+/// Depth of nested JSON. glTF needs about 10. The parser recurses, so the limit must stay far below its stack.
 pub const MAX_JSON_DEPTH: u64 = 64;
-/// Values in the JSON. Two bytes of text become up to a kilobyte of structure, so bytes alone bound nothing.
+/// Values in the JSON. Two bytes of text become up to a kilobyte in memory, so a limit of bytes is not enough.
 pub const MAX_JSON_VALUES: u64 = 1 << 20;
-/// Placed nodes, instances included: each costs a matrix and a draw.
+/// Placed nodes, including instances. Each costs a matrix and a draw.
 pub const MAX_NODES: u64 = 1 << 18;
-/// Stored vertices; 48 bytes each with all attributes.
+/// Stored vertices. Each has 48 bytes with all attributes.
 pub const MAX_VERTICES: u64 = 8 << 20;
-/// Triangles drawn, a mesh that stands in two places counted twice. The renderer solves each per light.
+/// Drawn triangles. A mesh that two nodes use counts twice. The renderer processes each triangle for each
+/// light.
 pub const MAX_TRIANGLES: u64 = 16 << 20;
-/// Pixels of one picture: 8192 x 8192, the largest texture that every GPU of WebGPU's default limits holds.
+/// Pixels of one picture: 8192 x 8192, the largest texture within WebGPU's default limits.
 pub const MAX_IMAGE_PIXELS: u64 = 1 << 26;
 /// Pixels along one side of a picture, for the same reason.
 pub const MAX_IMAGE_SIDE: u64 = 8192;
 /// Bytes of all decoded pictures together.
 pub const MAX_TEXTURE_BYTES: u64 = 512 << 20;
-/// World coordinates, either sign. The renderer squares and multiplies them in f32, which ends at 3e38.
+/// Absolute value of world coordinates. The renderer squares and multiplies them in f32, whose range ends at
+/// 3e38.
 pub const MAX_COORDINATE: u64 = 1_000_000_000;
-/// Characters kept of a name.
+/// Characters of a name that are kept.
 pub const MAX_NAME_CHARS: usize = 200;
-/// Characters of a stranger's text shown in a message.
+/// Characters of untrusted text that a message shows.
 pub const MAX_MESSAGE_CHARS: usize = 80;
 
-/// The closed set of limits that a file can break.
+/// Limits that a file can exceed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ImportLimit {
     /// [`MAX_BYTES_READ`]
@@ -57,7 +59,7 @@ pub enum ImportLimit {
 }
 
 impl ImportLimit {
-    /// The largest value allowed.
+    /// Returns the largest value allowed.
     pub fn max_value(self) -> u64 {
         match self {
             Self::BytesRead => MAX_BYTES_READ,
@@ -73,7 +75,7 @@ impl ImportLimit {
         }
     }
 
-    /// What is counted.
+    /// Returns the name of the counted quantity.
     pub fn quantity(self) -> &'static str {
         match self {
             Self::BytesRead => "bytes in the scene's files",
@@ -89,7 +91,7 @@ impl ImportLimit {
         }
     }
 
-    /// What a person can do about it.
+    /// Returns advice for the author of the file.
     pub fn fix(self) -> &'static str {
         match self {
             Self::BytesRead => "split the scene or compress its pictures",
@@ -101,18 +103,19 @@ impl ImportLimit {
         }
     }
 
-    /// Refuses `found` where it is over the limit.
+    /// Returns an error if `found` exceeds the limit.
     pub fn check(self, found: u64) -> Result<(), AssetFault> {
         if found > self.max_value() { Err(AssetFault::Limit { limit: self, found }) } else { Ok(()) }
     }
 }
 
-/// What one load has used so far.
+/// Amounts that one load has used so far, by limit.
 #[derive(Debug, Default)]
 pub struct Budget(BTreeMap<ImportLimit, u64>);
 
 impl Budget {
-    /// Adds `amount` to what counts against `most`; call it before taking the memory.
+    /// Adds `amount` to the use of `limit`, and returns an error if it exceeds the limit. Call it before the
+    /// allocation.
     pub fn spend(&mut self, limit: ImportLimit, amount: u64) -> Result<(), AssetFault> {
         let spent = self.0.entry(limit).or_default();
         *spent = spent.saturating_add(amount);

@@ -1,6 +1,6 @@
-//! What was left out, said once a kind.
+//! Notes about content that was left out, grouped by kind.
 
-/// Collects what a person should know; each kind is said once, with its first example and a count.
+/// Collector of notes for people. Each kind becomes one sentence, with its first example and a count.
 #[derive(Debug, Default)]
 pub struct Notes(Vec<Note>);
 
@@ -12,7 +12,7 @@ struct Note {
 }
 
 impl Notes {
-    /// Notes that `what` happened to `whom`.
+    /// Adds a note that `what` applies to the object called `whom`.
     pub fn add(&mut self, what: &'static str, whom: impl Into<String>) {
         match self.0.iter_mut().find(|note| note.what == what) {
             Some(note) => note.count += 1,
@@ -20,7 +20,7 @@ impl Notes {
         }
     }
 
-    /// One sentence a kind, in the order of their first appearance.
+    /// Returns one sentence per kind, in the order of first appearance.
     pub fn into_sentences(self) -> Vec<String> {
         let sentence = |note: Note| match note.count {
             1 => format!("{}: {}", note.what, note.first),

@@ -1,21 +1,21 @@
-//! A bent light of a straight one, the same in every bench.
+//! Bends a straight light, in the same way for all benchmarks.
 
 use light::parameters::{RANGE, TRANSLATION};
 use light::{
     CheckedLight, Light, LightError, ParameterOwner, SceneBounds, as_spotlight, bend_with_length, straighten,
 };
 
-/// Segments of the bent light, where the scene brings none: those of the design's frame.
+/// Segments of the bent light if the scene has none; the frame time that the design measured used as many.
 const SEGMENTS: usize = 3;
-/// Half angle in degrees of the cone that is bent of a light without one.
+/// Half angle in degrees of the cone that is bent if the light has none.
 const CONE_ANGLE: f64 = 30.0;
-/// How far the middle of a straight light is moved aside, as a share of its length; the first that does not fold is
-/// taken.
+/// Offsets of the middle of a straight light to one side, as shares of its length. The first that does not fold is
+/// used.
 const MIDDLE_OFFSETS: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 
-/// The bent light that is measured in a scene whose box is `reach`, and a spotlight from the same place in the same
-/// direction. A straight `light` is bent into three segments that reach to the middle of the box, or half its half
-/// diagonal where that is farther; one that is bent is straightened, to have both.
+/// Returns the bent light to measure in a scene with the bounding box `reach`, and a spotlight at the same position in
+/// the same direction. A straight `light` is bent into three segments that reach to the middle of the box, or half of
+/// its half diagonal if that is farther. A bent `light` is straightened for the spotlight.
 pub(crate) fn bent_and_spot(light: &Light, reach: SceneBounds) -> Result<(Light, Light), LightError> {
     if light.owner() == ParameterOwner::Bendy {
         return Ok((light.clone(), straighten(light)?));
@@ -25,8 +25,8 @@ pub(crate) fn bent_and_spot(light: &Light, reach: SceneBounds) -> Result<(Light,
     Ok((bent(&spot, SEGMENTS, length)?, spot))
 }
 
-/// The spotlight `spot` without its range, of so many segments over `length` world units, bowed aside as evenly as they
-/// can.
+/// Bends `spot`, without its range, into `segments` segments over `length` world units, with the largest of
+/// `MIDDLE_OFFSETS` that does not fold.
 pub(crate) fn bent(spot: &Light, segments: usize, length: f64) -> Result<Light, LightError> {
     let straight = bend_with_length(&spot.clone().with(RANGE, None), segments, length)?;
     let end = straight.points().last().map_or(1.0, |point| point.position.z);

@@ -1,4 +1,4 @@
-//! The same drag for views of two sizes, alone and while others watch.
+//! Measures the same drag for views of two sizes, with and without other clients that watch.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -13,11 +13,11 @@ use crate::chart::{self, Area, BLUE, ChartResult, GREY};
 use crate::circle::{GESTURE, decode, drag_in_a_circle, open_view};
 use crate::{BenchError, Client, Incoming, Quantiles, ServerProcess};
 
-/// Sizes of views in pixels, and clients that have one; all but one of those only watch.
+/// Sizes of views in pixels, and numbers of clients with one view each. One client drags, the others watch.
 const SIZES: [[u32; 2]; 2] = [[686, 382], [1280, 720]];
 const VIEWERS: [usize; 2] = [1, 4];
 
-/// A drag, and what came of it.
+/// Result of a drag at one view size with a number of viewers.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SessionCase {
@@ -25,21 +25,21 @@ pub struct SessionCase {
     pub width: u32,
     /// Pixels of each view.
     pub height: u32,
-    /// Clients, each with a view of its own; one drags.
+    /// Clients, each with a view of its own; one of them drags.
     pub viewers: usize,
-    /// Frames a second of the one that drags.
+    /// Frames per second of the client that drags.
     pub frames_per_second: f64,
-    /// The same of each that watches, the mean of all; `null` where nobody does.
+    /// Mean frames per second of the clients that watch; `null` if there are none.
     pub watched_frames_per_second: Option<f64>,
-    /// From sending an update to having decoded the first frame that shows it or a later one, by the one that drags.
+    /// Time from sending an update to having decoded the first frame that shows it or a later one, in the client that
+    /// drags.
     pub edit_to_decoded_ms: Quantiles,
-    /// Bytes of a moving frame of the one that drags, the middle of all.
+    /// Median bytes of a moving frame of the client that drags.
     pub frame_bytes_p50: usize,
-    /// Bytes a second of its frames.
+    /// Bytes per second of the frames of the client that drags.
     pub bytes_per_second: f64,
 }
 
-/// Measures each case on `server`.
 pub(crate) fn measure(server: &ServerProcess, updates: u64) -> Result<Vec<SessionCase>, BenchError> {
     let cases = SIZES.iter().flat_map(|size| VIEWERS.iter().map(move |viewers| (*size, *viewers)));
     cases.map(|(size, viewers)| measure_one(server, size, viewers, updates)).collect()
@@ -88,7 +88,7 @@ fn measure_one(
     })
 }
 
-/// Shows what comes until the drag is over. Frames a second.
+/// Receives and decodes frames until the drag is over. Returns frames per second.
 fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
     let (began, mut frames, mut picture) = (Instant::now(), 0, RgbImage::new(0, 0));
     while !is_over.load(Ordering::Relaxed) {
@@ -101,7 +101,7 @@ fn watch(mut client: Client, is_over: &AtomicBool) -> Result<f64, BenchError> {
     Ok(f64::from(frames) / began.elapsed().as_secs_f64())
 }
 
-/// Two bars a case, p50 and p95, with the frames a second above.
+/// Draws two bars per case, p50 and p95, with the frames per second above them.
 pub(crate) fn draw(area: &Area, cases: &[SessionCase]) -> ChartResult {
     const BARS: [(&str, RGBColor, f64); 2] = [("p50", BLUE, 0.1), ("p95", GREY, 0.5)];
     let top = cases.iter().map(|case| case.edit_to_decoded_ms.p95).fold(1.0, f64::max) * 1.25;

@@ -1,4 +1,4 @@
-//! Parts that all charts share: the SVG, its colours, and keys of lines and boxes.
+//! Parts that all charts share: the SVG, its colors, and legends with lines and boxes.
 
 use plotters::chart::SeriesLabelPosition;
 use plotters::coord::{CoordTranslate, Shift};
@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use crate::BenchError;
 
 pub(crate) type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
-/// Plotters' errors name the backend's lifetime, so they are boxed until the chart is done.
+/// Boxed, because an error of plotters names the lifetime of its backend.
 pub(crate) type ChartResult = Result<(), Box<dyn std::error::Error>>;
 
 pub(crate) const BLUE: RGBColor = RGBColor(0x2f, 0x6d, 0xb5);
@@ -16,12 +16,12 @@ pub(crate) const RED: RGBColor = RGBColor(0xd9, 0x48, 0x3b);
 pub(crate) const GREEN: RGBColor = RGBColor(0x3a, 0x9a, 0x5c);
 pub(crate) const VIOLET: RGBColor = RGBColor(0x7a, 0x5c, 0xa8);
 pub(crate) const GREY: RGBColor = RGBColor(0xb0, 0xb0, 0xb0);
-/// Marks what is wrong.
+/// Color of wrong results.
 pub(crate) const WRONG: RGBColor = RGBColor(0xd0, 0x00, 0x30);
-/// Lines of a grid between those with numbers.
+/// Color of minor grid lines.
 pub(crate) const FAINT: RGBAColor = RGBAColor(0, 0, 0, 0.05);
 
-/// An SVG of so many pixels, white, with `title` above what `draw` draws.
+/// Draws an SVG of `size` pixels with a white background, `title` at the top and the output of `draw` below it.
 pub(crate) fn svg(
     size: (u32, u32),
     title: &str,
@@ -38,7 +38,7 @@ pub(crate) fn svg(
     Ok(svg)
 }
 
-/// Names the series of a plot, in a box at `position`.
+/// Draws the legend of a plot, in a box at `position`.
 pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
     plot: &mut ChartContext<'a, SVGBackend<'b>, T>,
     position: SeriesLabelPosition,
@@ -48,24 +48,24 @@ pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
     Ok(labels.draw()?)
 }
 
-/// A line in a key.
+/// Legend symbol of a line.
 pub(crate) fn line(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> PathElement<(i32, i32)> {
     let style = style.into();
     move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style)
 }
 
-/// A box in a key.
+/// Legend symbol of a box.
 pub(crate) fn swatch(color: RGBColor) -> impl Fn((i32, i32)) -> Rectangle<(i32, i32)> {
     move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled())
 }
 
-/// A dot in a key.
+/// Legend symbol of a dot.
 pub(crate) fn dot(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> Circle<(i32, i32), i32> {
     let style = style.into();
     move |(x, y)| Circle::new((x + 6, y), 5, style)
 }
 
-/// The least and the greatest of positive values.
+/// Returns the minimum and the maximum of positive values.
 pub(crate) fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, 0.0), |(low, high), x| (low.min(x), high.max(x)))
 }

@@ -1,4 +1,4 @@
-//! A control point, dragged in a circle, and how the frames of that come.
+//! Drags a control point in a circle and measures the frames.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -11,37 +11,37 @@ use stream::FrameHeader;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Quantiles, Tiles};
 
-/// A page sends at most one update an animation frame.
+/// Shortest interval between updates: a page sends at most one per animation frame.
 pub(crate) const ANIMATION_FRAME: Duration = Duration::from_micros(16_667);
 
-/// The client's name for its drag.
+/// Id that the client gives to its gesture.
 pub(crate) const GESTURE: &str = "bench";
 
-/// The way of an update to the screen.
+/// Stages of the latency from an update to the decoded frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct LatencyStages<T> {
-    /// From the change in the session to the start of the render: the render before, and the open slot.
+    /// Time from the change in the session to the start of its render: the render before it, and the wait for an open
+    /// slot of the client.
     pub wait: T,
-    /// Of the render, with its read-back.
+    /// Time of the render, readback included.
     pub render: T,
-    /// Of the encoding.
     pub encode: T,
-    /// All else: the update's and the frame's way through sockets and queues.
+    /// All other time: the update and the frame in sockets and queues.
     pub send: T,
-    /// Of the decoding, by the client.
+    /// Time of decoding in the client.
     pub decode: T,
 }
 
-/// A frame of the drag.
+/// Measurements of one decoded frame of the drag.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShownFrame {
-    /// Milliseconds.
+    /// Times in milliseconds.
     pub stages: LatencyStages<f64>,
     pub bytes: usize,
 }
 
-/// Drags a control point in a circle, an update an animation frame, until the last is on the screen. What became of it,
-/// and the seconds.
+/// Drags a control point in a circle, with one update per animation frame, until a frame shows the last update. Returns
+/// the measurements and the seconds.
 pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(CircleDrag, f64), BenchError> {
     let circle = DragCircle::of(client)?;
     let light = circle.light;
@@ -68,7 +68,7 @@ pub(crate) fn drag_in_a_circle(client: &mut Client, updates: u64) -> Result<(Cir
     Ok((drag, began.elapsed().as_secs_f64()))
 }
 
-/// Waits for the first lossless picture too, so that nothing else is under way.
+/// Opens a view and waits for its first lossless picture, so that no other frame is in flight.
 pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), BenchError> {
     let camera: Camera = client.welcome.camera.clone();
     client.send(&ClientMessage::OpenView {
@@ -85,25 +85,24 @@ pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Resul
     })
 }
 
-/// What is known of a drag while it goes on.
+/// State and measurements of a drag that is under way.
 #[derive(Debug, Default)]
 pub(crate) struct CircleDrag {
-    /// When each update was sent.
+    /// Time at which each update was sent.
     sent: BTreeMap<u64, Instant>,
-    /// The update that each live revision shows.
+    /// Update that each live revision shows.
     update_of: BTreeMap<u32, u64>,
-    /// The latest update that has been decoded.
+    /// Latest update that a decoded frame shows.
     latest_shown: u64,
-    /// Milliseconds from each update to its picture.
+    /// Milliseconds from each update to the frame that shows it.
     latencies_ms: Vec<f64>,
-    /// Its frames.
     pub shown: Vec<ShownFrame>,
-    /// What is on the screen.
+    /// The decoded picture.
     pub picture: RgbImage,
 }
 
 impl CircleDrag {
-    /// Receives for at most `timeout`.
+    /// Receives one message or frame, for at most `timeout`.
     fn take(&mut self, client: &mut Client, timeout: Duration) -> Result<(), BenchError> {
         match client.receive(timeout)? {
             Some(Incoming::Message(message)) => match *message {
@@ -143,19 +142,19 @@ impl CircleDrag {
         let us = |us: u32| f64::from(us) / 1000.0;
         let (wait, render, encode) = (us(header.wait_us), us(header.render_us), us(header.encode_us));
         let decode = ms(decode);
-        // The header's wait counts from the oldest change that the frame shows first; the newest update's own wait is
-        // what its way leaves of it.
+        // The header's wait counts from the oldest change that the frame shows first. The newest update cannot have
+        // waited longer than its own latency minus the other stages.
         let wait = wait.min((ms(decoded - *sent) - render - encode - decode).max(0.0));
         let send = (ms(decoded - *sent) - wait - render - encode - decode).max(0.0);
         self.shown.push(ShownFrame { stages: LatencyStages { wait, render, encode, send, decode }, bytes });
     }
 
-    /// From each update to its picture.
+    /// Quantiles of the time from each update to the frame that shows it.
     pub fn edit_to_decoded_ms(&self) -> Quantiles {
         Quantiles::of(self.latencies_ms.iter().copied())
     }
 
-    /// Bytes of each frame, the least first.
+    /// Bytes of each frame, sorted ascending.
     pub fn frame_bytes(&self) -> Vec<usize> {
         let mut bytes: Vec<usize> = self.shown.iter().map(|shown| shown.bytes).collect();
         bytes.sort_unstable();
@@ -163,7 +162,7 @@ impl CircleDrag {
     }
 }
 
-/// Decodes a frame onto a picture, which is made anew where it has another size.
+/// Decodes a frame onto `picture`, which is replaced by a black one if its size differs.
 pub(crate) fn decode(header: &FrameHeader, tiles: &Tiles, picture: &mut RgbImage) -> Result<(), BenchError> {
     let size = (header.width.into(), header.height.into());
     if picture.dimensions() != size {

@@ -1,4 +1,4 @@
-//! A client of one session, as the page is one.
+//! WebSocket client of one session, which behaves as the page does.
 
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -11,43 +11,42 @@ use tungstenite::{Message, WebSocket};
 
 use crate::{BenchError, ServerAddress};
 
-/// How long a server may take to answer.
+/// Longest time that a server may take to answer.
 const ANSWER_WITHIN: Duration = Duration::from_mins(1);
 
-/// What a client that comes back knows.
+/// Part of the history that a reconnecting client has.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct KnownHistory {
-    /// The history.
+    /// Id of the history.
     pub epoch: String,
-    /// Its latest record that the client has.
+    /// Latest record of that history that the client has.
     pub last_seq: u64,
 }
 
-/// What a server sends.
+/// Message or frame from the server.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Incoming {
-    /// A control message.
     Message(Box<ServerMessage>),
-    /// A frame, by the header of its last tile, and what it holds.
+    /// A complete frame: the header of its last tile, and all of its tiles.
     Frame(FrameHeader, Tiles),
 }
 
-/// What a frame holds: parts of a picture, each a file.
+/// Tiles of a frame, each an encoded picture file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Tiles(Vec<(FrameTile, Vec<u8>)>);
 
 impl Tiles {
-    /// Bytes of all files.
+    /// Bytes of all picture files.
     pub fn byte_count(&self) -> usize {
         self.0.iter().map(|(_, file)| file.len()).sum()
     }
 
-    /// Where they are in the picture.
+    /// Rectangles of the tiles in the picture.
     pub fn tiles(&self) -> impl Iterator<Item = FrameTile> {
         self.0.iter().map(|(tile, _)| *tile)
     }
 
-    /// Puts them onto `picture`, which is as large as the frame says.
+    /// Decodes the tiles onto `picture`, which must have the size of the frame.
     pub fn draw_on(&self, picture: &mut RgbImage) -> Result<(), BenchError> {
         for (tile, file) in &self.0 {
             let part = image::load_from_memory(file)?.to_rgb8();
@@ -57,18 +56,18 @@ impl Tiles {
     }
 }
 
-/// A connection to one session.
+/// Connection to one session.
 #[derive(Debug)]
 pub struct Client {
     socket: WebSocket<TcpStream>,
-    /// The tiles of the frame whose last has not come yet, and its number.
+    /// Number and tiles of the frame whose last tile has not arrived yet.
     partial_frame: (u64, Tiles),
-    /// The answer to its hello.
+    /// Answer of the server to the hello.
     pub welcome: Welcome,
 }
 
 impl Client {
-    /// Connects and says hello.
+    /// Connects and sends a hello.
     pub fn connect(
         address: &ServerAddress,
         session: &str,
@@ -78,7 +77,7 @@ impl Client {
         Self::connect_over(TcpStream::connect(&address.host)?, address, session, actor, known)
     }
 
-    /// Says hello on a connection to `address`.
+    /// Sends a hello over the connection `tcp`, which leads to `address`.
     pub(crate) fn connect_over(
         tcp: TcpStream,
         address: &ServerAddress,
@@ -104,12 +103,11 @@ impl Client {
         Err(BenchError::Silent { what: "a welcome", within: ANSWER_WITHIN })
     }
 
-    /// Sends a message.
     pub fn send(&mut self, message: &ClientMessage) -> Result<(), BenchError> {
         send(&mut self.socket, message)
     }
 
-    /// The next message or frame; `None` where there is none within `timeout`.
+    /// Returns the next message or frame; `None` if none arrives within `timeout`.
     pub fn receive(&mut self, timeout: Duration) -> Result<Option<Incoming>, BenchError> {
         let until = Instant::now() + timeout;
         loop {
@@ -127,7 +125,8 @@ impl Client {
         }
     }
 
-    /// Keeps a tile; all of its frame where it is the last. What was left out of an earlier frame never comes.
+    /// Stores a tile, and returns all tiles of the frame if it is the last. Missing tiles of an earlier frame are
+    /// dropped, because they never arrive later.
     fn assemble_frame(&mut self, header: &FrameHeader, file: Vec<u8>) -> Option<Tiles> {
         if self.partial_frame.0 != header.frame {
             self.partial_frame = (header.frame, Tiles::default());
@@ -136,12 +135,12 @@ impl Client {
         header.flags.is_last_tile.then(|| std::mem::take(&mut self.partial_frame.1))
     }
 
-    /// Says that a frame has been shown.
+    /// Acknowledges a frame.
     pub fn ack(&mut self, header: &FrameHeader) -> Result<(), BenchError> {
         self.send(&ClientMessage::Ack { frame: header.frame })
     }
 
-    /// Receives until `wanted` finds what it looks for. Frames are acknowledged as they come.
+    /// Receives until `wanted` returns a value. Acknowledges frames as they arrive.
     pub fn wait_for<T>(
         &mut self,
         what: &'static str,
@@ -162,7 +161,7 @@ impl Client {
     }
 }
 
-/// Sends a hello, whose answer is still to be read.
+/// Sends a hello and does not wait for the answer.
 pub(crate) fn say_hello(
     tcp: TcpStream,
     address: &ServerAddress,
@@ -196,14 +195,14 @@ fn send(socket: &mut WebSocket<TcpStream>, message: &ClientMessage) -> Result<()
     Ok(socket.send(Message::text(text))?)
 }
 
-/// A message of a server.
+/// Message or tile from the server.
 enum Received {
     Text(Box<ServerMessage>),
     Tile(FrameHeader, Vec<u8>),
 }
 
 fn receive(socket: &mut WebSocket<TcpStream>, timeout: Duration) -> Result<Option<Received>, BenchError> {
-    // A timeout of zero would mean to wait for ever.
+    // A timeout of zero means no timeout.
     socket.get_ref().set_read_timeout(Some(timeout.max(Duration::from_micros(1))))?;
     match socket.read() {
         Ok(Message::Text(text)) => Ok(Some(Received::Text(Box::new(ServerMessage::parse(text.as_str())?)))),

@@ -1,4 +1,4 @@
-//! What the drags of sessions take hold of: a control point of a BendyLight, on its way around a circle.
+//! The circular drag of a control point that benchmarks of sessions make.
 
 use glam::DVec3;
 use light::{CheckedLight, Light, ParameterOwner, SceneBounds};
@@ -7,32 +7,30 @@ use protocol::{Bounds, ClientMessage, Command, Document, PointParameter, ServerM
 use crate::bent::bent_and_spot;
 use crate::{BenchError, Client, Incoming, ServerProcess};
 
-/// The control point of a BendyLight that is dragged: each has a third.
+/// Index of the dragged control point. Every BendyLight has a third one.
 const DRAGGED_POINT: usize = 2;
-/// Radius of the circle as a share of half the scene's diagonal: a quarter of a unit in `demo:vases`.
+/// Radius of the circle as a share of half the diagonal of the scene: a quarter of a unit in `demo:vases`.
 const RADIUS_SHARE: f64 = 0.028_513_76;
-/// By how much the circle is made smaller; the first by which the light folds nowhere on it is taken.
+/// Factors of the radius. The first with which the light does not fold anywhere on the circle is used.
 const RADIUS_FACTORS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-/// Places on the circle at which that is looked at.
+/// Number of positions on the circle that are checked for folds.
 const CHECKED_ANGLES: u32 = 240;
 
-/// A control point and the circle that it is dragged in, which begins where it lies.
+/// A control point and the circle that it is dragged along. The circle begins at the position of the point.
 #[derive(Clone, Debug)]
 pub(crate) struct DragCircle {
-    /// Id of its light.
     pub light: u64,
-    /// Name of its light.
     name: String,
-    /// Where the control point lies, light-local.
+    /// Initial position of the control point, light-local.
     start: DVec3,
     /// Light-local.
     radius: f64,
-    /// World units for a light-local one.
+    /// World units per light-local unit.
     scale: f64,
 }
 
 impl DragCircle {
-    /// Around the third control point of the first BendyLight in the client's session.
+    /// Makes the circle for the third control point of the first BendyLight in the client's session.
     pub fn of(client: &Client) -> Result<Self, BenchError> {
         let document = document(client)?;
         let found = document.lights.iter().find_map(|placed| {
@@ -54,7 +52,7 @@ impl DragCircle {
             scale,
         };
         let [.., least] = RADIUS_FACTORS;
-        // Where every circle folds the server says why it refuses the least.
+        // If the light folds on every circle, the smallest is used and the server reports the reason.
         RADIUS_FACTORS
             .map(of_share)
             .into_iter()
@@ -62,7 +60,7 @@ impl DragCircle {
             .unwrap_or(of_share(least))
     }
 
-    /// Whether `light` folds nowhere on it.
+    /// True if `light` does not fold anywhere on the circle.
     fn is_fold_free_for(&self, light: &Light) -> bool {
         (0..CHECKED_ANGLES).all(|place| {
             let angle = std::f64::consts::TAU * f64::from(place) / f64::from(CHECKED_ANGLES);
@@ -75,18 +73,18 @@ impl DragCircle {
         })
     }
 
-    /// Where the control point is after an angle in radians, light-local.
+    /// Position of the control point after an angle in radians, light-local.
     fn at(&self, angle: f64) -> DVec3 {
         self.start + self.radius * DVec3::new(angle.sin(), 1.0 - angle.cos(), 0.0)
     }
 
-    /// Moves the control point there.
+    /// Command that moves the control point to its position after an angle in radians.
     pub fn command(&self, angle: f64) -> Command {
         let parameter: PointParameter = light::parameters::POSITION.to(self.at(angle)).into();
         Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter }
     }
 
-    /// Says what is dragged, and how.
+    /// Describes the drag for reports.
     pub fn what(&self, scene: &str) -> String {
         let Self { name, radius, scale, .. } = self;
         let world = radius * scale;
@@ -96,8 +94,8 @@ impl DragCircle {
     }
 }
 
-/// Sees to it that the session `main` has a BendyLight. Where its scene brings none, its first light is bent as frames
-/// are measured by it, and alone, too. Whether that was done.
+/// Ensures that the session `main` has a BendyLight. If it has none, its first light is bent as in the benchmark of
+/// frames, and the other lights are removed, as there. Returns true if it changed the session.
 pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     let document = document(&client)?.clone();
@@ -123,7 +121,7 @@ pub(crate) fn ensure_bent_light(server: &ServerProcess) -> Result<bool, BenchErr
     Ok(true)
 }
 
-/// Has a command carried out.
+/// Sends an edit and waits for its result.
 fn edit(client: &mut Client, op_id: &str, command: Command) -> Result<(), BenchError> {
     let base_seq = client.welcome.seq;
     client.send(&ClientMessage::Edit { op_id: op_id.into(), base_seq, command })?;
@@ -144,7 +142,7 @@ fn document(client: &Client) -> Result<&Document, BenchError> {
     }
 }
 
-/// The scene's box, but for the roundings of its corners.
+/// Bounding box of the scene, up to rounding of its corners.
 fn reach_of(Bounds { min, max }: Bounds) -> SceneBounds {
     let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
     SceneBounds { center: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }
@@ -178,7 +176,7 @@ mod tests {
         assert!((across - 2.0 * circle.radius * DVec3::Y).length() < 1e-12, "{across}");
     }
 
-    /// In the world, whatever the light's own scale.
+    /// The share is one of world units, for any scale of the light.
     #[test]
     fn the_circle_is_the_same_share_of_every_scene() {
         let (key, posed) = vases();
@@ -200,7 +198,8 @@ mod tests {
         assert!(found.radius < whole.radius && found.is_fold_free_for(&tight), "{found:?}");
     }
 
-    /// The box that a client is told is that of the scene but for roundings, so the bent light is that of frames.
+    /// The box that a client receives equals that of the scene up to rounding, so the session bends the same light as
+    /// the frame benchmark.
     #[test]
     fn a_session_bends_the_light_that_frames_are_measured_by() {
         let spot = Light::spot()

@@ -1,7 +1,15 @@
-//! The harness behind `bendylights bench`: a server of its own, a client that behaves as the page does, and what they
-//! measure.
+//! Benchmarks behind `bendylights bench`, and the comparison of pictures with the reference.
 //!
-//! The tests of whole sessions drive the server with the same client.
+//! A benchmark of the server starts `bendylights serve` as a process of its own and drives it with a client that
+//! behaves as the page does. A benchmark of the renderer draws in this process. Each returns a report to serialize, and
+//! most also return a chart in SVG.
+//!
+//! The crate knows no command line: the commands of `bendylights bench` parse options and write files. It knows nothing
+//! of the server's internals and uses its HTTP and WebSocket interface only. The session tests of the workspace drive
+//! the server with the same client.
+//!
+//! Begin with `ServerProcess` and `Client` for benchmarks of the server, `frame` for benchmarks of the renderer, and
+//! `compare` for pictures against the reference.
 
 #![expect(clippy::disallowed_methods, reason = "measurements hold within bounds, not to the bit")]
 

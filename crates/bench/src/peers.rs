@@ -1,4 +1,4 @@
-//! Other renderers, run by their own scripts.
+//! Runs other renderers by their own scripts, for comparison.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -7,21 +7,21 @@ use serde::Deserialize;
 
 use crate::{BenchError, Quantiles};
 
-/// What measures one renderer: `DIR/NAME/bench.py FRAMES`.
+/// Script that measures one renderer: `DIR/NAME/bench.py FRAMES`.
 const SCRIPT: &str = "bench.py";
-/// How often each is run, anew each time.
+/// Number of runs of each script, each in a new process.
 pub(crate) const RUNS: usize = 3;
-/// Fewest frames of a run, for its median to be one.
+/// Minimum frames of a run, so that its median is meaningful.
 pub(crate) const FEWEST_FRAMES: usize = 10;
 
-/// A folder of other renderers and the Python that has them.
+/// Scripts of other renderers and the Python interpreter that has them installed.
 #[derive(Clone, Debug)]
 pub struct Peers {
     python: PathBuf,
     scripts: Vec<PathBuf>,
 }
 
-/// A line that a script prints: frames of which the light moved in each, read back.
+/// One line of a script's output: the time of frames that are read back and in each of which the light moves.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct PeerTiming {
     pub name: String,
@@ -29,18 +29,18 @@ pub(crate) struct PeerTiming {
     pub ms_median: f64,
 }
 
-/// What one renderer said in all its runs.
+/// Times of one renderer over all its runs.
 #[derive(Clone, Debug)]
 pub(crate) struct Peer {
     pub name: String,
     pub version: String,
-    /// Milliseconds a frame: the least and the middle of the medians of its runs. Its fastest frame may be one in which
-    /// nothing moved.
+    /// Milliseconds per frame: quantiles of the medians of the runs. The fastest single frame is not used, because
+    /// nothing may have moved in it.
     pub wall_ms: Quantiles,
 }
 
 impl Peer {
-    /// Of the lines of all runs, by their names in the order of the first.
+    /// Groups the lines of all runs by name, in order of first appearance.
     pub(crate) fn all(lines: &[PeerTiming]) -> Vec<Self> {
         let mut peers: Vec<Self> = Vec::new();
         for PeerTiming { name, version, .. } in lines {
@@ -55,8 +55,8 @@ impl Peer {
 }
 
 impl Peers {
-    /// Those whose scripts lie in `folder`, one folder each. Without `python` it is that of the virtual environment
-    /// `.venv` or `venv` beside them.
+    /// Finds the scripts in `folder`, one folder each. If `python` is `None`, uses the interpreter of the virtual
+    /// environment `.venv` or `venv` in `folder`.
     pub fn find(folder: &Path, python: Option<&Path>) -> Result<Self, BenchError> {
         let mut scripts = Vec::new();
         for entry in std::fs::read_dir(folder).map_err(|_| BenchError::NoPeers(folder.into()))? {
@@ -65,7 +65,7 @@ impl Peers {
                 scripts.push(script);
             }
         }
-        // In an order that does not depend on the file system.
+        // The order of the file system is not deterministic.
         scripts.sort();
         if scripts.is_empty() {
             return Err(BenchError::NoPeers(folder.into()));
@@ -76,17 +76,17 @@ impl Peers {
         Ok(Self { python: python.ok_or_else(|| BenchError::NoPython(folder.into()))?, scripts })
     }
 
-    /// How many scripts there are.
+    /// Number of scripts.
     pub(crate) fn count(&self) -> usize {
         self.scripts.len()
     }
 
-    /// Has script `index` draw so many frames in a process of its own.
+    /// Runs script `index` for `frames` frames in a process of its own.
     pub(crate) fn run(&self, index: usize, frames: usize) -> Result<Vec<PeerTiming>, BenchError> {
         let script = &self.scripts[index];
         let failed =
             |reason: String| BenchError::Peer { script: script.clone(), python: self.python.clone(), reason };
-        // Pictures that a script keeps are nobody's.
+        // Pictures that a script writes are discarded.
         let pictures = tempfile::tempdir()?;
         let done = Command::new(&self.python)
             .arg(script)

@@ -1,4 +1,4 @@
-//! A server in a process of its own.
+//! Runs a server as a process of its own.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -8,23 +8,23 @@ use std::time::{Duration, Instant};
 
 use crate::BenchError;
 
-/// How long a server may take until every pipeline has drawn: a software driver compiles for seconds, and may share the
-/// machine with other tests.
+/// Longest time until the server has drawn with every pipeline: a software driver compiles for seconds, and other tests
+/// may use the machine at the same time.
 const READY_WITHIN: Duration = Duration::from_mins(3);
 
-/// Where a server is and what lets one in.
+/// Address and token of a server.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ServerAddress {
     /// Host and port.
     pub host: String,
-    /// The token.
     pub token: String,
 }
 
 impl FromStr for ServerAddress {
     type Err = BenchError;
 
-    /// Reads what `bendylights serve` prints: `http://HOST:PORT/#token=TOKEN`, and a session behind it or none.
+    /// Parses the line that `bendylights serve` prints: `http://HOST:PORT/#token=TOKEN`, with or without a session
+    /// after it.
     fn from_str(line: &str) -> Result<Self, BenchError> {
         let parts = line.trim().strip_prefix("http://").and_then(|rest| rest.split_once("/#token="));
         let (host, token) = parts.ok_or_else(|| BenchError::Address(line.into()))?;
@@ -34,13 +34,13 @@ impl FromStr for ServerAddress {
 }
 
 impl ServerAddress {
-    /// Asks for `path`, with the token.
+    /// Requests `path` by GET, with the token.
     pub fn get(&self, path: &str) -> Result<Response, BenchError> {
         let request = agent().get(self.url(path)).header("Authorization", self.bearer());
         answer(request.call()?)
     }
 
-    /// Sends `body` to `path`, with the token.
+    /// Sends `body` to `path` by POST, with the token.
     pub fn post(&self, path: &str, body: &[u8]) -> Result<Response, BenchError> {
         let request = agent().post(self.url(path)).header("Authorization", self.bearer());
         answer(request.content_type("application/json").send(body)?)
@@ -55,34 +55,32 @@ impl ServerAddress {
     }
 }
 
-/// A running `bendylights serve`; killed when it is dropped.
+/// Running `bendylights serve`, killed on drop.
 #[derive(Debug)]
 pub struct ServerProcess {
     child: Child,
-    /// Where it listens.
     pub address: ServerAddress,
 }
 
-/// What a server answers to a request.
+/// HTTP response.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// The status code.
     pub status: u16,
-    /// The body's bytes.
     pub body: Vec<u8>,
-    /// What a picture lacks: the headers `x-bendylights-note`.
+    /// Values of the headers `x-bendylights-note`: things that a picture lacks.
     pub notes: Vec<String>,
 }
 
 impl Response {
-    /// The body as text.
+    /// Returns the body as text.
     pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.body).into_owned()
     }
 }
 
 impl ServerProcess {
-    /// Starts `program serve` on a free port of the loopback interface, over the data in `data`, and waits until it listens.
+    /// Starts `program serve` with the data folder `data` on a free port of the loopback interface, and waits until it
+    /// listens.
     pub fn start(program: &Path, data: &Path, more: &[&str]) -> Result<Self, BenchError> {
         let failed = |reason: String| BenchError::Start { program: program.display().to_string(), reason };
         let mut child = Command::new(program)
@@ -99,7 +97,7 @@ impl ServerProcess {
         match line.parse() {
             Ok(address) => Ok(Self { child, address }),
             Err(error) => {
-                // It may have stopped by itself; either way nothing is left running.
+                // The process may have ended already. In both cases none is left running.
                 let _ = child.kill();
                 child.wait()?;
                 Err(error)
@@ -119,17 +117,17 @@ impl ServerProcess {
         Err(BenchError::Silent { what: "that it is ready", within: READY_WITHIN })
     }
 
-    /// Asks for `path`, with the token.
+    /// Requests `path` by GET, with the token.
     pub fn get(&self, path: &str) -> Result<Response, BenchError> {
         self.address.get(path)
     }
 
-    /// Sends `body` to `path`, with the token.
+    /// Sends `body` to `path` by POST, with the token.
     pub fn post(&self, path: &str, body: &[u8]) -> Result<Response, BenchError> {
         self.address.post(path, body)
     }
 
-    /// Value of a counter or gauge of `/metrics`: the sum over all labels that contain `labels`.
+    /// Returns the value of a counter or gauge of `/metrics`: the sum over all label sets that contain `labels`.
     pub fn metric(&self, name: &str, labels: &str) -> Result<f64, BenchError> {
         let text = self.get("/metrics")?.text();
         let of_it = text.lines().filter(|line| {
@@ -143,14 +141,14 @@ impl ServerProcess {
         self.child.id()
     }
 
-    /// Stops it as a power cut would.
+    /// Kills the server without a shutdown, as a power cut would.
     pub fn kill(mut self) -> Result<(), BenchError> {
         self.child.kill()?;
         self.child.wait()?;
         Ok(())
     }
 
-    /// Waits until it stops by itself; its exit code.
+    /// Waits until the server exits, and returns its exit code.
     pub fn wait(mut self) -> Result<Option<i32>, BenchError> {
         Ok(self.child.wait()?.code())
     }
@@ -163,7 +161,7 @@ impl Drop for ServerProcess {
     }
 }
 
-/// Refusals are answers too, not errors.
+/// Makes an HTTP agent for which error statuses are responses, not errors.
 fn agent() -> ureq::Agent {
     ureq::Agent::config_builder().http_status_as_error(false).build().into()
 }

@@ -1,11 +1,11 @@
-//! The progress of a measurement.
+//! Progress of a measurement.
 
-/// How many steps of a measurement are done.
+/// Number of finished steps of a measurement, and the step that begins.
 #[derive(Clone, Debug)]
 pub struct Progress {
     pub done: usize,
     /// Number of all steps.
     pub of: usize,
-    /// The step that begins.
+    /// Name of the step that begins.
     pub what: String,
 }

@@ -1,25 +1,24 @@
-//! Many measured values in few numbers.
+//! Quantiles of measured values.
 
 use serde::Serialize;
 
-/// Quantiles of measured values in the unit of the values, each one of them; 0 of no values. JSON writes infinite ones as null.
+/// Quantiles of measured values, in the unit of the values. Each is one of the values, or 0 if there are none. JSON has
+/// null for infinite ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Quantiles {
-    /// Number of values.
     pub count: u64,
-    /// The least value. Of run times, the one that other work has disturbed least.
+    /// Minimum. For run times it is the value that other work has disturbed least.
     pub min: f64,
-    /// The median.
+    /// Median.
     pub p50: f64,
     pub p95: f64,
     pub p99: f64,
     pub p999: f64,
-    /// The greatest value.
     pub max: f64,
 }
 
 impl Quantiles {
-    /// Quantiles of values in any order.
+    /// Computes the quantiles of values in any order.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
         let mut values: Vec<f64> = values.into_iter().collect();
         values.sort_by(f64::total_cmp);
@@ -30,7 +29,7 @@ impl Quantiles {
         Self::from_shares(values.len() as u64, at)
     }
 
-    /// Quantiles of `count` values, of which `at` says the one that a share of all does not exceed.
+    /// Makes quantiles of `count` values; `at(share)` returns the value that this share of all values does not exceed.
     pub fn from_shares(count: u64, at: impl Fn(f64) -> f64) -> Self {
         Self {
             count,
@@ -43,7 +42,7 @@ impl Quantiles {
         }
     }
 
-    /// The ratio of each quantile to that of `other`.
+    /// Ratio of each quantile to that of `other`.
     pub(crate) fn over(&self, other: &Self) -> Self {
         Self {
             count: self.count,

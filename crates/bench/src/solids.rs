@@ -1,9 +1,9 @@
-//! Meshes that measured scenes are made of.
+//! Meshes for the scenes of benchmarks.
 
 use glam::{DVec3, Vec3};
 use scene::Primitive;
 
-/// Two triangles that face up, from -1 to 1 along x and z.
+/// Two triangles that face up, from -1 to 1 in x and z.
 pub(crate) fn square() -> Primitive {
     let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
     Primitive {
@@ -14,7 +14,7 @@ pub(crate) fn square() -> Primitive {
     }
 }
 
-/// A box from -1 to 1.
+/// Box from -1 to 1.
 pub(crate) fn block() -> Primitive {
     let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -29,8 +29,7 @@ pub(crate) fn block() -> Primitive {
     made
 }
 
-/// A ball of radius 1, of so many rings from pole to pole and twice as many sectors: four times the square of that in
-/// triangles.
+/// Ball of radius 1, with `rings` rings from pole to pole and twice as many sectors: 4 `rings`^2 triangles.
 pub(crate) fn ball(rings: u32) -> Primitive {
     let sectors = 2 * rings;
     let mut made = Primitive::default();
@@ -52,17 +51,17 @@ pub(crate) fn ball(rings: u32) -> Primitive {
     made
 }
 
-/// A closed vase with a narrow neck, smooth all around, of so many rings and twice as many sectors: 1 high at most 0.5 in
-/// radius, on y = 0.
+/// Closed vase with a narrow neck and smooth normals, with `rings` rings and twice as many sectors. It is 1 high, has a
+/// radius of at most 0.5, and stands on y = 0.
 pub(crate) fn vase(rings: u32) -> Primitive {
     let mut made = ball(rings);
-    // Radius over the height from 0 to 1, and its slope.
+    // Radius as a function of the height from 0 to 1, and its derivative.
     let wave = |y: f64| 0.28 + 0.16 * (2.0 * std::f64::consts::PI * y).sin();
     let slope = |y: f64| 0.32 * std::f64::consts::PI * (2.0 * std::f64::consts::PI * y).cos();
     for (position, normal) in made.positions.iter_mut().zip(&mut made.normals) {
         let on_ball = position.as_dvec3();
         let around = DVec3::new(on_ball.x, 0.0, on_ball.z);
-        // The poles are the middles of flat ends: a tenth of the rings lies on each.
+        // The poles are the centers of the flat ends. Each end has a tenth of the rings.
         let polar = on_ball.y.clamp(-1.0, 1.0).acos() / std::f64::consts::PI;
         let y = (1.1 - 1.2 * polar).clamp(0.0, 1.0);
         let end_share = (polar.min(1.0 - polar) * 12.0).min(1.0);

@@ -1,4 +1,4 @@
-//! What a drag loses while stills are drawn for others.
+//! Measures a drag while the server renders stills for other clients.
 
 use std::path::Path;
 use std::thread::{self, JoinHandle};
@@ -13,59 +13,59 @@ use crate::circle::{ANIMATION_FRAME, decode, ms, open_view};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct StillsBenchOptions {
     /// Width and height of the view in pixels.
     pub view: [u32; 2],
-    /// How long each drag goes on.
+    /// Duration of each drag.
     pub drag: Duration,
-    /// How many stills.
+    /// Number of stills.
     pub stills: usize,
     /// Width and height of a still in pixels.
     pub still: [u32; 2],
-    /// Samples a pixel of a still.
+    /// Samples per pixel of a still.
     pub samples: u32,
-    /// Who draws shadows and lights; as the server chooses where nobody says.
+    /// Backend that draws shadows and lights; the server selects it if `None`.
     pub backend: Option<Backend>,
 }
 
-/// How the frames of a drag came.
+/// Frame rate and gaps of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct FramePace {
-    /// Frames decoded in a second.
+    /// Frames decoded per second.
     pub frames_per_second: f64,
-    /// Between two frames: half of all gaps are shorter.
+    /// Median gap between two frames.
     pub usual_gap_ms: f64,
-    /// The longest gap.
     pub longest_gap_ms: f64,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct StillsBenchReport {
-    /// The drag with nothing else going on: before, and after all stills are finished.
+    /// The drag without other work: before the stills, and after all have finished.
     pub alone: [FramePace; 2],
-    /// The drag beside the stills.
+    /// The drag while the server renders stills.
     pub beside: FramePace,
-    /// Frame rate beside the stills, of the mean of those alone.
+    /// Frame rate during the stills over the mean frame rate without them.
     pub rate_kept: f64,
-    /// Longest gap beside the stills, of the mean of the usual gaps alone.
+    /// Longest gap during the stills over the mean of the median gaps without them.
     pub longest_gap_of_usual: f64,
-    /// At the end of the drag: how often the still was worked on that was so least often.
+    /// Number of turns, at the end of the drag, of the still that had fewest.
     pub least_turns: f64,
-    /// Stills that were finished before the drag was.
+    /// Number of stills that finished before the drag.
     pub finished_early: usize,
-    /// From the first request until all were answered with a picture.
+    /// Seconds from the first request until all are answered with a picture.
     pub all_finished_s: f64,
 }
 
-/// Starts `program serve` on data of its own, drags in one session, and again while stills are rendered, each of a session of its own.
+/// Starts `program serve` with new data, drags in one session, and drags again while stills are rendered, each in a
+/// session of its own.
 pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchReport, BenchError> {
     let folder = tempfile::tempdir()?;
-    // Made by the server, nobody else may look into it.
+    // The server creates the folder, so that no other user can read it.
     let data = folder.path().join("data");
     let backend = options.backend.map_or("auto", Backend::name);
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
@@ -82,7 +82,7 @@ pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchRe
     let beside = drag(&mut client, "beside", options.drag)?;
     let least_turns = server.metric("bendylights_least_still_turns", "")?;
     let finished_early = stills.iter().filter(|still| still.is_finished()).count();
-    // Nobody reads from here on, and a server closes who is silent.
+    // This client reads nothing from here on, and a server closes the connection of a silent client.
     drop(client);
     for still in stills {
         still.join().map_err(|_| BenchError::Refused("a still's request panicked".into()))??;
@@ -102,19 +102,19 @@ pub fn run(program: &Path, options: &StillsBenchOptions) -> Result<StillsBenchRe
     })
 }
 
-/// A client whose view is at rest.
+/// Connects a client and waits until its view is at rest.
 fn viewer(server: &ServerProcess, options: &StillsBenchOptions) -> Result<Client, BenchError> {
     let mut client = Client::connect(&server.address, "main", "bench", None)?;
     open_view(&mut client, options.view)?;
     Ok(client)
 }
 
-/// The session that a still is of: one has no more under way than it leaves to others.
+/// Session of a still. Each has its own, because the server limits the stills of one session that run at once.
 fn session_of(still: usize) -> String {
     format!("still-{still}")
 }
 
-/// Asks for all stills at once, each on a connection of its own.
+/// Requests all stills at once, each on a connection of its own.
 fn ask(server: &ServerProcess, options: &StillsBenchOptions) -> Vec<JoinHandle<Result<(), BenchError>>> {
     let ([width, height], samples) = (options.still, options.samples);
     let still = |still| {
@@ -125,7 +125,7 @@ fn ask(server: &ServerProcess, options: &StillsBenchOptions) -> Vec<JoinHandle<R
     (0..options.stills).map(still).collect()
 }
 
-/// Waits until each still has been worked on.
+/// Waits until each still has had a turn of the renderer.
 fn wait_for_turns(server: &ServerProcess) -> Result<(), BenchError> {
     let within = Duration::from_mins(2);
     let until = Instant::now() + within;
@@ -142,7 +142,7 @@ fn created(response: &Response) -> Result<(), BenchError> {
     if matches!(response.status, 200 | 201) { Ok(()) } else { Err(BenchError::Refused(response.text())) }
 }
 
-/// Drags the demo's control point in circles for so long; how its frames came.
+/// Drags the control point of the demo in circles for `time`, and measures its frames.
 fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<FramePace, BenchError> {
     let circle = DragCircle::of(client)?;
     let light = circle.light;
@@ -165,12 +165,12 @@ fn drag(client: &mut Client, gesture: &str, time: Duration) -> Result<FramePace,
         }
     }
     client.send(&ClientMessage::GestureCancel { gesture })?;
-    // The next drag begins from a view at rest.
+    // The next drag begins with a view at rest.
     client.wait_for("the lossless picture", |incoming| {
         matches!(incoming, Incoming::Frame(header, _) if header.flags.is_settled).then_some(())
     })?;
     let until = began + time;
-    // A gap that was still open at the end counts as far as it went.
+    // A gap that is still open at the end counts up to the end.
     let ends = shown.iter().skip(1).copied().chain([until]);
     let mut gaps: Vec<f64> =
         shown.iter().zip(ends).map(|(from, to)| ms(to.saturating_duration_since(*from))).collect();

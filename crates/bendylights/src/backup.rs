@@ -1,4 +1,4 @@
-//! `bendylights backup`: a copy of a data folder that a server is using.
+//! `bendylights backup`: copies a data folder while a server uses it.
 
 use std::path::PathBuf;
 

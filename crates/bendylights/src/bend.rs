@@ -1,4 +1,4 @@
-//! `bendylights bend`: a straight light as a BendyLight.
+//! `bendylights bend`: turns a straight light into a BendyLight.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -41,7 +41,7 @@ pub struct Args {
     /// Scene that the light shines on: a glTF file, or `demo:NAME`
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
-    /// Which of the scene's lights to bend, by its name [default: its first spotlight, else its first light that is straight]
+    /// Name of the scene's light to bend [default: its first spotlight, else its first light that is straight]
     #[arg(long, value_name = "NAME", requires = "scene", conflicts_with = "light_file")]
     light: Option<String>,
     /// Number of curve segments; a light of N segments has N + 2 control points
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(print_answer(&light_file::to_json(&bendy))?)
 }
 
-/// A world position on the command line.
+/// Parses a world position.
 fn position(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
     match numbers.as_deref() {
@@ -95,7 +95,8 @@ fn position(text: &str) -> Result<DVec3, String> {
     }
 }
 
-/// The light of that name; without one the first spotlight or, where there is none, the first straight light.
+/// Returns the light of that name. Without a name, returns the first spotlight, or the first straight light if
+/// there is none.
 fn of_scene(scene: &str, loaded: &LoadedScene, name: Option<&str>) -> Result<Arc<CheckedLight>, Error> {
     let lights = &loaded.contents.lights;
     let first = |wanted: &dyn Fn(&CheckedLight) -> bool| lights.iter().find(|light| wanted(light)).cloned();

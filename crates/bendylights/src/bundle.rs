@@ -1,6 +1,7 @@
-//! Bundles: a session's log and the scenes that it loads, in one .zip.
+//! Bundles: .zip files with a session's log and the scenes that it loads.
 //!
-//! `log.jsonl` is what `export` writes; `assets/HASH` and `assets/HASH.name` are the scenes' files, as in a data folder.
+//! `log.jsonl` is the output of `export`. `assets/HASH` and `assets/HASH.name` are the scenes' files, as in a
+//! data folder.
 
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
@@ -20,15 +21,15 @@ use crate::error::Error;
 use crate::{known_scenes, replay};
 
 const LOG: &str = "log.jsonl";
-/// The longest name of a scene, with room: what is longer is refused by the store.
+/// Maximum bytes of a scene's name that are read. The store's own limit is lower.
 const MOST_NAME_BYTES: u64 = 4096;
 
-/// Whether a file to be written is to be a bundle: by its name.
+/// Returns true if the name of an output file is that of a bundle.
 pub fn is_wanted(output: &Path) -> bool {
     output.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("zip"))
 }
 
-/// Writes a session's log, and the scenes that it loads but for the demos.
+/// Writes a session's log and the scenes that it loads, except demos.
 pub fn write(store: &Store, session: &str, path: &Path, out: &mut (impl Write + Seek)) -> Result<(), Error> {
     let unwritable = |reason| Error::Store(StoreError::Unwritable(reason));
     let mut log = tempfile::tempfile().map_err(unwritable)?;
@@ -37,7 +38,7 @@ pub fn write(store: &Store, session: &str, path: &Path, out: &mut (impl Write + 
     buffered.flush().map_err(unwritable)?;
     drop(buffered);
     log.rewind().map_err(unwritable)?;
-    // Each with the first record that needs it.
+    // Scenes, each with the first record that needs it.
     let mut scenes = BTreeMap::new();
     visit_log(BufReader::new(&log), None, |record, session| {
         if let Some(scene) = session.document().scene() {
@@ -67,7 +68,8 @@ pub fn write(store: &Store, session: &str, path: &Path, out: &mut (impl Write + 
     Ok(())
 }
 
-/// Makes a session of a bundle, in a data folder that is made where it is missing. A bundle that is refused leaves nothing.
+/// Makes a session from a bundle, in a data folder that is created if it is missing. A refused bundle leaves
+/// nothing.
 pub fn import(path: &Path, data: &Path, name: Option<&str>) -> Result<SessionRow, Error> {
     let file = path.display().to_string();
     let wrong = |reason: ZipError| Error::BadBundle { file: file.clone(), reason: reason.to_string() };
@@ -111,14 +113,14 @@ pub fn import(path: &Path, data: &Path, name: Option<&str>) -> Result<SessionRow
     imported.map_err(refused)
 }
 
-/// The log in a bundle, and a bar that shows how far it has been read.
+/// Opens the log in a bundle, with a bar that shows the progress of reading.
 fn open_log<R: Read + Seek>(zip: &mut ZipArchive<R>) -> Result<(impl BufRead, ProgressBar), ZipError> {
     let entry = zip.by_name(LOG)?;
     let bar = progress(entry.size());
     Ok((BufReader::new(bar.wrap_read(entry)), bar))
 }
 
-/// At most one byte more than `most`, which the store refuses then.
+/// Reads at most one byte more than `most`, which makes the store refuse a longer file.
 fn read<R: Read + Seek>(zip: &mut ZipArchive<R>, name: &str, most: u64) -> Result<Vec<u8>, ZipError> {
     let mut bytes = Vec::new();
     zip.by_name(name)?.take(most + 1).read_to_end(&mut bytes)?;

@@ -1,4 +1,4 @@
-//! `bendylights drag`: features of lights, taken in the picture and put elsewhere.
+//! `bendylights drag`: drags features of lights in a picture.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -87,7 +87,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(print_answer(&format!("[{}]", objects?.join(",\n ")))?)
 }
 
-/// Drags, and says what came of it.
+/// Executes a drag, and returns its result as JSON.
 fn answered(
     bvh: &Bvh,
     view: &Viewport,
@@ -104,7 +104,7 @@ fn answered(
         .expect("finite numbers and string keys")
 }
 
-/// The picture that is dragged in; `None` where there can be no such picture.
+/// Returns the picture of a drag, or `None` if its size is out of range.
 fn viewport(scene: &str, bvh: &Bvh, cameras: &[Camera], drag: &FileDrag) -> Result<Option<Viewport>, Error> {
     let [width, height] = drag.size;
     let is_within = |side: u32| (1..=LIMITS.max_side).contains(&side);

@@ -1,4 +1,4 @@
-//! `bendylights eval`: where points lie in a light.
+//! `bendylights eval`: evaluates a light at points.
 
 use std::path::PathBuf;
 
@@ -50,10 +50,11 @@ pub struct Args {
     /// Scene whose objects may be in the way: a glTF file, or `demo:NAME`. Light is followed along its curve
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
-    /// How far points may lie from the surface they were read from, world units [default: by their decimals]
+    /// Distance that points may lie from the surface they were read from, world units [default: by their
+    /// decimals]
     #[arg(long, value_name = "LENGTH", requires = "scene", value_parser = length)]
     precision: Option<f64>,
-    /// What computes the answer; shadows are always found in double precision
+    /// Device and precision of the answer; shadows are always found in double precision
     #[arg(long, value_enum, default_value = "f64")]
     on: EvalDevice,
 }
@@ -80,7 +81,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     let locations: Vec<TubeLocation> = match args.on {
         EvalDevice::F64 => points.iter().map(|&point| tube.locate(point)).collect(),
         EvalDevice::F32 => {
-            // As the renderer does, single precision is given the part of the light in which the points lie.
+            // Like the renderer, single precision uses only the part of the light in which the points lie.
             let part = tube.part_near_points(&points);
             let tube = Tube::<f32>::from(&part.tube);
             points.iter().map(|&point| part.to_whole_light(&tube.locate(point))).collect()
@@ -101,24 +102,24 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(print_answer(&format!("[{}]", objects.join(",\n ")))?)
 }
 
-/// A length on the command line.
+/// Parses a length.
 fn length(text: &str) -> Result<f64, String> {
     let length = text.parse().ok().filter(|length| (0.0..f64::INFINITY).contains(length));
     length.ok_or("write it as a number of world units, 0 or more".into())
 }
 
-/// What a scene shadows, and how finely its points are known.
+/// Shadows in a scene, for points of limited precision.
 struct Shadows {
     reference: Reference,
-    /// What of the scene throws shadows.
+    /// Nodes of the scene that cast shadows.
     linked: LinkedNodes,
-    /// Of every point, where it is given.
+    /// Precision of every point, if given.
     precision: Option<f64>,
-    /// The most that is taken from a point's decimals: coarser ones were typed, not read.
+    /// Maximum precision from a point's decimals. A coarser point was typed, not read from a surface.
     max_precision: f64,
 }
 
-/// Share of the scene's size that a precision taken from decimals may have.
+/// Maximum precision from decimals, as a share of the scene's size.
 const MAX_PRECISION_SHARE: f64 = 0.01;
 
 impl Shadows {
@@ -133,13 +134,14 @@ impl Shadows {
         }
     }
 
-    /// How far `point` may lie from the surface that it was read from: half a unit of the last digit along each axis.
+    /// Returns the distance that `point` may lie from the surface it was read from: half a unit of the last
+    /// digit along each axis.
     fn precision(&self, point: &WrittenPoint) -> f64 {
         let rounding = 3.0_f64.sqrt() * point.last_digit / 2.0;
         self.precision.unwrap_or(rounding.min(self.max_precision))
     }
 
-    /// Whether light gets to a point through the scene; `None` outside the light.
+    /// Computes the visibility of the light from a point through the scene; `None` outside the light.
     fn visibility(
         &self,
         tube: &Tube<f64>,
@@ -149,7 +151,7 @@ impl Shadows {
         let inside = location.point.as_ref()?;
         let surface = self.reference.surface_near(written.position, self.precision(written));
         let point = surface.unwrap_or(written.position);
-        // Always in double precision. At the light's rim the surface may lie just outside.
+        // Always in double precision. At the light's rim the surface may lie just outside the light.
         let place = tube.locate(point).point;
         let node =
             self.reference.occluding_node((tube, &self.linked), place.as_ref().unwrap_or(inside), point);

@@ -1,4 +1,4 @@
-//! `bendylights example`: files to begin with.
+//! `bendylights example`: writes files to begin with.
 
 use std::path::PathBuf;
 

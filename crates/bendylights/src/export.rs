@@ -1,4 +1,4 @@
-//! `bendylights export`: a session's edit log as a file, alone or with its scenes.
+//! `bendylights export`: writes a session's edit log to a file, with or without its scenes.
 
 use std::path::PathBuf;
 

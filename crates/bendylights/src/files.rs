@@ -1,4 +1,4 @@
-//! Reading light files, point files and logs, within limits.
+//! Reading of light files, point files, drag files and logs, within limits.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -14,16 +14,16 @@ use protocol::{FileError, light_file, point_file};
 
 use crate::error::Error;
 
-/// The largest light or point file. A million points take about 60 MB.
+/// Maximum size of a light, point or drag file. A million points take about 60 MB.
 const MAX_FILE_MIB: u64 = 64;
-/// A log that takes a second or so to replay.
+/// Size of a log that takes about a second to replay. Longer ones show a progress bar.
 const LONG_LOG_BYTES: u64 = 4 << 20;
-/// How a .zip that holds something begins.
+/// First bytes of a .zip file that is not empty.
 const ZIP: [u8; 4] = *b"PK\x03\x04";
-/// What stands for standard input.
+/// Path that stands for standard input.
 const STDIN: &str = "-";
 
-/// The lights of a light file, each valid.
+/// Reads the lights of a light file, and checks each.
 pub fn read_lights(path: &Path) -> Result<Vec<Arc<CheckedLight>>, Error> {
     let file = path.display().to_string();
     let is_scene = [".glb", ".gltf"].iter().any(|end| file.to_ascii_lowercase().ends_with(end));
@@ -34,7 +34,7 @@ pub fn read_lights(path: &Path) -> Result<Vec<Arc<CheckedLight>>, Error> {
     Ok(parsed(file, text, light_file::parse)?.into_iter().map(Arc::new).collect())
 }
 
-/// The light of a light file that holds exactly one.
+/// Reads a light file, which must hold exactly one light.
 pub fn read_one_light(path: &Path) -> Result<Arc<CheckedLight>, Error> {
     let mut lights = read_lights(path)?;
     match lights.pop() {
@@ -46,7 +46,7 @@ pub fn read_one_light(path: &Path) -> Result<Arc<CheckedLight>, Error> {
     }
 }
 
-/// The world positions of a point file, or of standard input where `path` is `-`.
+/// Reads the world positions of a point file, or of standard input if `path` is `-`.
 pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
     if path.as_os_str() == STDIN {
         return parsed("standard input".into(), read_limited(io::stdin().lock()), point_file::parse);
@@ -55,7 +55,7 @@ pub fn read_points(path: &Path) -> Result<Vec<WrittenPoint>, Error> {
     parsed(path.display().to_string(), text, point_file::parse)
 }
 
-/// The drags of a drag file, or of standard input where `path` is `-`.
+/// Reads the drags of a drag file, or of standard input if `path` is `-`.
 pub fn read_drags(path: &Path) -> Result<Vec<FileDrag>, Error> {
     if path.as_os_str() == STDIN {
         return parsed("standard input".into(), read_limited(io::stdin().lock()), drag_file::parse);
@@ -64,7 +64,7 @@ pub fn read_drags(path: &Path) -> Result<Vec<FileDrag>, Error> {
     parsed(path.display().to_string(), text, drag_file::parse)
 }
 
-/// All of `source` as text, or `None` where it is over the limit.
+/// Reads all of `source` as text. Returns `None` if it exceeds the limit.
 fn read_limited(source: impl Read) -> io::Result<Option<String>> {
     let limit = MAX_FILE_MIB << 20;
     let mut bytes = Vec::new();
@@ -89,13 +89,13 @@ fn parsed<T>(
     }
 }
 
-/// Whether a file is a bundle: by how it begins.
+/// Returns true if the first bytes of the file are those of a bundle.
 pub fn is_bundle(path: &Path) -> bool {
     let mut begins = [0; ZIP.len()];
     File::open(path).and_then(|mut file| file.read_exact(&mut begins)).is_ok() && begins == ZIP
 }
 
-/// A log file to be read, and a bar that shows on a terminal how far it has been.
+/// Opens a log file, with a bar that shows the progress of reading on a terminal.
 pub fn open_log(path: &Path) -> Result<(BufReader<impl Read>, ProgressBar), Error> {
     if is_bundle(path) {
         return Err(Error::BundleForLog { file: path.display().to_string() });

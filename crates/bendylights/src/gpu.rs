@@ -1,4 +1,4 @@
-//! The device that commands draw with.
+//! Device and backend of commands.
 
 use std::sync::Arc;
 
@@ -6,10 +6,10 @@ use clap::ValueEnum;
 use cli::print_note;
 use render::{Backend, Gpu, MemoryBudget, RenderError};
 
-/// Who draws shadows and lights.
+/// Option for the backend of shadows and lights.
 #[derive(clap::Args)]
 pub struct BackendArgs {
-    /// Who draws shadows and lights of pictures
+    /// Backend that draws shadows and lights of pictures
     #[arg(long, value_enum, default_value = "auto", value_name = "WHO")]
     backend: BackendChoice,
 }
@@ -25,7 +25,7 @@ enum BackendChoice {
 }
 
 impl BackendArgs {
-    /// Who was asked for; `None` where that follows from the device.
+    /// Returns the requested backend, or `None` if the device decides.
     pub fn wanted(&self) -> Option<Backend> {
         match self.backend {
             BackendChoice::Auto => None,
@@ -35,7 +35,7 @@ impl BackendArgs {
     }
 }
 
-/// Opens the best device, which draws all itself, and says so where its driver is slow for no need.
+/// Opens the best device with the wgpu backend. Prints a note if its driver is needlessly slow.
 pub fn open() -> Result<Arc<Gpu>, RenderError> {
     let gpu = Gpu::open(MemoryBudget::default(), Some(Backend::Wgpu))?;
     if let Some(advice) = gpu.advice() {

@@ -1,4 +1,4 @@
-//! `bendylights import`: a log file or bundle as a session.
+//! `bendylights import`: makes a session from a log file or a bundle.
 
 use std::path::PathBuf;
 
@@ -43,7 +43,7 @@ fn import_log(args: &Args) -> Result<SessionRow, Error> {
     let assets = Assets::in_folder(&args.data);
     let is_here = |asset: &AssetHash| known_scenes::is_available(&assets, asset);
     if Store::open(&args.data).is_err() {
-        // A log that is refused makes no folder.
+        // The log is read before the folder is made, because a refused log must make no folder.
         let (log, bar) = files::open_log(&args.log)?;
         let checked = store::check_log(log, args.name.as_deref(), &is_here);
         bar.finish_and_clear();

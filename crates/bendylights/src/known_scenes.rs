@@ -1,21 +1,22 @@
-//! The scenes that a log can load: the demos, and those in a data folder.
+//! Scenes that a log can load: the demos, and those in a data folder.
 
 use cli::print_note;
 use document::AssetHash;
 use scene::Scene;
 use store::Assets;
 
-/// Whether there is a scene of those bytes, whatever it holds.
+/// Returns true if the bytes of the asset exist. They need not be a valid scene.
 pub fn is_available(assets: &Assets, asset: &AssetHash) -> bool {
     bytes_of(Some(assets), asset).is_some()
 }
 
-/// Whether those are the bytes of a demo.
+/// Returns true if the asset is a demo.
 pub fn is_demo(asset: &AssetHash) -> bool {
     demo_bytes(asset).is_some()
 }
 
-/// The scene of those bytes. What stands in the way of one that is there is said on standard error.
+/// Loads the scene of the asset. If it exists but cannot be loaded, prints the reason to standard error and
+/// returns `None`.
 pub fn load(assets: Option<&Assets>, asset: &AssetHash) -> Option<Scene> {
     let bytes = bytes_of(assets, asset)?;
     let loaded =

@@ -1,7 +1,15 @@
-//! `bendylights`, the program that ships. Each command has its module; the shapes of commands and files are a contract.
+//! `bendylights`, the program that users install: a headless render server and a command line.
 //!
-//! Exit codes: 0, done; 2, the input is wrong and one sentence on standard error says how to mend it; 1, this
-//! machine cannot do it (no GPU driver, disk full).
+//! Each command has its module. The arguments, files and JSON of commands are a contract with users.
+//!
+//! The program only connects the other crates: it reads arguments and files, calls the crates and prints
+//! answers. It has no light model, renderer, server or JSON format of its own.
+//!
+//! Exit codes: 0 for success; 2 if the input is wrong, and one sentence on standard error names the correction;
+//! 1 if this machine fails (no GPU driver, disk full).
+//!
+//! Begin with `Command` below, then `render.rs` for a picture, `serve.rs` for the server and `error.rs` for all
+//! errors.
 
 mod backup;
 mod bench;
@@ -33,7 +41,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 use tikv_jemallocator::Jemalloc;
 
-/// Gives memory that nobody uses back to the system within seconds, from a thread of its own.
+/// Allocator that returns unused memory to the system within seconds, from a background thread.
 #[global_allocator]
 static ALLOCATOR: Jemalloc = Jemalloc;
 

@@ -1,4 +1,4 @@
-//! `bendylights parameters`: all that can be set.
+//! `bendylights parameters`: lists all parameters that can be set.
 
 use cli::print_answer;
 use protocol::{Parameter, ParameterKind, parameter_table};
@@ -59,7 +59,7 @@ fn line(row: &Parameter) -> [String; 5] {
     [owners.join(", "), row.name.clone(), values(&row.kind), default, touches]
 }
 
-/// What values there are, as people write it.
+/// Formats the possible values of a parameter for people.
 fn values(kind: &ParameterKind) -> String {
     match kind {
         ParameterKind::Number { unit, min, max, exclusive_min, exclusive_max, none, .. } => {

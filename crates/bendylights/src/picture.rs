@@ -1,4 +1,4 @@
-//! Which picture of a scene is wanted: what `render` and `replay` are told alike.
+//! Options that select a picture of a scene, for `render` and `replay`.
 
 use std::path::PathBuf;
 
@@ -13,7 +13,7 @@ use crate::error::{Error, choices, no_such_light};
 use crate::picture_files::OutputPictures;
 use crate::usage::whole_number_parser;
 
-/// The options.
+/// Options of a picture.
 #[derive(clap::Args)]
 pub struct PictureArgs {
     /// Camera by its name or its index from 0 [default: the first, or one that frames the scene]
@@ -25,20 +25,22 @@ pub struct PictureArgs {
     /// Samples a pixel, for beauty and visibility; 1 takes each pixel's centre, 16 or more smooth the edges
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = whole_number_parser(1..=LIMITS.max_samples))]
     samples: u32,
-    /// What the picture shows: beauty, depth, normal, position, t, vw, direction, visibility or wireframe. An EXR holds several, with
-    /// commas between, or all of them
+    /// AOVs of the picture: beauty, depth, normal, position, t, vw, direction, visibility or wireframe. An EXR
+    /// holds several, with commas between, or all of them
     #[arg(long, default_value = "beauty", value_name = "NAMES|all", value_parser = Aovs::parse)]
     aov: Aovs,
     /// The light that t, vw, direction, visibility and wireframe are of [default: the first; with all AOVs each]
     #[arg(long, value_name = "NAME")]
     light: Option<String>,
-    /// What a PNG has where nothing is seen
+    /// Background of a PNG, where nothing is seen
     #[arg(long, value_enum, default_value = "black")]
     background: BackgroundArg,
-    /// How much of the fill the beauty has: 0 leaves the lights' own radiance, 1 is as the scene has it, at most 1000000
+    /// Factor of the fill in the beauty: 0 leaves the lights' own radiance, 1 is as the scene has it, at most
+    /// 1000000
     #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = RenderRequest::parse_fill, allow_negative_numbers = true)]
     fill: f64,
-    /// Stops by which a PNG of the beauty is brightened before it is tone-mapped, -32 to 32; an EXR holds the radiance itself
+    /// Stops by which a PNG of the beauty is brightened before it is tone-mapped, -32 to 32; an EXR
+    /// holds the radiance itself
     #[arg(long, default_value_t = 0.0, value_name = "STOPS", value_parser = RenderRequest::parse_exposure, allow_negative_numbers = true)]
     exposure: f64,
 }
@@ -67,12 +69,12 @@ impl From<&PictureArgs> for RenderRequest {
 }
 
 impl PictureArgs {
-    /// Whether nothing is asked for but what comes unasked.
+    /// Returns true if all options have their defaults.
     pub fn is_default(&self) -> bool {
         self.background == BackgroundArg::Black && RenderRequest::from(self) == RenderRequest::default()
     }
 
-    /// What is taken in place of what was asked for.
+    /// Returns a note if `--samples` has no effect on some of the AOVs.
     pub fn warning(&self) -> Option<String> {
         let single = self.aov.each().iter().filter(|aov| !aov.can_be_multisampled()).map(|aov| aov.name());
         let single: Vec<&str> = single.filter(|_| self.samples > 1).collect();
@@ -82,7 +84,7 @@ impl PictureArgs {
         })
     }
 
-    /// Files that such pictures can be written to.
+    /// Opens the files that pictures with these options can be written to.
     pub fn files(&self, paths: &[PathBuf]) -> Result<OutputPictures, Error> {
         let background = match self.background {
             BackgroundArg::Black => Background::Black,
@@ -91,13 +93,14 @@ impl PictureArgs {
         OutputPictures::create(paths, &self.aov, background)
     }
 
-    /// The pictures that it takes under these lights, of which `light` is chosen.
+    /// Returns the pictures to draw under these lights. `light` is the index of the chosen one.
     pub fn wanted(&self, light: usize, lights: &[LightInstance]) -> Vec<WantedPicture> {
         let of_each = self.aov == Aovs::All && self.light.is_none();
         wanted_pictures(self.aov.each(), (!of_each).then_some(light), lights)
     }
 
-    /// The index of the light that the picture is of, among those of `whose`. `scene` is what has none.
+    /// Returns the index of the AOVs' light among `lights`. Errors name `whose` for the owner of the lights, or
+    /// `scene` if there are none.
     pub fn choose_light(&self, scene: &str, whose: &str, lights: &[LightInstance]) -> Result<usize, Error> {
         RenderRequest::from(self).check_quantities()?;
         if let (Aovs::Listed(aovs), []) = (&self.aov, lights)
@@ -112,8 +115,8 @@ impl PictureArgs {
     }
 }
 
-/// The camera of that name or index among those of `scene`; by default the first, or one that frames it in a picture of that
-/// width over height.
+/// Returns the camera of that name or index among those of `scene`. Default: the first, or one that frames the
+/// scene in a picture with width over height `aspect`.
 pub fn choose_camera(
     scene: &str,
     wanted: Option<&CameraChoice>,

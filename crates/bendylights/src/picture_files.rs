@@ -1,4 +1,4 @@
-//! Picture files that `render` and `replay` write: refused before any work is done, filled quantity by quantity.
+//! Picture files of `render` and `replay`: checked before any work, then filled one AOV at a time.
 
 use std::path::PathBuf;
 
@@ -9,26 +9,26 @@ use render::{Background, ExrFile, FileNeeds, PictureOrigin, Pixels, View, Wanted
 
 use crate::error::Error;
 
-/// Where pictures go.
+/// Files that pictures are written to.
 pub struct OutputPictures {
     files: Vec<(RenderFormat, OutputFile)>,
     background: Background,
 }
 
-/// The pictures of one view, and what they are of.
+/// Pictures of one view to draw.
 pub struct PictureJob<'a> {
-    /// The view but for its quantity.
+    /// View, apart from its AOV.
     pub view: View,
-    /// The lights that shine.
+    /// Lights that shine.
     pub lights: &'a [LightInstance],
-    /// What of it is drawn.
+    /// AOVs to draw, with their lights.
     pub wanted: Vec<WantedPicture>,
-    /// What the header of an EXR says.
+    /// Metadata for the header of an EXR.
     pub origin: PictureOrigin,
 }
 
 impl OutputPictures {
-    /// Refuses what cannot become such files.
+    /// Checks the paths. Returns an error if one of them cannot be a file of these AOVs.
     pub fn create(paths: &[PathBuf], aovs: &Aovs, background: Background) -> Result<Self, Error> {
         let mut files = Vec::new();
         for path in paths {
@@ -45,7 +45,7 @@ impl OutputPictures {
         Ok(Self { files, background })
     }
 
-    /// Has each quantity drawn by `draw`, once, and writes all files of it.
+    /// Draws each AOV once by `draw`, and writes all files.
     pub fn write(
         &self,
         pictures: &PictureJob,

@@ -1,4 +1,4 @@
-//! `bendylights probe`: why a pixel is lit or not.
+//! `bendylights probe`: reports why a pixel is lit or not.
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -86,7 +86,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(print_answer(&text)?)
 }
 
-/// A line for what is seen, and one for each light.
+/// Formats a line for the visible surface, and one for each light.
 fn table(probed: &Probed) -> String {
     let Some(seen) = &probed.seen else { return "nothing is seen there".into() };
     let material = seen.material.as_ref().map_or(String::new(), |name| format!(", of {name}"));
@@ -127,7 +127,7 @@ fn vector([x, y, z]: Vec3) -> String {
     format!("[{x:.4}, {y:.4}, {z:.4}]")
 }
 
-/// Names in files may have characters that would mean something to a terminal.
+/// Replaces control characters in names from files, because a terminal would interpret them.
 fn plain(line: &str) -> String {
     line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }

@@ -1,4 +1,4 @@
-//! `bendylights render`: a scene as a picture.
+//! `bendylights render`: draws a picture of a scene.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -48,18 +48,20 @@ Examples:
 pub struct Args {
     /// glTF file (.gltf or .glb), or `demo:NAME` as `bendylights scenes` lists them
     scene: String,
-    /// Light file to use in place of the scene's own lights, or of the key of a scene without any: one light or an array of them
+    /// Light file to use in place of the scene's own lights, or of the key of a scene without any: one
+    /// light or an array of them
     #[arg(long, value_name = "FILE")]
     lights: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
-    /// What draws the picture
+    /// Backend that draws the picture
     #[arg(long, value_enum, default_value = "gpu")]
     backend: PictureBackend,
     /// Texels along each side of a shadow map, 16 or more; backend gpu only [default: 2048]
     #[arg(long, value_name = "N", value_parser = whole_number_parser(0..=u32::MAX))]
     shadow_resolution: Option<u32>,
-    /// How far what casts shadows may stray from the scene, in world units, to be fewer triangles; backend gpu only [default: 0]
+    /// Distance by which shadow casters may deviate from the scene, in world units, to be fewer triangles;
+    /// backend gpu only [default: 0]
     #[arg(long, value_name = "LENGTH", allow_negative_numbers = true)]
     shadow_mesh_error: Option<f64>,
     /// Picture to write, as PNG or EXR by its ending; may be given more than once, for several files of one drawing
@@ -115,7 +117,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
 }
 
-/// What is asked of shadow maps, where the backend has them.
+/// Returns the shadow settings, or an error if they are given for a backend without shadow maps.
 fn shadow_settings(args: &Args) -> Result<ShadowSettings, Error> {
     let default = ShadowSettings::default();
     let settings = ShadowSettings {
@@ -155,7 +157,7 @@ pub fn draw(
     })
 }
 
-/// The reference's picture, rounded to what files hold.
+/// Renders with the reference, rounded to the precision of files.
 fn trace(reference: &Reference, view: &View, lights: &[LightInstance]) -> Result<Picture, Error> {
     let bar = progress(view.height.into());
     let frame = reference.render(view, lights, || bar.inc(1));
@@ -165,7 +167,7 @@ fn trace(reference: &Reference, view: &View, lights: &[LightInstance]) -> Result
     Ok(Picture { width: frame.width, height: frame.height, pixels })
 }
 
-/// The lights that a picture is made without.
+/// Returns notes on the lights that a picture leaves out.
 pub fn left_out(reach: &SceneBounds, lights: &[LightInstance]) -> Vec<String> {
     reach
         .undrawable_of(lights.iter().map(|instance| &*instance.light))
@@ -174,14 +176,14 @@ pub fn left_out(reach: &SceneBounds, lights: &[LightInstance]) -> Vec<String> {
         .collect()
 }
 
-/// What should be known of a light that is usable all the same.
+/// Returns notes on a light that is usable but has a problem.
 fn warnings(instance: &LightInstance) -> Vec<String> {
     let warnings = instance.light.tube().map(Tube::warnings).unwrap_or_default();
     let name = instance.light.light().name();
     warnings.iter().map(|warning| format!("light `{name}`: {warning}")).collect()
 }
 
-/// The scene of a file, or the demo of that name, with notes of what was left out.
+/// Loads the scene of a file, or the demo of that name, with notes on content that was left out.
 pub fn open_scene(name: &str) -> Result<LoadedScene, Error> {
     if name.starts_with("http://") || name.starts_with("https://") {
         return Err(Error::RemoteScene { address: name.into() });
@@ -196,7 +198,8 @@ pub fn open_scene(name: &str) -> Result<LoadedScene, Error> {
     assets::demo(demo).ok_or_else(no_such)
 }
 
-/// The same with the lights of a file in place of its own, or with its own or the key that a scene without any gets.
+/// Loads a scene with the lights of a file. Without a file, the scene has its own lights, or the default key if
+/// it has none.
 pub fn open_scene_with_lights(name: &str, lights: Option<&Path>) -> Result<LoadedScene, Error> {
     let loaded = open_scene(name)?;
     let Some(file) = lights else { return Ok(loaded.with_default_light()) };
@@ -204,7 +207,7 @@ pub fn open_scene_with_lights(name: &str, lights: Option<&Path>) -> Result<Loade
     Ok(LoadedScene { contents: SceneContents { lights, ..loaded.contents }, ..loaded })
 }
 
-/// Lights as pictures take them, by their index.
+/// Numbers lights by their index.
 pub fn instances(lights: Vec<Arc<CheckedLight>>) -> Vec<LightInstance> {
     let numbered = lights.into_iter().zip(0..);
     numbered.map(|(light, number)| LightInstance { id: LightId(number), light }).collect()

@@ -1,4 +1,4 @@
-//! `bendylights replay`: a log's edits made again.
+//! `bendylights replay`: replays the edits of a log.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -102,7 +102,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
 }
 
-/// Why a log file is refused, in this program's words where the way out is on its command line.
+/// Converts an error of the store about a log file, with advice in terms of the command line.
 pub fn refused(log: &Path, reason: StoreError) -> Error {
     match reason {
         StoreError::Replay(ReplayError::Record { seq, reason: EditError::UnknownAsset(asset) }) => {
@@ -113,7 +113,7 @@ pub fn refused(log: &Path, reason: StoreError) -> Error {
     }
 }
 
-/// A log needs a scene that is not here.
+/// Returns the error that a log needs a scene that is missing.
 pub fn no_scene(log: &Path, seq: u64, asset: AssetHash) -> Error {
     Error::NoScene { file: log.display().to_string(), seq, asset }
 }

@@ -1,4 +1,4 @@
-//! `bendylights replay --resolve`: drags solved again, beside what the log has of them.
+//! `bendylights replay --resolve`: solves the drags of a log again, and compares the results with the log.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,45 +18,45 @@ use store::Assets;
 
 use crate::known_scenes;
 
-/// What came of solving again.
+/// Results of all drags.
 #[derive(Clone, Copy, Debug, Default)]
 struct ResolvedCounts {
-    /// Drags in the log, of features and of control points; those of a light in a group are one.
+    /// Drags of features and of control points in the log. Those of one light in a group count as one.
     drags: usize,
-    /// Those that came to the log's light to the last bit.
+    /// Drags that gave the light of the log, bit for bit.
     same: usize,
-    /// How far the others' numbers are from the log's at most.
+    /// Largest difference between the other results and the log.
     drift: f64,
-    /// The record where that is.
+    /// Sequence number of the record with that difference.
     drift_seq: Option<u64>,
-    /// Those that are refused now.
+    /// Drags that are refused now.
     refused: usize,
-    /// Those that another solver solved, or another version of this one.
+    /// Drags in the log that came from another solver, or another version of this one.
     other_solver: usize,
 }
 
-/// Solves the drags of a log again, one after the other.
+/// Solves the drags of a log again, in order.
 pub struct Resolver<'a> {
     assets: Option<&'a Assets>,
-    /// The latest scene, ready for rays.
+    /// Latest scene, prepared for rays.
     scene: Option<(AssetHash, Arc<Bvh>)>,
     resolved: ResolvedCounts,
-    /// The first record whose scene is not to be found, and the scene.
+    /// First record whose scene is missing, and the scene.
     missing: Option<(u64, AssetHash)>,
 }
 
 impl<'a> Resolver<'a> {
-    /// Scenes are looked for in `assets` and among the demos.
+    /// Returns a resolver that looks for scenes in `assets` and among the demos.
     pub fn new(assets: Option<&'a Assets>) -> Self {
         Self { assets, scene: None, resolved: ResolvedCounts::default(), missing: None }
     }
 
-    /// Takes in a record, after which the session is as `to`.
+    /// Visits a record. `after` is the session after it.
     pub fn visit(&mut self, record: &Record, after: &Session) {
         if !holds_drag(&record.action) {
             return;
         }
-        // It was read and replayed already.
+        // The record has been read and replayed before, so the conversion succeeds.
         let Ok(record) = edit::Record::try_from(record.clone()) else { return };
         let mut before = after.document().clone();
         let inverses: Vec<_> = record.changes.iter().rev().map(document::Change::inverse).collect();
@@ -88,7 +88,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The document after `command`, solved now; `None` where its scene is not to be found.
+    /// Returns the document after `command`, solved now; `None` if its scene is missing.
     fn solve_again(
         &mut self,
         before: &Document,
@@ -141,7 +141,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// In JSON; or the first record whose scene is not to be found, and the scene.
+    /// Returns the results as JSON, or the first record whose scene is missing and that scene.
     pub fn into_json(self) -> Result<String, (u64, AssetHash)> {
         let ResolvedCounts { drags, same, drift, drift_seq, refused, other_solver } = self.resolved;
         let answer = json!({
@@ -156,7 +156,7 @@ impl<'a> Resolver<'a> {
     }
 }
 
-/// Whether anything in it is solved where it is carried out.
+/// Returns true if the action has a command that a solver executes.
 fn holds_drag(action: &Action) -> bool {
     let is_drag = |command: &WireCommand| {
         matches!(command, WireCommand::DragFeature { .. } | WireCommand::DragPoint { .. })
@@ -168,7 +168,8 @@ fn holds_drag(action: &Action) -> bool {
     }
 }
 
-/// The largest difference of what a drag changes: of placements and of control points.
+/// Returns the largest difference between two lights in the values that drags change: transforms and control
+/// points.
 fn drift(a: &Light, b: &Light) -> f64 {
     let (at, bt) = (a.transform(), b.transform());
     let turned = |q: DQuat, r: DQuat| (q - r).length();

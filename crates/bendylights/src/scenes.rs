@@ -1,4 +1,4 @@
-//! `bendylights scenes`: the demo scenes there are.
+//! `bendylights scenes`: lists the demo scenes.
 
 use cli::print_answer;
 

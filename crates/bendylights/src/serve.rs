@@ -1,4 +1,4 @@
-//! `bendylights serve`: the render server.
+//! `bendylights serve`: starts the render server.
 
 use std::io::{self, IsTerminal};
 use std::net::{Ipv4Addr, Ipv6Addr, SocketAddr, TcpListener};
@@ -14,7 +14,7 @@ use crate::error::Error;
 use crate::gpu::BackendArgs;
 use crate::usage::{DATA, ListenAddress};
 
-/// The session that a new folder has.
+/// Name of the session in a new data folder.
 const SESSION: &str = "main";
 
 #[derive(clap::Args)]
@@ -33,13 +33,14 @@ Examples:
   bendylights serve --listen 9000
   bendylights serve --trace trace.jsonl")]
 pub struct Args {
-    /// Where to listen: HOST:PORT, or a port of 127.0.0.1 alone; port 0 takes a free one
+    /// Address to listen on: HOST:PORT, or a port of 127.0.0.1 alone; port 0 takes a free one
     #[arg(long, default_value = "127.0.0.1:8080", value_name = "ADDR", aliases = ["addr", "address", "bind", "port"])]
     listen: ListenAddress,
     /// Folder of edit logs, scenes and the token; made where it is missing
     #[arg(long, default_value = DATA, value_name = "DIR")]
     data: PathBuf,
-    /// glTF file (.gltf or .glb) or `demo:NAME`: the session `main` begins with it, or, where that holds another, a session of the scene's name [default: demo:vases, in a new folder]
+    /// glTF file (.gltf or .glb) or `demo:NAME`: the session `main` begins with it, or, where that
+    /// holds another, a session of the scene's name [default: demo:vases, in a new folder]
     #[arg(long, value_name = "SCENE")]
     scene: Option<String>,
     /// File of the token, 32 hexadecimal digits, made where it is missing [default: `token` in the data folder]
@@ -48,7 +49,8 @@ pub struct Args {
     /// Address at which browsers find it, such as a proxy's: `https://lights.example.org`; may be given more than once
     #[arg(long, value_name = "URL")]
     public_url: Vec<PublicUrl>,
-    /// File to whose end a line of JSON is written for each picture: when, of what, how long it took, which passes ran and why
+    /// File to whose end a line of JSON is written for each picture: when, of what, how long
+    /// it took, which passes ran and why
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
     #[command(flatten)]
@@ -61,7 +63,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         .unwrap_or_else(|_| EnvFilter::new(if cli::is_quiet() { "error" } else { "info,wgpu=warn" }));
     let colors = io::stderr().is_terminal();
     let log = tracing_subscriber::fmt().with_env_filter(filter).with_writer(io::stderr).with_ansi(colors);
-    // Its complaints about a standard error that takes nothing, a full disk or a reader that has gone, are panics.
+    // Without this, an error of writing to standard error (a full disk, a closed pipe) is a panic.
     log.log_internal_errors(false).init();
 
     let (listener, address) = listen(&args.listen.0).map_err(|reason| {
@@ -117,7 +119,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
         });
         Ok(server.run(listener, requests.handle().clone(), stop).await?)
     });
-    // A scene that is still being decoded need not be waited for.
+    // Shutdown does not wait for a scene that is being decoded.
     requests.shutdown_background();
     runtime.shutdown_background();
     served
@@ -130,7 +132,7 @@ fn listen(address: &str) -> io::Result<(TcpListener, SocketAddr)> {
     Ok((listener, address))
 }
 
-/// The address at which a browser on this machine finds a server that listens everywhere.
+/// Returns the address at which a browser on this machine reaches a server that listens on all addresses.
 fn reachable(address: SocketAddr) -> SocketAddr {
     match address {
         SocketAddr::V4(v4) if v4.ip().is_unspecified() => (Ipv4Addr::LOCALHOST, v4.port()).into(),
@@ -139,7 +141,7 @@ fn reachable(address: SocketAddr) -> SocketAddr {
     }
 }
 
-/// Ends when the process is asked to stop.
+/// Returns a future that ends on SIGTERM or SIGINT.
 fn stop_signal() -> io::Result<impl Future<Output = ()> + Send + 'static> {
     let (mut terminate, mut interrupt) = (signal(SignalKind::terminate())?, signal(SignalKind::interrupt())?);
     Ok(async move {

@@ -1,4 +1,4 @@
-//! `bendylights sessions`: what is in a data folder.
+//! `bendylights sessions`: lists the sessions of a data folder.
 
 use std::path::PathBuf;
 
@@ -38,7 +38,7 @@ pub fn run(args: &Args, as_json: bool) -> Result<(), Error> {
     Ok(print_answer(&if as_json { to_json(&sessions) } else { to_table(&sessions) })?)
 }
 
-/// A session with the hash of its document, or why it has none.
+/// Session, with the hash of its document, or the reason that it has none.
 type Listed = (SessionSummary, Result<String, StoreError>);
 
 fn to_json(sessions: &[Listed]) -> String {

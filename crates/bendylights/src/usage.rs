@@ -1,4 +1,4 @@
-//! The command line: how it is read, and the values that several commands take.
+//! Parsing of the command line, and values that several commands take.
 
 use std::fmt;
 use std::ops::RangeInclusive;
@@ -11,21 +11,22 @@ use clap::error::ContextKind;
 use cli::print_to_stderr;
 use serde_json::json;
 
-/// The folder of `bendylights serve`, and of the commands that look into it.
+/// Default data folder of `bendylights serve` and of the commands that read it.
 pub const DATA: &str = "./bendylights-data";
 
-/// The exit code of a command line that cannot be read.
+/// Exit code of an invalid command line.
 const USAGE: u8 = 2;
-/// Digits of the largest number that means something to people.
+/// Digits of the largest bound that a message shows.
 const MAX_SHOWN_DIGITS: usize = 9;
 
-/// What is on the command line, or the end of the program with a sentence.
+/// Parses the command line. On an error, prints one sentence and exits.
 ///
-/// clap guesses what may have been meant. That a word could be passed behind `--` is never what was, and so is not said.
+/// clap suggests corrections, among them to pass a word after `--`. That is never what the user meant, so
+/// suggestions are removed.
 pub fn parse<T: Parser>() -> T {
     T::try_parse().unwrap_or_else(|mut error| {
         error.remove(ContextKind::Suggested);
-        // What is on the command line cannot be read, so it is looked for.
+        // The command line cannot be parsed, so the option is searched in it.
         let as_json = std::env::args_os().any(|word| word == "--json");
         if as_json && error.use_stderr() {
             print_failure(&sentence(&error.to_string()), USAGE, true);
@@ -35,8 +36,8 @@ pub fn parse<T: Parser>() -> T {
     })
 }
 
-/// Why a command fails, on standard error: a line for people, or for programs
-/// `{"error": {"message": "...", "exitCode": 2}}`.
+/// Prints the reason of a failure to standard error: a line for people, or for programs `{"error": {"message":
+/// "...", "exitCode": 2}}`.
 pub fn print_failure(why: &str, exit_code: u8, as_json: bool) {
     if as_json {
         print_to_stderr(&json!({"error": {"message": why, "exitCode": exit_code}}).to_string());
@@ -45,14 +46,14 @@ pub fn print_failure(why: &str, exit_code: u8, as_json: bool) {
     }
 }
 
-/// What clap says of a command line, without the advice for people below it.
+/// Returns clap's message without the advice below it.
 fn sentence(error: &str) -> String {
     let why = error.split("\n\n").next().unwrap_or_default();
     let words: Vec<_> = why.trim_start_matches("error: ").split_whitespace().collect();
     words.join(" ")
 }
 
-/// Takes a whole number of `range`.
+/// Returns a parser of whole numbers in `range`.
 pub fn whole_number_parser<N>(range: RangeInclusive<N>) -> impl TypedValueParser<Value = N>
 where
     N: FromStr + PartialOrd + fmt::Display + Clone + Send + Sync + 'static,
@@ -68,14 +69,15 @@ where
     })
 }
 
-/// Where a server listens.
+/// Address on which a server listens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ListenAddress(pub String);
 
 impl FromStr for ListenAddress {
     type Err = &'static str;
 
-    /// `HOST:PORT`, or a port alone, with a colon before it or without: then of 127.0.0.1, where nobody else comes in.
+    /// Parses `HOST:PORT`, or a port with or without a colon before it. Without a host the address is
+    /// 127.0.0.1, which other machines cannot reach.
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let (host, port) = match text.rsplit_once(':') {
             None => ("127.0.0.1", text),

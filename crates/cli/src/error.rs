@@ -1,31 +1,31 @@
-//! Why an answer or a file could not be written.
+//! Errors of output.
 
 use std::io;
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-/// Why an answer or a file could not be written.
+/// Error of writing an answer or a file.
 #[derive(Debug, Error)]
 pub enum CliError {
-    /// A chart whose file name does not say that it is an SVG.
+    /// The file name of a chart does not end in `.svg`.
     #[error("{}: charts are SVG; name it OUT.svg", .0.display())]
     NoSvg(PathBuf),
-    /// A file that cannot be put where it should go.
+    /// The file cannot be written to its path.
     #[error("{}: cannot be written ({reason}); check the folder and that you may write there", file.display())]
     Unwritable {
-        /// Its path, as it was given.
+        /// Path as given.
         file: PathBuf,
-        /// What the system says.
+        /// Error of the system.
         reason: io::Error,
     },
-    /// Standard output would not take the answer.
+    /// Standard output cannot be written.
     #[error("standard output cannot be written ({0}); check where it leads")]
     Stdout(io::Error),
 }
 
 impl CliError {
-    /// 2 where the user can mend it, 1 where this machine stands in the way.
+    /// Returns 2 if the user can correct the call, 1 if the machine fails.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::NoSvg(_) | Self::Unwritable { .. } => 2,

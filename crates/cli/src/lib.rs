@@ -1,5 +1,12 @@
-//! What the commands of `bendylights` and of `bendylights-studies` share: where answers and files go, and how sizes are
-//! written.
+//! Command-line parts that `bendylights` and `bendylights-studies` share: output to files, standard output and
+//! standard error, progress, and sizes of pictures.
+//!
+//! Output files appear whole or not at all. Notes and progress go to standard error, and `--quiet` turns them
+//! off.
+//!
+//! The crate knows no command, no scene and no renderer. Of `protocol` it uses only the limits of pictures.
+//!
+//! Begin with `OutputFile`, `print_answer` and `progress`.
 
 mod error;
 mod headless;
@@ -16,34 +23,34 @@ pub use size::{LIMITS, Size};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether this program says nothing but why it fails.
+/// True if the program prints only errors to standard error.
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From here on this program says nothing but why it fails.
+/// Turns off notes and progress. The program then prints only errors.
 pub fn set_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether it does.
+/// Returns true if notes and progress are off.
 pub fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// A note on standard error, unless nobody wants any.
+/// Prints a note to standard error, unless the program is quiet.
 pub fn print_note(line: &str) {
     if !is_quiet() {
         print_to_stderr(line);
     }
 }
 
-/// A line on standard error. Where that is closed there is nobody to tell. Control characters, such as a name in a file may
-/// have, are spaces: they would mean something to a terminal.
+/// Prints a line to standard error, and ignores a closed one. Control characters, for instance in a name from a
+/// file, become spaces, because a terminal would interpret them.
 pub fn print_to_stderr(line: &str) {
     let line: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     let _ = writeln!(io::stderr(), "{line}");
 }
 
-/// Writes a command's answer to standard output. A reader that has gone away (`| head`) has had enough: no error.
+/// Prints a command's answer to standard output. A closed pipe (`| head`) is not an error.
 pub fn print_answer(text: &str) -> Result<(), CliError> {
     let mut stdout = io::stdout().lock();
     match writeln!(stdout, "{text}").and_then(|()| stdout.flush()) {

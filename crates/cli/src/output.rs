@@ -1,4 +1,4 @@
-//! Where a command's file goes: it appears whole or not at all.
+//! Output files, which appear whole or not at all.
 
 use std::fs::{File, Permissions};
 use std::io::{self, BufWriter, Write};
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use crate::CliError;
 
-/// A file to be written.
+/// File to be written.
 pub struct OutputFile {
     path: PathBuf,
 }
 
 impl OutputFile {
-    /// Refuses, before any work is done, a place that cannot take a file.
+    /// Checks, before any work, that a file can be written to `path`.
     pub fn create(path: &Path) -> Result<Self, CliError> {
         let output = Self { path: path.into() };
         if path.is_dir() {
@@ -26,7 +26,7 @@ impl OutputFile {
         }
     }
 
-    /// The same for a chart, whose file's name must say that it is an SVG.
+    /// Does the same for a chart, whose file name must end in `.svg`.
     pub fn create_chart(path: &Path) -> Result<Self, CliError> {
         if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
             return Err(CliError::NoSvg(path.into()));
@@ -34,18 +34,19 @@ impl OutputFile {
         Self::create(path)
     }
 
-    /// Writes the file's bytes.
+    /// Writes all bytes of the file.
     pub fn write(&self, bytes: &[u8]) -> Result<(), CliError> {
         self.write_with(|file| file.write_all(bytes).map_err(|reason| self.unwritable(reason)))
     }
 
-    /// Has the file written by `fill`, to a file beside it that is then renamed, so that a reader never sees half of it.
+    /// Writes to a temporary file in the same folder by `fill`, then renames it, so that a reader never sees
+    /// part of a file.
     pub fn write_with<E: From<CliError>>(
         &self,
         fill: impl FnOnce(&mut BufWriter<&mut File>) -> Result<(), E>,
     ) -> Result<(), E> {
         let unwritable = |reason| E::from(self.unwritable(reason));
-        // As any new file: what the umask leaves of it, not the 0600 of a temporary one.
+        // The permissions of any new file, which the umask reduces, not the 0600 of a temporary file.
         let permissions = Permissions::from_mode(0o666);
         let mut file = tempfile::Builder::new()
             .prefix(".bendylights-")
@@ -72,7 +73,7 @@ impl OutputFile {
     }
 }
 
-/// Makes the folder that pictures go to, where one is wanted: before the work, which takes a while.
+/// Creates the folder for pictures, if one is given. Call it before the work, which takes long.
 pub fn make_folder(folder: Option<&Path>) -> Result<(), CliError> {
     let Some(folder) = folder else { return Ok(()) };
     std::fs::create_dir_all(folder).map_err(|reason| CliError::Unwritable { file: folder.to_owned(), reason })

@@ -1,4 +1,4 @@
-//! How far long work is, on standard error: a bar on a terminal, elsewhere a line a second.
+//! Progress of long work on standard error: a bar on a terminal, else a line per second.
 
 use std::fmt::{self, Write};
 use std::io::{self, IsTerminal};
@@ -10,15 +10,16 @@ use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, P
 
 use crate::{is_quiet, print_note};
 
-/// How often the bar is drawn anew where nothing comes on.
+/// Interval at which the bar is redrawn without progress.
 const REDRAW_INTERVAL: Duration = Duration::from_millis(200);
-/// From one line to the next, and to the first.
+/// Interval between lines, and before the first.
 const LINE_INTERVAL: Duration = Duration::from_secs(1);
 /// Columns of a line that goes to a file.
 const WIDTH: u16 = 100;
 
-/// Progress of work in `total` parts; 0 where that is said later ([`ProgressBar::set_length`]). It shows the share that is
-/// done, the time left and the bar's message. What takes less than a second writes no line, and `--quiet` writes none.
+/// Returns a progress bar for work in `total` parts, or in parts whose number follows later if `total` is 0
+/// ([`ProgressBar::set_length`]). It shows the finished share, the remaining time and the bar's message. Work
+/// of less than a second prints no line, and `--quiet` prints none.
 pub fn progress(total: u64) -> ProgressBar {
     let is_terminal = io::stderr().is_terminal();
     let target = match (is_quiet(), is_terminal) {
@@ -34,8 +35,8 @@ pub fn progress(total: u64) -> ProgressBar {
     bar
 }
 
-/// The rest takes as long a part as what is done took: indicatif's own estimate runs into days while a long part goes on. Nothing is
-/// known before the first part is done.
+/// Prints the remaining time, at the average speed so far. indicatif's own estimate grows to days during a long
+/// part. Before the first part is finished nothing is printed.
 fn write_time_left(state: &ProgressState, text: &mut dyn Write) {
     if let (done @ 1.., Some(all)) = (state.pos(), state.len()) {
         let rest = all.saturating_sub(done) as f64 / done as f64;
@@ -43,7 +44,7 @@ fn write_time_left(state: &ProgressState, text: &mut dyn Write) {
     }
 }
 
-/// Takes a bar as indicatif draws it, and gives its text on as a line, one a second at most.
+/// Terminal for indicatif that prints the text of the bar as lines, at most one per second.
 #[derive(Debug, Default)]
 struct LineTerminal {
     drawn: Mutex<LineThrottle>,
@@ -62,7 +63,7 @@ impl Default for LineThrottle {
 }
 
 impl LineThrottle {
-    /// The text to write at `now`, or `None` where the last line is no second old.
+    /// Returns the text to print at `now`, or `None` if the last line is less than a second old.
     fn line(&mut self, now: Instant) -> Option<String> {
         let text = mem::take(&mut self.text);
         let text = text.trim();

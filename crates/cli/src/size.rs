@@ -1,18 +1,16 @@
-//! Pictures' sizes as options take them.
+//! Sizes of pictures as options.
 
 use std::str::FromStr;
 
 use protocol::{RenderLimits, RenderRefusal};
 
-/// How large a picture may be.
+/// Limits of pictures.
 pub const LIMITS: RenderLimits = RenderLimits::COMMAND_LINE;
 
-/// Pixels of a picture, each side within [`LIMITS`].
+/// Size of a picture in pixels, each side within [`LIMITS`].
 #[derive(Clone, Copy, Debug)]
 pub struct Size {
-    /// From left to right.
     pub width: u32,
-    /// From top to bottom.
     pub height: u32,
 }
 

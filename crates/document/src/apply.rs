@@ -1,4 +1,4 @@
-//! Commands into changes, and changes into the document.
+//! Conversion of commands into changes, and application of changes to the document.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -18,40 +18,40 @@ use crate::{
     PointNumbering, SceneContents, SceneRef, SolvedDrag,
 };
 
-/// Lights that a document holds at most; each has a shadow map.
+/// Maximum number of lights in a document. Each has a shadow map.
 pub const MAX_LIGHTS: usize = 256;
-/// Cameras that a document holds at most.
+/// Maximum number of cameras in a document.
 pub const MAX_CAMERAS: usize = 1024;
-/// Largest number of an id or a layout: what a reader of JSON that knows only f64 keeps exactly.
+/// Largest number of an id or a point numbering: a JSON reader that knows only f64 keeps it exactly.
 const MAX_NUMBER: u64 = (1 << 53) - 1;
 
-/// What commands need to know of geometry, which a document does not hold.
+/// Context of a command: data about the scene, which a document does not hold.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CommandContext<'a> {
-    /// The box of the document's scene, against which its lights are measured.
+    /// Bounds of the document's scene, against which its lights are measured.
     pub scene_bounds: SceneBounds,
-    /// What comes with the scene that a command loads; `None` where that is not at hand.
+    /// Contents of the scene that a command loads; `None` if it is not available.
     pub loaded: Option<&'a SceneContents>,
-    /// Where the drag of a feature leads, as [`crate::solve_drag`] found for this command and document; `None` where that is not
-    /// at hand.
+    /// Result of the drag of a feature, from [`crate::solve_drag`] for this command and document; `None` if it is not
+    /// available.
     pub solved: Option<&'a SolvedDrag>,
 }
 
-/// What a command comes to.
+/// Result of a command.
 #[derive(Clone, Debug)]
 pub struct CommandResult {
-    /// What changes; empty where everything is so already.
+    /// Changes to make; empty if the document already has the requested values.
     pub changes: Vec<Change>,
-    /// The document after that, valid.
+    /// Document after the changes, valid.
     pub document: Document,
-    /// How the drag of a feature ended.
+    /// Outcome of the drag of a feature.
     pub outcome: Option<DragOutcome>,
 }
 
-/// Carries out `command` on `document`.
+/// Executes `command` on `document`.
 ///
-/// A function of its arguments alone: ids of what is added are the document's next numbers. The document
-/// after the changes is valid: lights can be evaluated, cameras make pictures, limits hold.
+/// The result depends on the arguments alone: added objects get the document's next numbers as ids. The document after
+/// the changes is valid: lights can be evaluated, cameras make pictures, limits hold.
 pub fn execute_command(
     document: &Document,
     command: &Command,
@@ -61,7 +61,7 @@ pub fn execute_command(
     let changes: Vec<_> = changes.into_iter().filter(|change| change != &change.inverse()).collect();
     let mut after = document.clone();
     after.apply(&changes)?;
-    // A scene brings its lights as they are.
+    // A scene brings its lights without this check.
     if !matches!(command, Command::LoadScene { .. }) {
         check_lights_are_drawable(document, &after, &changes, context.scene_bounds)?;
     }
@@ -96,12 +96,12 @@ fn changes_of(
             vec![point_change(document, *id, *point, setting.clone())?]
         }
         Command::DragPoint { light: id, point, position, radii_follow } => {
-            // What setting the position refuses, and what it does where there is nothing to solve, as for NaN.
+            // Gives the errors of a set position, and the change if there is nothing to solve, as for NaN.
             let set = point_change(document, *id, *point, light::parameters::POSITION.to(*position))?;
             let radii = if *radii_follow { RadiusMode::Follow } else { RadiusMode::Keep };
             let placed = light(document, *id)?;
             match drag::slide_point(&placed.light, *point, *position, radii) {
-                // The one by which people call it comes first.
+                // The change of the dragged point comes first, since the description of a step names its first change.
                 Some(slid) => {
                     let moved = point_move_changes((*id, placed), slid.light.light().points());
                     let (dragged, others): (Vec<_>, Vec<_>) =
@@ -152,8 +152,8 @@ fn changes_of(
     })
 }
 
-/// Refuses to take a light out of where pictures can show it. One that is there already, by an old record or with its
-/// scene, may be changed in steps until it is back.
+/// Refuses to move a light out of the range that pictures can show. A light that is out of range already, from an old
+/// record or with its scene, may be changed in steps until it is back.
 fn check_lights_are_drawable(
     before: &Document,
     after: &Document,
@@ -172,17 +172,17 @@ fn check_lights_are_drawable(
     Ok(())
 }
 
-/// A document while changes are made in it, and the lights that are not checked yet.
+/// Document during the application of changes, with the lights that are not checked yet.
 struct Draft {
     after: Document,
     unchecked: BTreeMap<LightId, Light>,
 }
 
 impl Document {
-    /// Makes `changes`, all of them or, on an error, none. Each light that they touch is checked once.
+    /// Applies `changes`, all of them or, on an error, none. Each light that they touch is checked once.
     ///
-    /// Refused are changes whose old values the document does not hold ([`EditError::Conflict`]), and those
-    /// that leave something invalid.
+    /// Errors are changes whose old values the document does not hold ([`EditError::Conflict`]), and changes that leave
+    /// something invalid.
     pub fn apply(&mut self, changes: &[Change]) -> Result<(), EditError> {
         let mut draft = Draft { after: self.clone(), unchecked: BTreeMap::new() };
         changes.iter().try_for_each(|change| draft.apply_change(change))?;
@@ -192,13 +192,14 @@ impl Document {
         Ok(())
     }
 
-    /// Whether the document holds what `change` starts from.
+    /// Returns true if the document holds the old value of `change`.
     pub fn holds_old_value_of(&self, change: &Change) -> bool {
         let light = change.light().and_then(|id| self.lights.get(&id));
         self.holds_old_value_with(change, light.map(|placed| placed.light.light()))
     }
 
-    /// The same, where the light that `change` is of is `light` by now.
+    /// Returns true if the document holds the old value of `change`, with `light` as the current state of the change's
+    /// light.
     fn holds_old_value_with(&self, change: &Change, light: Option<&Light>) -> bool {
         let layout = || change.light().and_then(|id| self.lights.get(&id)).map(|placed| placed.layout);
         match change {
@@ -226,7 +227,7 @@ impl Document {
         }
     }
 
-    /// Whether what `change` touched is valid.
+    /// Checks that the object that `change` touches is valid.
     fn check(&self, change: &Change) -> Result<(), EditError> {
         let too_many = |what, limit| Err(EditError::TooMany { what, limit });
         if self.lights.len() > MAX_LIGHTS {
@@ -313,7 +314,7 @@ impl Draft {
         Ok(())
     }
 
-    /// A light as the changes so far have left it.
+    /// Light after the changes so far.
     fn light(&self, id: LightId) -> Option<&Light> {
         self.unchecked.get(&id).or_else(|| Some(self.after.lights.get(&id)?.light.light()))
     }
@@ -324,7 +325,7 @@ impl Draft {
         self.unchecked.insert(id, light);
     }
 
-    /// The document, every light of which can be evaluated.
+    /// Checks the changed lights and returns the document.
     fn into_checked(mut self) -> Result<Document, EditError> {
         for (id, light) in self.unchecked {
             let name = quoted(light.name()).unwrap_or_else(|| format!("light {id}"));
@@ -351,7 +352,7 @@ fn camera(document: &Document, id: CameraId) -> Result<&Camera, EditError> {
     document.cameras.get(&id).ok_or(EditError::NoCamera(id))
 }
 
-/// A light that has control points.
+/// Finds a light that has control points.
 fn bendy_light(document: &Document, id: LightId) -> Result<&NumberedLight, EditError> {
     let placed = light(document, id)?;
     if placed.light.light().owner() == ParameterOwner::Bendy {
@@ -376,7 +377,7 @@ fn added_light(number: u64, light: &Arc<CheckedLight>) -> Change {
     Change::Light { light: LightId(number), old: None, new: Some(placed) }
 }
 
-/// Everything of the scene before goes, everything of the new one comes.
+/// Removes all lights and cameras of the old scene and adds those of the new one.
 fn load_scene(
     document: &Document,
     asset: AssetHash,

@@ -1,4 +1,4 @@
-//! Lights that are bent and made straight again.
+//! Bending and straightening of lights.
 
 use std::sync::Arc;
 
@@ -8,19 +8,19 @@ use raycast::Bvh;
 
 use crate::{Change, Command, Document, EditError, NumberedLight, PointNumbering};
 
-/// Segments of a light that is bent, unless it is said: five control points.
+/// Default number of segments of a bent light, for five control points.
 pub const DEFAULT_BEND_SEGMENTS: usize = 3;
 
-/// Half angle, in degrees, of the cone in which an omni or directional light is bent, unless it is said.
+/// Default half angle, in degrees, of the cone in which an omni or directional light is bent.
 const DEFAULT_CONE_DEGREES: f64 = 45.0;
 
-/// What a light's own housing is: nothing nearer to the source than this share of the scene's size is where it shines.
+/// Size of a light's own housing as a share of the scene's size. Surfaces nearer to the source are ignored.
 const HOUSING_SIZE_SHARE: f64 = 0.01;
 
-/// How far along its axis the control points of a straight light are to reach, in world units: to where the axis meets the
-/// scene, so that handles lie where its shadow is; past the scene's bounds where it does not.
+/// Returns the length along its axis that the control points of a straight light span, in world units. They reach to
+/// the first surface on the axis, so that handles lie at the light's shadow, or else past the scene's bounds.
 ///
-/// What lies nearer than a hundredth of the scene's size counts as the light's own housing.
+/// Surfaces nearer than a hundredth of the scene's size count as the light's own housing.
 pub fn axis_length(light: &Light, bvh: &Bvh) -> f64 {
     let transform = light.transform();
     let axis = transform.rotation.normalize() * DVec3::NEG_Z;
@@ -29,26 +29,22 @@ pub fn axis_length(light: &Light, bvh: &Bvh) -> f64 {
         return hit.distance;
     }
     let past_bounds = bvh.posed.half_extent.dot(axis.abs()) - source.dot(axis);
-    // Looking away from the scene, as far as the scene is large; without one, a unit.
+    // A light that points away from the scene reaches as far as the scene is large; without a scene, one unit.
     [past_bounds * 1.01, size].into_iter().find(|reach| *reach > 0.0).unwrap_or(1.0)
 }
 
-/// How a straight light is to be bent: what a [`Command::BendLight`] says of it.
+/// Parameters of a [`Command::BendLight`], with the same meanings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BendRequest {
-    /// As of the command.
     pub segments: usize,
-    /// As of the command.
     pub range: Option<f64>,
-    /// As of the command.
     pub cone_angle: Option<f64>,
-    /// As of the command.
     pub toward: Option<DVec3>,
 }
 
 impl BendRequest {
-    /// The same of `light` in this scene, with what only the scene knows filled in: how far the light reaches, and where one
-    /// without a cone shines, the scene's middle.
+    /// Fills in the values that depend on the scene: the reach of the light and, for a light without a cone, the
+    /// target, which is the scene's centre.
     #[must_use]
     pub fn filled_in_from_scene(self, light: &Light, bvh: &Bvh) -> Self {
         let toward = match light.owner() {
@@ -59,18 +55,18 @@ impl BendRequest {
         };
         let cone_degrees = self.cone_angle.unwrap_or(DEFAULT_CONE_DEGREES);
         let reach = || match light.owner() {
-            // So far off that the cone holds the whole scene.
+            // Far enough that the cone contains the whole scene.
             ParameterOwner::Directional => {
                 (bvh.posed.half_extent.length() / libm::sin(cone_degrees.to_radians())).max(1.0)
             }
-            // A light that is refused reaches nowhere.
+            // Bending refuses this light later, so any reach will do.
             _ => light::as_spotlight(light, cone_degrees, toward, 1.0)
                 .map_or(1.0, |spot| axis_length(&spot, bvh)),
         };
         Self { range: Some(self.range.unwrap_or_else(reach)), toward, ..self }
     }
 
-    /// The BendyLight that `light` becomes.
+    /// Makes a BendyLight from `light`.
     pub fn bend(self, light: &Light) -> Result<Light, LightError> {
         if light.owner() == ParameterOwner::Omni && self.toward == Some(light.transform().translation) {
             return Err(LightError::TowardAtSource);
@@ -85,7 +81,7 @@ impl BendRequest {
     }
 }
 
-/// `command` with what only the scene knows filled in, so that a log of it needs no scene.
+/// Fills in the values of `command` that depend on the scene, so that a log of it needs no scene.
 pub fn fill_in_from_scene(command: Command, document: &Document, bvh: &Bvh) -> Command {
     let Command::BendLight { light: id, segments, range, cone_angle, toward } = command else {
         return command;
@@ -97,7 +93,7 @@ pub fn fill_in_from_scene(command: Command, document: &Document, bvh: &Bvh) -> C
     Command::BendLight { light: id, segments, range, cone_angle, toward }
 }
 
-/// A light that becomes one of another shape under its id, with a new numbering of its control points.
+/// Changes the shape of a light under its id. Its control points get a new numbering.
 pub(crate) fn reshape_change(
     document: &Document,
     (id, placed): (LightId, &NumberedLight),

@@ -1,10 +1,10 @@
-//! The parameters of cameras: what each is now, and setting it.
+//! Parameters of cameras: reading and setting.
 
 use scene::Camera;
 
 use crate::CameraParameter;
 
-/// The value that `camera` has of the same parameter as `like`.
+/// Returns the value of `camera` for the parameter of `like`.
 pub fn camera_parameter(camera: &Camera, like: &CameraParameter) -> CameraParameter {
     match like {
         CameraParameter::Name(_) => CameraParameter::Name(camera.name.clone()),

@@ -1,4 +1,4 @@
-//! What a command does: changes, each of one property, with its old and its new value.
+//! Changes: the effect of a command, each on one property, with its old and new value.
 
 use std::mem::discriminant;
 
@@ -13,219 +13,181 @@ use crate::{
 
 use scene::Camera;
 
-/// One property's old and new value. Per property and not per object, so that taking one person's change back
-/// leaves another's of the same light.
+/// Old and new value of one property. A change is of a property and not of an object, so that an undo of one person's
+/// change leaves another person's change of the same light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// Another scene's geometry.
+    /// Another scene.
     Scene {
-        /// Before.
         old: Option<SceneRef>,
-        /// After.
         new: Option<SceneRef>,
     },
-    /// A light that comes (`old` is `None`) or goes (`new` is `None`).
+    /// Addition (`old` is `None`), removal (`new` is `None`) or replacement of a light.
     Light {
-        /// Its id.
         light: LightId,
-        /// The light that was there.
         old: Option<NumberedLight>,
-        /// The light that is there now.
         new: Option<NumberedLight>,
     },
-    /// A parameter of a light.
     LightParameter {
-        /// The light.
         light: LightId,
-        /// The row of the table.
         parameter: &'static Parameter,
-        /// The value that it had.
         old: Value,
-        /// The value that it has now.
         new: Value,
     },
-    /// A parameter of a control point.
     Point {
-        /// The light.
         light: LightId,
-        /// The numbering that `point` counts in.
+        /// Numbering in which `point` is an index.
         layout: PointNumbering,
-        /// The control point's index.
         point: usize,
-        /// The row of the table.
         parameter: &'static Parameter,
-        /// The value that it had.
         old: Value,
-        /// The value that it has now.
         new: Value,
     },
-    /// Control points that were renumbered.
+    /// Insertion or removal of control points, which renumbers them.
     ControlPoints {
-        /// Of which light.
         light: LightId,
-        /// Before.
         old: ControlPoints,
-        /// After.
         new: ControlPoints,
     },
-    /// A camera that comes or goes.
+    /// Addition or removal of a camera.
     Camera {
-        /// Which.
         camera: CameraId,
-        /// Before.
         old: Option<Camera>,
-        /// After.
         new: Option<Camera>,
     },
-    /// A pin that comes, goes, or becomes another.
+    /// Addition, removal or replacement of a pin.
     Pin {
-        /// The pin that it is of.
         pin: PinId,
-        /// What it held; `None` where it comes.
+        /// `None` for an addition.
         old: Option<LightPin>,
-        /// What it holds; `None` where it goes.
+        /// `None` for a removal.
         new: Option<LightPin>,
     },
-    /// A parameter of a camera; both values are of the same parameter.
+    /// Parameter of a camera. Both values are of the same parameter.
     CameraParameter {
-        /// Of which.
         camera: CameraId,
-        /// Before.
         old: CameraParameter,
-        /// After.
         new: CameraParameter,
     },
 }
 
-/// Why a command or a change is refused. Each sentence says what to do.
+/// Reason why a command or a change is refused. The message says what to do.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum EditError {
-    /// No such light.
     #[error("there is no light {0}: choose one of the document's lights")]
     NoLight(LightId),
-    /// No such camera.
     #[error("there is no camera {0}: choose one of the document's cameras")]
     NoCamera(CameraId),
-    /// No such pin.
     #[error("there is no pin {0}: choose one of the document's pins")]
     NoPin(PinId),
-    /// Nothing of that id or name.
+    /// Id or name that no light or camera has.
     #[error("there is no {what} {name}: give the id or the name of one of the document's")]
     UnknownName {
-        /// A light or a camera.
+        /// Kind: a light or a camera.
         what: &'static str,
-        /// In quotes, as it was called.
+        /// Name as given, in quotes.
         name: String,
     },
-    /// A name that several have.
+    /// Name that several lights or cameras have.
     #[error("{name} is the name of more than one {what}, with ids {ids}: give one of these")]
     AmbiguousName {
-        /// A light or a camera.
+        /// Kind: a light or a camera.
         what: &'static str,
         /// In quotes.
         name: String,
-        /// The first of these, with commas between.
+        /// First of their ids, separated by commas.
         ids: String,
     },
-    /// A pin that lies nowhere.
+    /// Pin whose position is not finite.
     #[error("a pin lies at three finite numbers: give it a place on a surface")]
     InvalidPin,
-    /// A picture without pixels, or a place in none.
+    /// Drag in a picture without pixels, or from or to a position that is not finite.
     #[error("a drag is made in a picture: give its size, 1 or more each way, and where it begins and ends")]
     EmptyViewport,
-    /// A drag of a feature whose scene is not at hand.
+    /// Drag of a feature without its scene. The field is the light's name.
     #[error("the scene is not at hand, and where {0} lies in it unknown: send the drag again")]
     DragNotSolved(String),
-    /// A feature that cannot be dragged.
+    /// Feature that cannot be dragged.
     #[error("{light}: {}", sentence(*reason))]
     DragRefused {
-        /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// Why, other than for a pin.
+        /// Any reason except a pin.
         reason: DragRefusal,
     },
-    /// A pin that holds what is not so, which no drag can keep.
+    /// Pin whose condition does not hold at the start, so that no drag can keep it.
     #[error("{light}: its pin {pin} does not hold before anything moves: remove it, or make it soft")]
     PinDoesNotHold {
-        /// Which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// What the pin keeps, in quotes.
+        /// Condition of the pin, in quotes.
         pin: String,
     },
-    /// No such control point.
     #[error("{light} has {count} control points and none with index {point}: choose 0 to {}", count - 1)]
     NoPoint {
-        /// Of which light, as [`Document::light_name`](crate::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// The index.
         point: usize,
-        /// How many it has.
+        /// Number of the light's control points.
         count: usize,
     },
-    /// A parameter that control points do not have.
+    /// Parameter that control points do not have.
     #[error("a control point has no {0}: set one of its position, radius, intensity and color")]
     NoPointParameter(&'static str),
-    /// The light has no such property, being of the other kind.
+    /// Property that lights of this shape do not have.
     #[error("{light} is a {kind} and has no {what}: choose a light of the other kind")]
     WrongKind {
-        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// What it is.
+        /// Shape of the light.
         kind: &'static str,
-        /// What it does not have.
+        /// Missing property.
         what: &'static str,
     },
-    /// The source cannot be edited as a control point.
+    /// Edit of the source as a control point.
     #[error("control point 0 is the light's source: place the whole light instead")]
     Source,
-    /// The light could not be evaluated.
+    /// Light that could not be evaluated.
     #[error("{light}: {reason}")]
     InvalidLight {
-        /// Which, as [`Document::light_name`](crate::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// What is wrong with it.
         reason: LightError,
     },
-    /// No picture could show the light.
+    /// Light that no picture could show.
     #[error("{0}")]
     Undrawable(#[from] UndrawableLight),
-    /// The camera makes no picture.
+    /// Camera that makes no picture.
     #[error("the camera's {0}: correct it")]
     InvalidCamera(&'static str),
-    /// A scene that is not at hand.
+    /// Scene that is not in the assets.
     #[error("the scene {0} is not here: add its file to the assets first")]
     UnknownAsset(AssetHash),
-    /// Too much was chosen for a drag.
+    /// Too many control points or pins chosen for a drag.
     #[error("at most {limit} {what} can be chosen for a drag: choose fewer")]
     TooManyChosen {
-        /// Control points or pins.
+        /// Kind: control points or pins.
         what: &'static str,
-        /// Count of these that one drag takes.
+        /// Maximum number for one drag.
         limit: usize,
     },
-    /// The document would hold too much.
+    /// Too many objects of one kind in the document.
     #[error("a document holds at most {limit} {what}: remove some first")]
-    TooMany {
-        /// Of what.
-        what: &'static str,
-        /// How many it may hold.
-        limit: usize,
-    },
+    TooMany { what: &'static str, limit: usize },
     /// Text of a camera or a scene that is too long.
     #[error("`{field}` has more than {limit} bytes: shorten it")]
     TooLong {
-        /// Which.
         field: &'static str,
-        /// How many it may have.
+        /// Maximum number of bytes.
         limit: usize,
     },
-    /// The document does not hold a change's old value.
+    /// Old value of a change that the document does not hold. The field is the property's name.
     #[error("the document does not hold what the change of {0} starts from: the log does not belong to it")]
     Conflict(String),
 }
 
 impl Change {
-    /// The change that takes this one back.
+    /// Returns the change with old and new value exchanged.
     #[must_use]
     pub fn inverse(&self) -> Self {
         match self.clone() {
@@ -246,7 +208,7 @@ impl Change {
         }
     }
 
-    /// Leads to where `later`, a change of the same property of a light or camera, does.
+    /// Takes the new value of `later`, a change of the same property of a light or camera.
     pub(crate) fn extend_with(&mut self, later: &Self) {
         match (self, later) {
             (Self::LightParameter { new, .. }, Self::LightParameter { new: later, .. })
@@ -258,7 +220,7 @@ impl Change {
         }
     }
 
-    /// Whether old and new are values of one property that can be.
+    /// Returns true if old and new are values of one property, of its type.
     pub(crate) fn is_of_one_property(&self) -> bool {
         match self {
             Self::LightParameter { parameter, new, .. } | Self::Point { parameter, new, .. } => {
@@ -273,7 +235,7 @@ impl Change {
         }
     }
 
-    /// The largest number that it brings into the document as an id or a layout, 0 where it brings none.
+    /// Largest id or numbering that the change adds to the document; 0 if it adds none.
     pub(crate) fn largest_new_number(&self) -> u64 {
         match self {
             Self::Light { light, new: Some(new), .. } => light.0.max(new.layout.0),
@@ -284,7 +246,7 @@ impl Change {
         }
     }
 
-    /// The light that it touches.
+    /// Light that the change touches.
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::Pin { ref old, ref new, .. } => old.as_ref().or(new.as_ref()).map(|pin| pin.light),
@@ -296,7 +258,7 @@ impl Change {
         }
     }
 
-    /// Whether it gives a new value to what `earlier`, a change of a light, is of.
+    /// Returns true if the change sets the property of `earlier`, a change of a light.
     pub fn overrides(&self, earlier: &Self) -> bool {
         let is_of_points = |change: &Self| matches!(change, Self::Point { .. } | Self::ControlPoints { .. });
         let same_parameter = match (self, earlier) {
@@ -311,8 +273,8 @@ impl Change {
         same_parameter && self.light().is_some() && self.light() == earlier.light()
     }
 
-    /// What it makes stale of what is kept from picture to picture. A camera never shows: views have cameras of their own, and a pin
-    /// holds only what is dragged later.
+    /// Caches that the change invalidates. A camera invalidates none, since views have their own cameras. A pin affects
+    /// only later drags.
     pub fn touches(&self) -> ParameterTouches {
         match self {
             Self::Scene { .. } => ParameterTouches::Scene,
@@ -324,13 +286,13 @@ impl Change {
         }
     }
 
-    /// Whether a picture can show it.
+    /// Returns true if a picture can show the change.
     pub fn changes_picture(&self) -> bool {
         self.touches() > ParameterTouches::Nothing
     }
 }
 
-/// Why a feature is not dragged, and what to do.
+/// Describes why a feature cannot be dragged, and what to do.
 fn sentence(reason: DragRefusal) -> String {
     match reason {
         DragRefusal::NothingAtStart => "there is no surface where the drag begins: begin on one".into(),
@@ -359,7 +321,7 @@ fn sentence(reason: DragRefusal) -> String {
 }
 
 impl CameraParameter {
-    /// Its name, as in JSON.
+    /// Name, as in JSON.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Name(_) => "name",

@@ -1,4 +1,4 @@
-//! What a person or a program can ask of a document: the closed set of commands.
+//! Commands: the closed set of requests for edits of a document.
 
 use std::sync::Arc;
 
@@ -8,23 +8,20 @@ use light::{CheckedLight, LightId, Setting};
 use crate::{AssetHash, CameraId, FeatureDrag, LightPin, PinId};
 use scene::{Camera, Projection};
 
-/// One request. [`crate::execute_command`] turns it into changes, or says why not.
+/// Request for an edit. [`crate::execute_command`] turns it into changes or refuses it.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Replaces geometry, cameras and lights by those of a scene.
     LoadScene {
-        /// Its bytes.
+        /// Hash of the scene's bytes.
         asset: AssetHash,
-        /// What people call it.
+        /// Name for people.
         name: String,
     },
-    /// Adds a light.
     AddLight(Arc<CheckedLight>),
-    /// Removes it.
     RemoveLight(LightId),
-    /// Places the whole light; what is `None` stays.
+    /// Places the whole light. Values that are `None` stay.
     PlaceLight {
-        /// Which.
         light: LightId,
         /// World position of its source.
         translation: Option<DVec3>,
@@ -33,122 +30,99 @@ pub enum Command {
         /// World units per light-local unit.
         scale: Option<f64>,
     },
-    /// Sets one parameter.
+    /// Sets one parameter of a light.
     SetLight {
-        /// Of which.
         light: LightId,
-        /// The parameter and its value.
         setting: Setting,
     },
-    /// Sets one parameter of a control point.
     SetPoint {
-        /// Of which light.
         light: LightId,
-        /// Its index.
         point: usize,
-        /// The parameter and its value.
         setting: Setting,
     },
-    /// Drags a control point: it goes as near to `position` as it can without the tube folding, worked out from the light as
-    /// the document has it.
+    /// Drags a control point. It moves as near to `position` as it can without a fold of the tube. The result depends
+    /// on the light in the document.
     DragPoint {
-        /// The light that it bends.
         light: LightId,
-        /// Its index, 1 or more.
+        /// Index of the point, 1 or more.
         point: usize,
-        /// Where it is to go, in light-local space.
+        /// Target position in light-local space.
         position: DVec3,
-        /// Whether radii that would make the tube fold shrink, so that nothing is in the way.
+        /// True if radii that would fold the tube shrink, so that they do not limit the point.
         radii_follow: bool,
     },
-    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture. The light goes as
-    /// near as it can; [`crate::solve_drag`] says how, in [`crate::CommandContext::solved`].
+    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another point of a picture. The
+    /// light moves or bends until the feature is as near as possible. [`crate::solve_drag`] computes the result, which
+    /// [`crate::CommandContext::solved`] carries.
     DragFeature {
-        /// The light that it moves or bends.
         light: LightId,
-        /// What goes where.
         drag: Box<FeatureDrag>,
     },
-    /// Adds a pin: what it names stays as it is where its light is dragged.
+    /// Adds a pin, which keeps a feature of its light unchanged in drags.
     AddPin(LightPin),
-    /// Removes it.
     RemovePin(PinId),
-    /// Says whether a pin holds whatever is asked, or as far as that lets it.
+    /// Makes a pin hard or soft.
     SetPin {
-        /// One of the document's.
         pin: PinId,
-        /// Whatever is asked.
+        /// True if the pin holds in every drag, false if it holds as far as the drag allows.
         is_hard: bool,
     },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
     ///
     /// Without a position the control point that had that index (for the last one, the one before it) becomes two, a
-    /// quarter of the way to each neighbour: the curve stays nearly as it is. Where it would
-    /// fold, all points are spread anew along the line through them. Past the last point it goes on as far again. With a
-    /// position nothing else moves, and what is `None` lies halfway between its neighbours.
+    /// quarter of the way to each adjacent point, so that the curve stays nearly the same. If it would fold, all points
+    /// are spread evenly along the polyline through them. A point past the last one continues by the same distance.
+    /// With a position no other point moves, and values that are `None` are the mean of the adjacent points.
     InsertPoint {
-        /// In which light.
         light: LightId,
-        /// The new point's index.
+        /// Index of the new point.
         point: usize,
-        /// Light-local position.
+        /// Position in light-local space.
         position: Option<DVec3>,
-        /// Light-local radius.
+        /// Radius in light-local units.
         radius: Option<f64>,
-        /// Linear RGB.
         color: Option<DVec3>,
-        /// Intensity.
         intensity: Option<f64>,
     },
-    /// Removes a control point other than the source.
     RemovePoint {
-        /// From which light.
         light: LightId,
-        /// Its index.
         point: usize,
     },
-    /// Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did; an omni
-    /// or directional light is bent as the spotlight that [`light::as_spotlight`] has of it.
+    /// Makes a straight light a BendyLight under the same id. A bent spotlight lights every point as before. An omni or
+    /// directional light is first made a spotlight by [`light::as_spotlight`].
     BendLight {
-        /// Which.
         light: LightId,
-        /// Its quadratic segments: two control points fewer than it gets.
+        /// Number of quadratic segments, two less than the number of control points.
         segments: usize,
-        /// How far its control points reach along its axis, in world units. A light that has a range of its own ends there;
-        /// another goes on past its last control point. `None` is for [`crate::fill_in_from_scene`] to fill in, and otherwise a
-        /// unit of the light.
+        /// Length along the light's axis that its control points span, in world units. A light with a range ends at the
+        /// range. Any other light is extended past its last control point. [`crate::fill_in_from_scene`] fills in
+        /// `None`; otherwise `None` is one unit of the light.
         range: Option<f64>,
-        /// Half angle of the cone that an omni or directional light is given, in degrees; 45 unless said.
+        /// Half angle of the cone of an omni or directional light, in degrees; 45 by default.
         cone_angle: Option<f64>,
-        /// World position at which such a light shines then; `None` is for [`crate::fill_in_from_scene`] to fill in, and otherwise
-        /// along its own -Z.
+        /// World position at which an omni or directional light then shines. [`crate::fill_in_from_scene`] fills in
+        /// `None`; otherwise the light shines along its own -Z.
         toward: Option<DVec3>,
     },
     /// Makes a BendyLight a spotlight under the same id, from its source to its last control point.
     StraightenLight(LightId),
-    /// Adds a camera.
     AddCamera(Camera),
-    /// Removes it.
     RemoveCamera(CameraId),
-    /// Places it; what is `None` stays.
+    /// Places a camera. Values that are `None` stay.
     PlaceCamera {
-        /// Which.
         camera: CameraId,
         /// World position of the eye.
         translation: Option<DVec3>,
         /// Rotation from camera to world axes.
         rotation: Option<DQuat>,
     },
-    /// Sets one parameter of a camera.
     SetCamera {
-        /// Of which.
         camera: CameraId,
-        /// The parameter.
         parameter: CameraParameter,
     },
 }
 
-/// A property of a camera, with its value.
+/// Property of a camera with its value.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CameraParameter {
     /// Name for people.
@@ -157,12 +131,11 @@ pub enum CameraParameter {
     Translation(DVec3),
     /// Rotation from camera to world axes.
     Rotation(DQuat),
-    /// How it projects.
     Projection(Projection),
 }
 
 impl Command {
-    /// The light that it changes; `None` for one that is only being added, for cameras, pins and scenes.
+    /// Light that the command changes; `None` for an added light, and for cameras, pins and scenes.
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::RemoveLight(light)
@@ -187,7 +160,7 @@ impl Command {
         }
     }
 
-    /// Whether it refers to a control point by its index, and so to a numbering.
+    /// Returns true if the command refers to control points by index, and so to a numbering.
     pub fn uses_point_indices(&self) -> bool {
         match self {
             Self::SetPoint { .. }

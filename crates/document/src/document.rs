@@ -1,4 +1,4 @@
-//! What a session edits: lights, cameras, and which scene they light.
+//! Document: lights, cameras, pins and the scene that they belong to.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -11,34 +11,32 @@ use sha2::{Digest, Sha256};
 
 use crate::{LightPin, PinId};
 
-/// Identifies a camera for as long as a session lives. Never used twice.
+/// Identifies a camera for the life of its session. It is never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct CameraId(pub u64);
 
-/// Names one numbering of a light's control points: another one after each insertion or removal, the earlier
-/// one again when that is undone.
+/// Identifies a numbering of a light's control points. Each insertion or removal gives a new one, and an undo restores
+/// the earlier one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct PointNumbering(pub u64);
 
-/// SHA-256 of an asset's bytes, what `sha256sum` prints; written `sha256:` and 64 hexadecimal digits.
+/// SHA-256 of an asset's bytes, as `sha256sum` prints it; written `sha256:` and 64 hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct AssetHash(pub [u8; 32]);
 
-/// The scene of a document.
+/// Reference to the scene of a document.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneRef {
-    /// Its bytes.
+    /// Hash of the scene's bytes.
     pub asset: AssetHash,
-    /// What people call it; a label, part of neither identity nor hash.
+    /// Label for people. It is not part of the identity or the hash.
     pub name: String,
 }
 
-/// A light and how its control points are numbered.
+/// Light with the numbering of its control points.
 #[derive(Clone, Debug)]
 pub struct NumberedLight {
-    /// The numbering.
     pub layout: PointNumbering,
-    /// The light, which can be evaluated.
     pub light: Arc<CheckedLight>,
 }
 
@@ -48,40 +46,40 @@ impl PartialEq for NumberedLight {
     }
 }
 
-/// Everything that an edit log describes: lights, cameras, pins, and the name of a scene, whose geometry lies elsewhere. It
-/// changes by [`Document::apply`] alone, so that ids stay unique.
+/// Content that an edit log describes: lights, cameras, pins, and a reference to a scene. The scene's geometry is
+/// elsewhere. Only [`Document::apply`] changes it, so that ids stay unique.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
     pub(crate) scene: Option<SceneRef>,
     pub(crate) lights: BTreeMap<LightId, NumberedLight>,
     pub(crate) cameras: BTreeMap<CameraId, Camera>,
     pub(crate) pins: BTreeMap<PinId, LightPin>,
-    /// The largest number given out as an id or a layout. Not part of the document's content: undoing an
-    /// addition gives the content back, but not the number.
+    /// Largest number ever used as an id or a point numbering. It is not part of the document's content: an undo of an
+    /// addition restores the content, but not the number.
     last_number: u64,
 }
 
-/// What comes with a scene besides its geometry.
+/// Lights and cameras that a scene file contains besides its geometry.
 #[derive(Clone, Debug, Default)]
 pub struct SceneContents {
-    /// Lights, placed in the world.
+    /// In world space.
     pub lights: Vec<Arc<CheckedLight>>,
-    /// Cameras, placed in the world.
+    /// In world space.
     pub cameras: Vec<Camera>,
 }
 
 impl Document {
-    /// Which scene it is; `None` before one is loaded.
+    /// Scene; `None` before one is loaded.
     pub fn scene(&self) -> Option<&SceneRef> {
         self.scene.as_ref()
     }
 
-    /// The lights, in the order of their ids.
+    /// Lights, in the order of their ids.
     pub fn lights(&self) -> &BTreeMap<LightId, NumberedLight> {
         &self.lights
     }
 
-    /// The lights as a renderer takes them, in the order of their ids.
+    /// Lights for a renderer, in the order of their ids.
     pub fn light_instances(&self) -> Vec<LightInstance> {
         let instance = |(id, placed): (&LightId, &NumberedLight)| LightInstance {
             id: *id,
@@ -90,17 +88,17 @@ impl Document {
         self.lights.iter().map(instance).collect()
     }
 
-    /// The cameras, in the order of their ids.
+    /// Cameras, in the order of their ids.
     pub fn cameras(&self) -> &BTreeMap<CameraId, Camera> {
         &self.cameras
     }
 
-    /// The pins, in the order of their ids; those of lights that are not there hold nothing.
+    /// Pins, in the order of their ids. Pins of absent lights have no effect.
     pub fn pins(&self) -> &BTreeMap<PinId, LightPin> {
         &self.pins
     }
 
-    /// The next number for an id or a layout. It is taken once something carries it.
+    /// Next number for an id or a point numbering. It is used up once an object has it.
     pub(crate) fn next_number(&self) -> u64 {
         self.last_number.saturating_add(1)
     }
@@ -109,8 +107,8 @@ impl Document {
         self.last_number = self.last_number.max(number);
     }
 
-    /// A document as it was written down, with all that [`Document::apply`] made of it. `last_number` is the
-    /// largest number ever given out; the ids and layouts here count too.
+    /// Restores a document from its stored content. `last_number` is the largest number ever used; ids and numberings
+    /// in the content count too.
     pub fn restore(
         scene: Option<SceneRef>,
         lights: BTreeMap<LightId, NumberedLight>,
@@ -124,12 +122,12 @@ impl Document {
         Self { scene, lights, cameras, pins, last_number }
     }
 
-    /// The largest number ever given out as an id or a layout; what [`Document::restore`] needs.
+    /// Largest number ever used as an id or a point numbering, as [`Document::restore`] needs it.
     pub fn last_number(&self) -> u64 {
         self.last_number
     }
 
-    /// The same document with a light as it is while it is dragged. Nothing changes where it is not there.
+    /// Replaces a light by its state during a drag. An absent light is ignored.
     pub fn set_live_light(&mut self, id: LightId, placed: &NumberedLight) {
         if let Some(shown) = self.lights.get_mut(&id) {
             *shown = placed.clone();
@@ -137,12 +135,11 @@ impl Document {
     }
 }
 
-/// The control points of a BendyLight: what is renumbered as one.
+/// Control points of a BendyLight, which are renumbered together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ControlPoints {
-    /// Their numbering.
     pub layout: PointNumbering,
-    /// The source first.
+    /// In order, the source first.
     pub points: Vec<ControlPoint>,
 }
 
@@ -153,12 +150,12 @@ impl fmt::Display for CameraId {
 }
 
 impl AssetHash {
-    /// Of an asset's bytes.
+    /// Computes the hash of an asset's bytes.
     pub fn of(bytes: &[u8]) -> Self {
         Self(Sha256::digest(bytes).into())
     }
 
-    /// The 64 digits alone.
+    /// Hash as 64 hexadecimal digits without the prefix.
     pub fn hex(&self) -> String {
         self.to_string().split_off("sha256:".len())
     }
@@ -177,7 +174,7 @@ impl fmt::Debug for AssetHash {
     }
 }
 
-/// Text that is not `sha256:` and 64 hexadecimal digits.
+/// Error for text that is not `sha256:` and 64 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "an asset's name is `sha256:` and 64 hexadecimal digits: copy it from where the asset was made known"

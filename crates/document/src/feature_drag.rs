@@ -1,46 +1,45 @@
-//! A drag of a shadow, a hotspot, a highlight or diffuse light: what is asked, and how it ended.
+//! Drag of a shadow, a hotspot, a highlight or diffuse light: request and outcome.
 
 use drag::{DragStatus, Feature, RadiusMode, Viewport};
 use glam::{DVec2, DVec3};
 
-/// A feature of a light that is dragged in a picture, as [`drag::Drag`]. What is to stay are the document's pins of the light.
+/// Request for a drag of a light's feature in a picture, as [`drag::Drag`]. The document's pins of the light apply.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureDrag {
-    /// What is dragged.
     pub feature: Feature,
-    /// The control points that take part, by their indices; `None` moves the light as a whole.
+    /// Indices of the control points that move; `None` moves the light as a whole.
     pub points: Option<Vec<usize>>,
-    /// What becomes of radii where control points take part.
+    /// Mode of radii if control points move.
     pub radii: RadiusMode,
-    /// The picture that is dragged in.
+    /// Camera and size of the picture.
     pub view: Viewport,
-    /// Where the feature is taken, in pixels from the picture's top left corner.
+    /// Start of the drag, in pixels from the picture's top left corner.
     pub from: DVec2,
-    /// Where it goes.
+    /// End of the drag, in the same pixels.
     pub to: DVec2,
-    /// Whether the source may not go through a surface.
+    /// True if the source may not pass through a surface.
     pub source_outside: bool,
 }
 
-/// How a drag of a feature ended, besides the light. A record holds it beside the changes; nothing depends on it.
+/// Outcome of a drag of a feature, besides the light. A record holds it beside the changes. Nothing depends on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragOutcome {
-    /// What solved it.
+    /// Name of the solver.
     pub solver: String,
-    /// Of the solver: another one may give another light.
+    /// Version of the solver. Another version may give another light.
     pub version: u32,
-    /// Whether the feature lies under the cursor. A pin is named by the number of its [`PinId`](crate::PinId), not by an index.
+    /// Status of the drag. A pin is identified by the number of its [`PinId`](crate::PinId), not by an index.
     pub status: DragStatus,
-    /// On the screen, from the cursor to where the feature lies, in pixels; infinite where it is not in the picture.
+    /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
-    /// The node that shadows the surface under the cursor besides the one whose shadow was dragged, by its name.
+    /// Name of the node that shadows the surface under the cursor besides the node of the dragged shadow.
     pub shadowed_by: Option<String>,
-    /// Steps that the solver took.
+    /// Number of steps of the solver.
     pub iterations: usize,
-    /// Where the drag began, in the world; `None` where no surface is seen.
+    /// World position at the start of the drag; `None` if no surface is there.
     pub from_world: Option<DVec3>,
-    /// Where it ended.
+    /// World position at the end of the drag; `None` if no surface is there.
     pub to_world: Option<DVec3>,
-    /// Of a shadow: the point that throws it.
+    /// World position of the caster's point of a dragged shadow.
     pub pivot_world: Option<DVec3>,
 }

@@ -1,4 +1,4 @@
-//! Drags of features solved in a scene, and what a document makes of the answer.
+//! Drags of features: the solution in a scene, and its changes to a document.
 
 use drag::{Drag, DragLimit, DragRefusal, DragResult, DragStatus, SOLVER, WorkBudget};
 use light::parameters::{ROTATION, TRANSLATION};
@@ -8,20 +8,19 @@ use raycast::Bvh;
 use crate::points::point_move_changes;
 use crate::{Change, Document, DragOutcome, EditError, FeatureDrag, NumberedLight, PinId};
 
-/// Control points that can be chosen for a drag. With more hardly any drag lands within the bound of its work.
+/// Maximum number of control points chosen for a drag. With more, hardly any drag converges within its work limit.
 pub const MAX_CHOSEN_POINTS: usize = 128;
 
-/// A drag of a feature, solved.
+/// Solved drag of a feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolvedDrag {
-    /// How it ended.
     pub outcome: DragOutcome,
-    /// The light then.
+    /// Light at the end of the drag.
     light: Light,
 }
 
-/// Solves a drag of the light `id` as `document` has it, in its scene. It takes some hundredths of a second, and some seconds at
-/// most.
+/// Solves a drag of the light `id` of `document` in its scene. It takes some hundredths of a second, and some seconds
+/// at most.
 pub fn solve_drag(
     document: &Document,
     id: LightId,
@@ -31,7 +30,7 @@ pub fn solve_drag(
     solve_drag_budgeted(document, id, asked, bvh, &WorkBudget::new(&|_| true))
 }
 
-/// The same with its steps counted by `work`. Where it is given up what comes of it means nothing.
+/// Does the same with the steps counted by `work`. If `work` stops it, the result has no meaning.
 pub fn solve_drag_budgeted(
     document: &Document,
     id: LightId,
@@ -80,7 +79,7 @@ pub fn solve_drag_budgeted(
     Ok(SolvedDrag { outcome, light })
 }
 
-/// What takes the light to where the drag leads: its placement, or its control points.
+/// Returns the changes to the solved light: of its placement or its control points.
 pub(crate) fn feature_drag_changes(
     document: &Document,
     (id, placed): (LightId, &NumberedLight),
@@ -100,6 +99,6 @@ pub(crate) fn feature_drag_changes(
         let (old, new) = (light.value(parameter)?.clone(), moved.value(parameter)?.clone());
         Some(Change::LightParameter { light: id, parameter, old, new })
     });
-    // Those of points that did not move change nothing, and go.
+    // Changes of points that did not move have equal values and are dropped later.
     Ok(placement.chain(point_move_changes((id, placed), moved.points())).collect())
 }

@@ -1,4 +1,4 @@
-//! Commands carried out one after the other as one step, and their changes as those of one step.
+//! Groups of commands that form one step, with merged changes.
 
 use std::collections::BTreeSet;
 use std::mem::discriminant;
@@ -10,30 +10,31 @@ use crate::{
     EditError, NumberedLight, PinId, SolvedDrag, execute_command,
 };
 
-/// A command of a group, and where the drag in it leads.
+/// Command of a group, with the solution of its drag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedCommand {
-    /// What to do in the document that the commands before it leave.
+    /// Command for the document that the previous commands leave.
     pub command: Command,
-    /// As in [`CommandContext::solved`], found for that document.
+    /// Solution for that document, as in [`CommandContext::solved`].
     pub solved: Option<SolvedDrag>,
 }
 
-/// What commands of a group come to.
+/// Result of the commands of a group.
 #[derive(Clone, Debug)]
 pub struct GroupResult {
-    /// What changes; each property once.
+    /// Changes, one for each property.
     pub changes: Vec<Change>,
-    /// The document after that, valid.
+    /// Document after the changes, valid.
     pub document: Document,
-    /// How the drag of a feature ended, for each command.
+    /// Outcome of the drag of a feature, for each command.
     pub outcomes: Vec<Option<DragOutcome>>,
 }
 
-/// Carries out `commands` one after the other, all or none. On an error says which is refused, by its index.
+/// Executes `commands` in order, all or none. An error has the index of the refused command.
 ///
-/// Each sees what those before it did, with the ids that they gave out. Of the changes each property has one, from its value
-/// before the first command to the one after the last: so undo takes back each as a whole, and what came and went again is none.
+/// Each command sees the effects of those before it, with the ids that they used. Each property has one change, from
+/// its value before the first command to its value after the last. So an undo reverts each property as a whole, and an
+/// object that is added and removed again gives no change.
 pub fn execute_group<'a>(
     document: &Document,
     commands: impl IntoIterator<Item = &'a GroupedCommand>,
@@ -49,13 +50,13 @@ pub fn execute_group<'a>(
         draft = after;
     }
     let changes = merge_changes(document, &draft, &changes);
-    // Not the draft: it may have given out numbers that no change says, and a replay would not.
+    // Not the draft: it may have used numbers that are in no change, and a replay would not use them.
     let mut after = document.clone();
     after.apply(&changes).map_err(|error| (outcomes.len().saturating_sub(1), error))?;
     Ok(GroupResult { changes, document: after, outcomes })
 }
 
-/// The changes from `from` to `to` of what `changes` touch, which lead there one after the other.
+/// Merges `changes`, which lead step by step from `before` to `after`, into direct changes.
 fn merge_changes(before: &Document, after: &Document, changes: &[Change]) -> Vec<Change> {
     let camera = |change: &Change| match change {
         Change::Camera { camera, .. } | Change::CameraParameter { camera, .. } => Some(*camera),
@@ -63,13 +64,13 @@ fn merge_changes(before: &Document, after: &Document, changes: &[Change]) -> Vec
     };
     let lights: BTreeSet<LightId> = changes.iter().filter_map(Change::light).collect();
     let cameras: BTreeSet<CameraId> = changes.iter().filter_map(camera).collect();
-    // A light and its pins in a row, which are taken back together: a pin is nowhere without its light.
+    // The changes of a light and its pins are adjacent and are undone together: a pin needs its light.
     let of_lights = lights.into_iter().flat_map(|id| {
         [merged_light_changes(id, [before, after], changes), merged_pin_changes(id, [before, after], changes)]
             .concat()
     });
     let of_cameras = cameras.into_iter().flat_map(|id| merged_camera_changes(id, [before, after], changes));
-    // Scenes are loaded by themselves: none comes in a group.
+    // A scene is loaded alone and never in a group.
     of_lights.chain(of_cameras).filter(|change| *change != change.inverse()).collect()
 }
 
@@ -121,8 +122,7 @@ fn merged_pin_changes(light: LightId, documents: [&Document; 2], changes: &[Chan
     pins.into_iter().map(of_pin).collect()
 }
 
-/// One change for each property, where `same` says whether two are of one: from what the first has before to what the last has
-/// after.
+/// Merges changes that `same` assigns to one property: from the old value of the first to the new value of the last.
 fn merge_by_property<'a>(
     changes: impl Iterator<Item = &'a Change>,
     same: impl Fn(&Change, &Change) -> bool,

@@ -1,4 +1,4 @@
-//! The document's hash: what two machines compare to know that they hold the same.
+//! Hash of a document, by which two machines compare their content.
 
 mod format_2;
 
@@ -13,15 +13,15 @@ use crate::{Document, LightPin, NumberedLight};
 
 pub use format_2::was_in_format_2;
 
-/// The first format of logs whose hashes are made as this version makes them.
+/// First log format whose hashes are computed as in this version.
 pub const FIRST_FORMAT_OF_HASH: u32 = 3;
 
 /// SHA-256 over a document's content, shown as 64 hexadecimal digits.
 ///
-/// Covered is all that [`Document::apply`] can change, ids and numberings included: the scene by the hash of its
-/// bytes, lights by their own ([`light::Revisions::content`]), numbers by their bits, with -0 as 0, names by their UTF-8. Not
-/// covered are the scene's label, numbers once given out and free again, and parameters that have their defaults, so that one
-/// that comes later changes no hash.
+/// It covers all that [`Document::apply`] can change, with ids and numberings: the scene by the hash of its bytes,
+/// lights by their own digests ([`light::Revisions::content`]), numbers by their bits, with -0 as 0, names by their
+/// UTF-8. It does not cover the scene's label, numbers that are free again, and parameters at their defaults, so that a
+/// new parameter changes no hash.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct DocumentHash(pub [u8; 32]);
 
@@ -38,15 +38,15 @@ impl fmt::Debug for DocumentHash {
 }
 
 impl Document {
-    /// The hash of what it holds now.
+    /// Computes the hash of the current content.
     pub fn hash(&self) -> DocumentHash {
         let mut walk = HashWriter(Sha256::new());
         walk.text("bendylights document 3");
         self.hash_with(walk, |walk, placed| walk.0.update(placed.light.digest().0))
     }
 
-    /// The hash as logs of that format have it: 1 and 2 walked the fields that lights had then. A light that has more is told
-    /// apart from one that has not, so that no log of that time can hide it.
+    /// Computes the hash as in logs of `format`. Formats 1 and 2 cover the fields that lights had then. A light with
+    /// later values gets another hash than one without, so that no such log can hide them.
     pub fn hash_of_format(&self, format: u32) -> DocumentHash {
         if format >= FIRST_FORMAT_OF_HASH {
             return self.hash();
@@ -84,7 +84,7 @@ impl Document {
             walk.number(id.0);
             walk.camera(camera);
         }
-        // A document without pins has the hash that it had before there were any.
+        // A document without pins keeps the hash from before pins existed.
         if !self.pins.is_empty() {
             walk.text("pins");
             walk.number(self.pins.len() as u64);
@@ -97,7 +97,7 @@ impl Document {
     }
 }
 
-/// What has a length says it first, so that nothing runs into its neighbour.
+/// Hash over values of variable length, each with its length first, so that adjacent values stay separate.
 struct HashWriter(Sha256);
 
 impl HashWriter {
@@ -110,7 +110,7 @@ impl HashWriter {
     }
 
     fn real(&mut self, real: f64) {
-        // Adding 0 makes -0 to 0 and leaves all else.
+        // Adding 0 turns -0 into 0 and changes no other number.
         self.0.update((real + 0.0).to_bits().to_le_bytes());
     }
 
@@ -158,7 +158,7 @@ impl HashWriter {
         self.text(name);
         self.vector(*translation);
         self.rotation(*rotation);
-        // A camera without an aspect ratio has the hash that it had before there were any.
+        // A camera without an aspect ratio keeps the hash from before aspect ratios existed.
         match *projection {
             Projection::Perspective { yfov, aspect_ratio, znear, zfar } => {
                 self.tag(if aspect_ratio.is_some() { 2 } else { 0 });

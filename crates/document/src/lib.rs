@@ -1,7 +1,12 @@
-//! What a session edits: lights, cameras, pins and which scene they light; the commands that edit them.
+//! The edited data of a session: lights, cameras, pins and a reference to the scene, with the commands that edit them.
 //!
-//! A document has no geometry: of the scene it holds the name and the hash of its bytes. [`execute_command`] turns a [`Command`] into
-//! [`Change`]s, [`Document::apply`] makes them, [`Document::hash`] proves them.
+//! A document has no geometry: it holds the name of its scene and the hash of the scene's bytes. [`execute_command`]
+//! turns a [`Command`] into [`Change`]s, each of one property with its old and new value. [`Document::apply`] applies
+//! changes, and [`Document::hash`] identifies the content. The crate knows no log, no file and no clock. Drags of
+//! features and bending take a posed scene from the caller.
+//!
+//! Begin with [`Command`], [`Change`] and [`Document`], then `apply.rs` (commands into changes) and `features.rs`
+//! (drags).
 
 mod apply;
 mod bending;

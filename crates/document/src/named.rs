@@ -1,4 +1,4 @@
-//! Lights and cameras by what a text calls them: an id in digits, or a name that one of them alone has.
+//! Lookup of lights and cameras by an id in digits or by a unique name.
 
 use std::fmt::Display;
 
@@ -6,23 +6,23 @@ use light::LightId;
 
 use crate::{CameraId, Document, EditError};
 
-/// Ids that are said where several have a name.
+/// Maximum number of ids listed for an ambiguous name.
 const MAX_LISTED_IDS: usize = 8;
 
 impl Document {
-    /// The light of that id or name. An id comes before a name that is written like it.
+    /// Finds a light by id or name. An id takes precedence over a name with the same digits.
     pub fn find_light(&self, called: &str) -> Result<LightId, EditError> {
         let names = self.lights().iter().map(|(id, placed)| (*id, placed.light.light().name()));
         find("light", called, names)
     }
 
-    /// The camera of that id or name, as [`Self::find_light`] takes them.
+    /// Finds a camera by id or name, as [`Self::find_light`].
     pub fn find_camera(&self, called: &str) -> Result<CameraId, EditError> {
         find("camera", called, self.cameras().iter().map(|(id, camera)| (*id, camera.name.as_str())))
     }
 
-    /// An address with the id in place of a name: `/lights/key/exposure` becomes `/lights/3/exposure`. In a name `~1` stands for
-    /// `/`, and `~0` for `~`, as in JSON pointers (RFC 6901). What is no address stays as it is.
+    /// Replaces the name in an address by the id: `/lights/key/exposure` becomes `/lights/3/exposure`. In a name `~1`
+    /// stands for `/`, and `~0` for `~`, as in JSON pointers (RFC 6901). Other text stays unchanged.
     pub fn address_by_id(&self, address: &str) -> Result<String, EditError> {
         let mut parts: Vec<&str> = address.splitn(4, '/').collect();
         let ["", kind, called, _] = parts[..] else { return Ok(address.into()) };

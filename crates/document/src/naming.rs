@@ -1,4 +1,4 @@
-//! What sentences call lights, cameras and their properties.
+//! Names of lights, cameras and properties for messages.
 
 use std::fmt::Write;
 
@@ -7,17 +7,17 @@ use light::{LightId, ParameterOwner};
 
 use crate::{CameraId, Change, Document, LightPin, PinId};
 
-/// Characters of a name that are said.
+/// Maximum number of characters of a quoted name.
 const MAX_QUOTED_CHARS: usize = 40;
 
 impl Document {
-    /// A light by its name, in quotes; by its number where it has none or is not there.
+    /// Name of a light, in quotes; `light` and its id if it has no name or does not exist.
     pub fn light_name(&self, id: LightId) -> String {
         let name = self.lights().get(&id).map(|placed| placed.light.light().name());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("light {id}"))
     }
 
-    /// As [`Self::light_name`], of a camera.
+    /// Name of a camera, as [`Self::light_name`].
     pub fn camera_name(&self, id: CameraId) -> String {
         let name = self.cameras().get(&id).map(|camera| camera.name.as_str());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("camera {id}"))
@@ -25,7 +25,7 @@ impl Document {
 }
 
 impl Document {
-    /// A pin by what it keeps, in quotes, as the page lists it: `“This shadow of blue vase”`.
+    /// Description of a pin, in quotes, as on the page: `“This shadow of blue vase”`.
     pub fn pin_name(&self, id: PinId) -> String {
         let Some(LightPin { pin, .. }) = self.pins().get(&id) else { return format!("pin {id}") };
         let kept = match pin.kind {
@@ -39,7 +39,7 @@ impl Document {
     }
 }
 
-/// A name in quotes, its beginning where it is long; `None` for an empty one.
+/// Puts a name in quotes, shortened if it is long; `None` for an empty one.
 pub fn quoted(name: &str) -> Option<String> {
     let mut said: String =
         name.trim().chars().take(MAX_QUOTED_CHARS).map(|c| if c.is_control() { ' ' } else { c }).collect();
@@ -50,7 +50,8 @@ pub fn quoted(name: &str) -> Option<String> {
 }
 
 impl Change {
-    /// What changes, for people, as `document` names it: `the radius of control point 2 of “key”`.
+    /// Describes the changed property, for people, with names from `document`:
+    /// `the radius of control point 2 of “key”`.
     pub fn subject(&self, document: &Document) -> String {
         let light = |id: &LightId| self.own_light_name().unwrap_or_else(|| document.light_name(*id));
         match self {
@@ -78,7 +79,7 @@ impl Change {
         }
     }
 
-    /// What was done, for people: `adding “key”`, `the radius of control point 2 of “key”`.
+    /// Describes the change, for people: `adding “key”`, `the radius of control point 2 of “key”`.
     fn describe(&self, document: &Document) -> String {
         let subject = self.subject(document);
         match self {
@@ -92,7 +93,7 @@ impl Change {
                 match [old, new].map(|placed| placed.light.light().owner() == ParameterOwner::Bendy) {
                     [false, true] => format!("bending {subject}"),
                     [true, false] => format!("straightening {subject}"),
-                    // Of a group, which does more to it.
+                    // A change of a group, which has several effects.
                     _ => subject,
                 }
             }
@@ -103,7 +104,7 @@ impl Change {
         }
     }
 
-    /// The light's own name, where the change brings the light or takes it away.
+    /// Name of the light in the change itself, if the change adds or removes the light.
     fn own_light_name(&self) -> Option<String> {
         match self {
             Self::Light { old, new, .. } => {
@@ -114,8 +115,8 @@ impl Change {
     }
 }
 
-/// What `changes` did, for people, as `document` names it; the first of several stands for all, a scene for its lights
-/// and cameras.
+/// Describes the effect of `changes`, for people, with names from `document`. The first of several changes stands for
+/// all, and a scene stands for its lights and cameras.
 pub fn describe_changes(changes: &[Change], document: &Document) -> String {
     let scene = changes.iter().find(|change| matches!(change, Change::Scene { .. }));
     let Some(first) = scene.or(changes.first()) else { return "nothing".into() };
@@ -126,7 +127,7 @@ pub fn describe_changes(changes: &[Change], document: &Document) -> String {
     said
 }
 
-/// `cone angle` for `coneAngle`.
+/// Splits a camelCase name into words: `cone angle` for `coneAngle`.
 fn words(name: &str) -> String {
     name.chars().fold(String::new(), |mut words, c| {
         if c.is_uppercase() {

@@ -1,5 +1,4 @@
-//! All that can be set in a document: the rows of lights and control points, and those of cameras; and what one of them
-//! is called in a document.
+//! Parameters of a document: the rows of lights, control points and cameras, and their addresses.
 
 use std::fmt;
 
@@ -9,7 +8,7 @@ use light::{
 
 use crate::CameraId;
 
-/// Of a camera: no picture shows its change, views have cameras of their own.
+/// Camera as owner. No picture shows a change, since views have their own cameras.
 const OF_CAMERA: &[ParameterOf] =
     &[ParameterOf { owner: ParameterOwner::Camera, default: None, touches: ParameterTouches::Nothing }];
 
@@ -25,7 +24,7 @@ const CAMERA: Parameter = Parameter {
     doc: "",
 };
 
-/// The rows of cameras, whose values [`crate::CameraParameter`] holds.
+/// Rows of cameras. [`crate::CameraParameter`] holds their values.
 static CAMERA_ROWS: &[&Parameter] = &[
     &Parameter {
         name: "name",
@@ -61,24 +60,22 @@ static CAMERA_ROWS: &[&Parameter] = &[
     },
 ];
 
-/// Every row.
+/// All rows.
 pub fn parameters() -> impl Iterator<Item = &'static Parameter> {
     light::parameters().iter().chain(CAMERA_ROWS).copied()
 }
 
-/// What has parameters in a document.
+/// Object in a document that has parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterTarget {
-    /// A light.
     Light(LightId),
-    /// A control point, by its index.
+    /// Control point, by its index.
     Point(LightId, usize),
-    /// A camera.
     Camera(CameraId),
 }
 
 impl fmt::Display for ParameterTarget {
-    /// Its part of an address: `/lights/3`, `/lights/3/points/2`, `/cameras/1`.
+    /// Writes its part of an address: `/lights/3`, `/lights/3/points/2`, `/cameras/1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Light(light) => write!(f, "/lights/{light}"),
@@ -89,11 +86,12 @@ impl fmt::Display for ParameterTarget {
 }
 
 impl ParameterTarget {
-    /// What an address names, and the name of the parameter; `None` where it is none. An address is a JSON pointer into the
-    /// document, with ids in place of places in lists: `/lights/3/coneAngle`, `/lights/3/points/2/position`.
+    /// Parses an address into its target and the name of the parameter; `None` if it is not an address. An address is a
+    /// JSON pointer into the document, with ids instead of list indices: `/lights/3/coneAngle`,
+    /// `/lights/3/points/2/position`.
     pub fn from_address(address: &str) -> Option<(Self, &str)> {
         let parts: Vec<&str> = address.strip_prefix('/')?.split('/').collect();
-        // As numbers are written: no sign, no leading zero.
+        // Canonical digits: no sign, no leading zero.
         let number = |text: &str| text.parse().ok().filter(|number: &u64| number.to_string() == text);
         match parts[..] {
             ["lights", light, "points", point, name] => {

@@ -1,21 +1,18 @@
-//! A pin: what is to stay as it is while a light is dragged.
+//! Pins: conditions that stay true while a light is dragged.
 
 use std::fmt;
 
 use drag::DragPin;
 use light::LightId;
 
-/// Identifies a pin for as long as a session lives. Never used twice.
+/// Identifies a pin for the life of its session. It is never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct PinId(pub u64);
 
-/// A pin and the light that it holds. It outlives the light where undo takes that away, holds nothing meanwhile, and holds again
-/// once redo brings it back.
+/// Pin with its light. If an undo removes the light, the pin stays without effect until a redo restores the light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightPin {
-    /// The light of which something stays.
     pub light: LightId,
-    /// What stays of it, and where.
     pub pin: DragPin,
 }
 

@@ -1,4 +1,4 @@
-//! Pins that come, change and go.
+//! Addition, change and removal of pins.
 
 use drag::DragPin;
 use light::LightId;
@@ -6,17 +6,17 @@ use scene::MAX_PATH_BYTES;
 
 use crate::{Change, Document, EditError, LightPin, PinId};
 
-/// Pins that a document holds at most.
+/// Maximum number of pins in a document.
 pub const MAX_PINS: usize = 256;
 
 impl Document {
-    /// The pins that hold a light, in the order of their ids.
+    /// Pins of a light, in the order of their ids.
     pub fn pins_of(&self, light: LightId) -> impl Iterator<Item = (PinId, &DragPin)> {
         self.pins.iter().filter(move |(_, held)| held.light == light).map(|(id, held)| (*id, &held.pin))
     }
 }
 
-/// A pin that comes. Whether it holds, drags find out: the scene is not at hand here.
+/// Makes the change that adds a pin. Drags check its condition, since the scene is not available here.
 pub(crate) fn pin_addition(document: &Document, pin: &LightPin) -> Result<Change, EditError> {
     if !document.lights.contains_key(&pin.light) {
         return Err(EditError::NoLight(pin.light));
@@ -24,7 +24,7 @@ pub(crate) fn pin_addition(document: &Document, pin: &LightPin) -> Result<Change
     Ok(Change::Pin { pin: PinId(document.next_number()), old: None, new: Some(pin.clone()) })
 }
 
-/// The pin `id` as `edit` leaves it, or gone.
+/// Makes the change of the pin `id` by `edit`, which returns `None` to remove it.
 pub(crate) fn pin_change(
     document: &Document,
     id: PinId,
@@ -34,13 +34,13 @@ pub(crate) fn pin_change(
     Ok(Change::Pin { pin: id, new: edit(old.clone()), old: Some(old) })
 }
 
-/// All pins that `goes` names, gone.
+/// Makes the changes that remove all pins for which `goes` is true.
 pub(crate) fn pin_removals(document: &Document, goes: impl Fn(&LightPin) -> bool) -> Vec<Change> {
     let gone = document.pins.iter().filter(|(_, pin)| goes(pin));
     gone.map(|(&pin, old)| Change::Pin { pin, old: Some(old.clone()), new: None }).collect()
 }
 
-/// Whether a pin is within limits.
+/// Checks that a pin is within limits.
 pub(crate) fn check_pin(held: &LightPin) -> Result<(), EditError> {
     let DragPin { at, caster, .. } = &held.pin;
     if caster.as_ref().is_some_and(|caster| caster.len() > MAX_PATH_BYTES) {

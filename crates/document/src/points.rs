@@ -1,11 +1,11 @@
-//! One control point more or less.
+//! Insertion and removal of control points.
 
 use light::parameters::{POSITION, RADIUS};
 use light::{ControlPoint, Light, LightId, Parameter, Tube};
 
 use crate::{Change, Command, ControlPoints, Document, EditError, NumberedLight, PointNumbering};
 
-/// The control points after one is inserted or removed, as a change. `placed` has control points.
+/// Makes the change that inserts or removes a control point. `placed` has control points.
 pub fn renumbering_change(
     document: &Document,
     id: LightId,
@@ -38,7 +38,7 @@ pub fn renumbering_change(
                 set(with_inserted_point(points, near)),
                 set(with_inserted_point(points, InsertedPoint::Respaced)),
             );
-            // Where a bend is as tight as it may be there is no room for a point; all of them spread anew make some.
+            // A bend at its limit has no room for another point. Spreading all points makes room.
             let folds = |points: &[ControlPoint]| is_invalid_with(placed.light.light(), points);
             if position.is_none() && folds(&new) && !folds(&spread) { spread } else { new }
         }
@@ -55,7 +55,8 @@ pub fn renumbering_change(
     Ok(Change::ControlPoints { light: id, old, new })
 }
 
-/// What takes a light's control points to where those of `moved` are, with their radii. The source has no position to change.
+/// Makes the changes that move a light's control points to those of `moved`, with their radii. The source has no
+/// position to change.
 pub fn point_move_changes((light, placed): (LightId, &NumberedLight), moved: &[ControlPoint]) -> Vec<Change> {
     let points = placed.light.light().points();
     let change = |point: usize, parameter: &'static Parameter| {
@@ -66,19 +67,19 @@ pub fn point_move_changes((light, placed): (LightId, &NumberedLight), moved: &[C
     positions.chain((0..points.len()).filter_map(|point| change(point, RADIUS.row()))).collect()
 }
 
-/// How one value more comes among those of the control points.
+/// Rule for the values of an inserted control point.
 #[derive(Clone, Copy)]
 enum InsertedPoint {
-    /// Halfway between its neighbours or, past the last, as far again.
+    /// Halfway between the adjacent values or, past the last, extrapolated.
     Between { at: usize },
-    /// The value at a corner becomes two, a quarter of the way to each neighbour, as Chaikin's subdivision cuts corners: a
-    /// curve that bends there bends nearly as before.
+    /// The value at a corner becomes two, a quarter of the way to each adjacent value, as Chaikin's subdivision cuts
+    /// corners. A curve that bends there keeps nearly the same bend.
     Corner { at: usize },
-    /// All values are spread evenly along the line through them. The curve grows smoother.
+    /// All values are spread evenly along the polyline through them, which makes the curve smoother.
     Respaced,
 }
 
-/// Control points, three or more, with one more.
+/// Inserts a control point into three or more.
 fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<ControlPoint> {
     let mut more = points.to_vec();
     match place {
@@ -94,7 +95,7 @@ fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<Con
             let last = points.len() - 1;
             more = (0..=points.len())
                 .map(|index| {
-                    // Index of the point before, and the share of the way to the next, in whole numbers.
+                    // Index of the point before, and the share of the distance to the next, in whole numbers.
                     let (before, part) = (index * last / points.len(), index * last % points.len());
                     blend(points[before], points[(before + 1).min(last)], part as f64 / points.len() as f64)
                 })
@@ -104,7 +105,7 @@ fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<Con
     more
 }
 
-/// `a` at 0 and `b` at 1.
+/// Linear interpolation: `a` at 0 and `b` at 1.
 fn blend(a: ControlPoint, b: ControlPoint, t: f64) -> ControlPoint {
     let level = |a: f64, b: f64| a + (b - a) * t;
     ControlPoint {
@@ -115,14 +116,14 @@ fn blend(a: ControlPoint, b: ControlPoint, t: f64) -> ControlPoint {
     }
 }
 
-/// Past the last point `b` position and radius go on as they were going, colour and intensity as they are.
+/// Extrapolates position and radius past the last point `b`. Colour and intensity are those of `b`.
 fn extrapolated_point(a: ControlPoint, b: ControlPoint) -> ControlPoint {
     let ControlPoint { position, radius, .. } = blend(a, b, 2.0);
     let ControlPoint { color, intensity, .. } = blend(a, b, 1.0);
     ControlPoint { position, radius, color, intensity }
 }
 
-/// Whether `light` cannot be evaluated with these control points.
+/// Returns true if `light` cannot be evaluated with these control points.
 fn is_invalid_with(light: &Light, points: &[ControlPoint]) -> bool {
     let mut other = light.clone();
     if let Some(own) = other.points_mut() {

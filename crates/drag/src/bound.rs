@@ -1,35 +1,38 @@
-//! What a place in a light needs, and how far it is off from what it should be.
+//! Limits on the coordinates of a point in a light, and errors of those coordinates.
 
 use glam::{DVec2, DVec3};
 
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::DragLimit;
 
-/// Least of `1 - kappa r.N`: at 0 ways of the light meet, and light comes from nowhere.
+/// Least allowed `1 - kappa r.N`. At 0 the light paths meet, and the light has no direction.
 const MIN_PATH_SPACING: f64 = 0.02;
 
-/// How far inside of the light's edge the place under the cursor stays, in radii.
+/// Least distance of the point under the cursor from the light's edge, in radii.
 pub(crate) const EDGE_MARGIN: f64 = 1e-4;
 
-/// How much farther than the pivot a shadowed place lies, along the light.
+/// Least distance along the light from the pivot to the point in its shadow, as a share of the point's `t` at the
+/// start.
 const PIVOT_MARGIN: f64 = 1e-6;
 
-/// What is to stay 0 or more.
+/// Value that must stay 0 or more.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bound {
     pub value: f64,
     pub limit: DragLimit,
-    /// How softly it gives way; 0 where it does not.
+    /// Softness of the limit; 0 for a hard one.
     pub compliance: f64,
 }
 
-/// A limit that does not give way.
+/// Makes a limit that never yields.
 pub(crate) fn hard_bound(value: f64, limit: DragLimit) -> Bound {
     Bound { value, limit, compliance: 0.0 }
 }
 
-/// What a place needs to have light: ways that do not meet, and no end of the light before it. `fold` and `edge` say what limits,
-/// and `give` how softly.
+/// Adds the limits that a point needs in order to receive light: paths that do not meet there, a position within the
+/// light's cross-section, and one between the light's ends.
+///
+/// `fold` and `edge` name the limits in a result, `give` is their softness, and `room` widens the last two.
 pub(crate) fn bounds_at(
     placed: &SceneLight,
     place: &PointInLight,
@@ -44,22 +47,24 @@ pub(crate) fn bounds_at(
     ]);
 }
 
-/// How much farther along the light a place lies than what shadows it.
+/// Computes the distance along the light from the pivot to the point in its shadow, as a share of the point's `t` at
+/// the start, less the margin.
 pub(crate) fn distance_behind(place: &PointInLight, pivot: &PointInLight, was: &PointInLight) -> f64 {
     (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - PIVOT_MARGIN
 }
 
-/// How far a way lies from a place, in radii that the light had where it `was`.
+/// Computes the distance of a light path from a point across the light, in radii of the light at `was`.
 pub(crate) fn cross_error(across: DVec2, place: &PointInLight, was: &PointInLight) -> DVec2 {
     (across - place.cross_coords) * (place.width / was.width)
 }
 
-/// How far light is from arriving along `direction`, in radians across it; `None` where it comes from behind.
+/// Computes the deviation of the light's direction from `direction`, in radians along two axes across it. `None` if
+/// light arrives from behind.
 pub(crate) fn direction_error(to_light: DVec3, direction: DVec3) -> Option<DVec2> {
     direction_error_about(to_light, direction, direction.any_orthonormal_vector())
 }
 
-/// The same with the first of the two on `right`, which is square to `direction`.
+/// Computes the same deviation with the first axis along `right`, which is orthogonal to `direction`.
 pub(crate) fn direction_error_about(to_light: DVec3, direction: DVec3, right: DVec3) -> Option<DVec2> {
     let up = direction.cross(right);
     (to_light.dot(direction) > 0.0).then(|| DVec2::new(to_light.dot(right), to_light.dot(up)))

@@ -1,4 +1,4 @@
-//! Straight to where the feature should be, from several lights: for drags whose way there is closed.
+//! Newton's method at the cursor, from several starting lights: for drags whose path to the cursor is closed.
 
 use crate::goal::{DIFFERENCE, Goal, TrackedPoints};
 use crate::matrix::length;
@@ -11,32 +11,35 @@ use crate::solve::solve;
 use crate::start::rigid_start;
 use crate::step::{Iterate, Solution, objective_trace};
 
-/// Lights that are started from beside the one that the drag began with, and how far they are from it, in the units of what moves.
+/// Distances of the random starting lights from the light at the start of the drag, in units of the unknowns.
 const RESTART_DISTANCES: [f64; 6] = [0.03, 0.1, 0.2, 0.4, 0.1, 0.3];
 
-/// Steps from each, the longest, and by which share what is off has to become less in how many.
+/// Most Newton steps from each starting light, the longest step, and the factor by which the squared error must shrink
+/// within so many steps.
 const MAX_NEWTON_STEPS: usize = 32;
 const MAX_STEP: f64 = 0.2;
 const REQUIRED_REDUCTION: f64 = 0.5;
 const REDUCTION_STEPS: usize = 6;
 
-/// Halvings of a step that makes nothing better.
+/// Most halvings of a step that does not reduce the error.
 const HALVINGS: usize = 5;
 
-/// Rounds in which edges turn up that what is pinned crosses.
+/// Most rounds that add tangents of crossed shadow edges and surfaces.
 const MAX_TANGENT_ROUNDS: usize = 4;
 
-/// Lights with the feature where it should be and all that has to hold, as they are found, and the steps that it took.
+/// Searches for lights that have the feature under the cursor and keep all limits and hard pins, and yields each with
+/// its iteration count.
 ///
-/// First by the way that is found when soft pins do not count; then from the light that the drag began with, from those that
-/// are `known` with the feature there or near to it, and from some beside.
+/// The first start is the solution of the path without soft pins. Then follow the light at the start of the drag, the
+/// rigid placement in closed form, the `known` lights with the feature under the cursor or near it, and random lights
+/// around the first.
 pub(crate) fn other_solutions<'a>(
     goal: &'a Goal,
     near: &'a TrackedPoints,
     sight: &'a SceneVisibility,
     known: [&'a [f64]; 2],
 ) -> impl Iterator<Item = Solution> + 'a {
-    // Where nothing can be said of soft pins in that light they do not count.
+    // If the search with soft pins fails from that light, the light itself counts, without soft pins.
     let firmly = move || {
         let has_soft = goal.pins.iter().any(|pin| !pin.is_hard);
         let found = if has_soft { solve_with_pins(goal, near, sight, |pin| pin.is_hard) } else { None };
@@ -56,7 +59,7 @@ pub(crate) fn other_solutions<'a>(
     std::iter::once_with(firmly).flatten().chain(starts.filter_map(move |x| solve_from(goal, near, sight, x)))
 }
 
-/// What is found with some of the pins alone.
+/// Solves the drag with the kept pins alone.
 pub(crate) fn solve_with_pins(
     goal: &Goal,
     near: &TrackedPoints,
@@ -67,7 +70,8 @@ pub(crate) fn solve_with_pins(
     solve(&mut goal, &near, sight)
 }
 
-/// The light that is found from one.
+/// Solves the drag at the cursor by Newton's method from the light with `x`. `None` if that does not converge or breaks
+/// a limit or pin.
 fn solve_from(goal: &Goal, near: &TrackedPoints, sight: &SceneVisibility, x: Vec<f64>) -> Option<Solution> {
     let mut goal = goal.clone();
     goal.tangents.clear();
@@ -88,7 +92,7 @@ fn solve_from(goal: &Goal, near: &TrackedPoints, sight: &SceneVisibility, x: Vec
 }
 
 impl Solution {
-    /// Newton's method with steps that make what is off less; `None` where that leads nowhere.
+    /// Takes Newton steps that reduce the error. `None` if they do not converge.
     fn descend(&mut self, goal: &Goal) -> Option<()> {
         let nowhere = vec![0.0; self.iterate.x.len()];
         let mut before = Vec::new();
@@ -126,7 +130,7 @@ impl Solution {
 }
 
 impl Unknowns {
-    /// How far an unknown goes where a light is changed at random: turns farther than ways, radii less.
+    /// Size of a random change of an unknown. Rotations vary more than translations, radii less.
     fn random_scale(&self, unknown: usize) -> f64 {
         match self {
             Self::Rigid { .. } if unknown >= 3 => 2.0,
@@ -136,11 +140,11 @@ impl Unknowns {
     }
 }
 
-/// A linear congruential generator (Knuth's MMIX), the same numbers for each drag.
+/// Linear congruential generator (Knuth's MMIX) with one fixed sequence for all drags.
 struct Random(u64);
 
 impl Random {
-    /// Between -1 and 1.
+    /// Returns the next number between -1 and 1.
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0

@@ -1,4 +1,4 @@
-//! One drag, from the pick to the landing.
+//! One drag, from the pick to the result.
 
 use glam::DVec2;
 use light::{CheckedLight, LightRays};
@@ -18,13 +18,15 @@ use crate::solve::solve;
 use crate::step::{Iterate, Solution};
 use crate::work::WorkBudget;
 
-/// Pixels within which a feature lies under the cursor. A surface is turned to the light or is not: where it is they are 0.
+/// Largest residual of a converged drag, in pixels. The lit side of a surface needs 0, since its residual is 0 wherever
+/// the surface faces the light closely enough.
 const CONVERGED_PX: f64 = 0.5;
 
-/// Steps of a control point of a light that is checked.
+/// Cost of checking a light, in steps per control point.
 const CHECK_COST_STEPS: u64 = 1_000;
 
-/// How near two places on a way lie that are the same, as a share of their distance from the source or the cursor.
+/// Largest distance between two points of a light path that count as the same, as a share of their distance from the
+/// source or from the point under the cursor.
 const SAME_POINT_TOLERANCE: f64 = 1e-6;
 
 /// Drags a feature of `light` from one point of a picture to another.
@@ -32,7 +34,7 @@ pub fn drag(bvh: &Bvh, view: &Viewport, light: &CheckedLight, drag: &Drag) -> Dr
     drag_budgeted(bvh, view, light, drag, &WorkBudget::new(&|_| true))
 }
 
-/// The same with its steps counted by `work`. Where it is given up the landing means nothing.
+/// Drags a feature like [`drag`] and counts the steps in `work`. If `work` is cancelled, the result has no meaning.
 pub fn drag_budgeted(
     bvh: &Bvh,
     view: &Viewport,
@@ -68,7 +70,7 @@ pub fn drag_budgeted(
     landing
 }
 
-/// What is asked for, or why it cannot be.
+/// Builds the goal of the drag, the taken feature and the tracked points, or returns the refusal.
 fn build_goal<'a>(
     occlusion: &Occlusion<'a>,
     bvh: &Bvh,
@@ -116,7 +118,7 @@ fn build_goal<'a>(
     Ok((goal, taken, near))
 }
 
-/// What may change; `unit` is what a whole light moves by.
+/// Selects the unknowns of the drag. `unit` is the unit of length of a rigid motion, in world units.
 fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unknowns, DragRefusal> {
     let Some(points) = &drag.points else {
         let comes_from_everywhere = matches!(light.rays(), LightRays::Parallel(_));
@@ -136,7 +138,7 @@ fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unkno
     Ok(Unknowns::Points { points, radii: drag.radii, unit })
 }
 
-/// Solves, and says what came of it.
+/// Solves the goal and writes the outcome to `landing`.
 fn solve_and_judge(
     bvh: &Bvh,
     occlusion: &Occlusion,
@@ -168,12 +170,13 @@ fn solve_and_judge(
     let first_landing = landing.clone();
     try_other_solutions(&goal, &first, near, &sight, &end, landing);
     if work.is_exhausted() {
-        // What was found first holds.
+        // The first result holds.
         *landing = DragResult { status: DragStatus::Limited(DragLimit::TooMuchWork), ..first_landing };
     }
 }
 
-/// Another light that lands, where pins close the way to the cursor; or which pin keeps the light from it.
+/// Searches for another light that converges where pins close the path to the cursor, or else names the pin that keeps
+/// the light from the cursor.
 fn try_other_solutions(
     goal: &Goal,
     first: &Solution,
@@ -202,13 +205,13 @@ fn try_other_solutions(
     }
 }
 
-/// Says of a drag whose work is over that it leaves the light as it was.
+/// Writes the result of a drag that spent its budget and leaves the light unchanged.
 fn limit_unmoved(landing: &mut DragResult, drag: &Drag) {
     landing.status = DragStatus::Limited(DragLimit::TooMuchWork);
     landing.residual_px = drag.from.distance(drag.to);
 }
 
-/// The end of a drag, at which what was found is looked at.
+/// Judge of a solution at the cursor, independent of the solver's numbers.
 struct ResultJudge<'a> {
     bvh: &'a Bvh,
     view: &'a Viewport,
@@ -218,8 +221,10 @@ struct ResultJudge<'a> {
 }
 
 impl ResultJudge<'_> {
-    /// The landing of a drag whose work is over: with the light that was found until then, where that is known to hold and to have
-    /// the feature nearer to the cursor than it was; else with the light as it was.
+    /// Returns the result of a drag that spent its budget.
+    ///
+    /// It has the light found so far if that light keeps all limits and hard pins and has the feature nearer to the
+    /// cursor than at the start. Otherwise it has the light of the start.
     fn judge_unfinished(
         &self,
         goal: &Goal,
@@ -251,7 +256,7 @@ impl ResultJudge<'_> {
         moved
     }
 
-    /// Says what came of it.
+    /// Judges a solution and writes the outcome to `landing`.
     fn judge(&self, goal: &Goal, found: &Solution, landing: &mut DragResult) {
         let Self { bvh, view, drag, occlusion, taken } = self;
         let Solution { iterate: Iterate { x, evaluation }, strongest_limit: held_by, iterations } = found;
@@ -265,7 +270,7 @@ impl ResultJudge<'_> {
         let placed = goal.scene_light.with(moved.rays());
         let near = evaluation.tracked[0];
         landing.residual_px = DraggedFeature { bvh, view, taken, placed: &placed }.distance_px(near, drag.to);
-        // Where ways of a light overlap, another place than the one that was followed may count.
+        // If paths of a light overlap, the root that counts may differ from the tracked one.
         let counts = placed.locate(taken.to.position, None);
         let is_the_one = |counts: Option<PointInLight>, followed: f64| {
             counts.is_some_and(|counts| {
@@ -283,7 +288,7 @@ impl ResultJudge<'_> {
         } else if !is_inside {
             DragStatus::Limited(DragLimit::TubeEdge)
         } else if taken.pivot.is_some() && !is_dark {
-            // The way only touches what throws the shadow.
+            // The light path only grazes the caster.
             DragStatus::Limited(DragLimit::NoDescent)
         } else {
             DragStatus::Converged

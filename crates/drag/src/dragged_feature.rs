@@ -1,4 +1,4 @@
-//! Where a feature lies in the picture, once the light has moved: found anew, not from the solver's numbers.
+//! Position of a feature in the picture after a drag, computed anew by rays, not from the solver's numbers.
 
 use std::cell::RefCell;
 
@@ -12,18 +12,21 @@ use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::{Feature, Viewport};
 use crate::work::WorkBudget;
 
-/// The angle within which a surface is turned to the light, radians: 0.1 degrees.
+/// Largest angle between the normal and the direction to the light of a surface that faces the light, in radians: 0.1
+/// degrees.
 const ALIGNED_RADIANS: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
-/// How far a highlight's centre is from a pixel of it at most, as a share of the picture's width.
+/// Largest distance of a highlight's center from a pixel of it, as a share of the picture's width.
 const NEAR_HIGHLIGHT: f64 = 0.1;
 
-/// How far pixels are apart that tell how a direction changes over the picture.
+/// Distance of the pixels between which the solver takes the change of a direction over the picture.
 const BESIDE_PX: f64 = 0.25;
 
-/// Where in the picture the centre of the highlight lies that `light` has near `pixel`, in pixels: there light arrives along the mirror
-/// direction. `None` where no surface is seen, outside of the light, and where none is found on the same thing within a tenth of the picture's
-/// width.
+/// Finds the center of the highlight of `light` near `pixel`, in pixels: light arrives there along the mirror
+/// direction.
+///
+/// `None` if `pixel` shows no surface or one outside the light, or if there is no center on the same node within a
+/// tenth of the picture's width.
 pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: DVec2) -> Option<DVec2> {
     let origin = bvh.posed.origin_in_world;
     let seen = bvh.visible_point(&ViewRay::new(&view.camera, view.size, pixel, origin))?;
@@ -42,7 +45,7 @@ pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: D
     };
     let centre =
         DraggedFeature { bvh, view, taken: &taken, placed: &placed }.nearest_aligned_pixel(near_t, pixel)?;
-    // It is to be what is under the pointer, of light that is there.
+    // The center must lie in the picture, in the light and on the node under the pointer.
     let [width, height] = view.size.map(f64::from);
     let is_near = centre.distance(pixel) <= NEAR_HIGHLIGHT * width;
     let is_in_picture = (0.0..width).contains(&centre.x) && (0.0..height).contains(&centre.y);
@@ -52,7 +55,7 @@ pub fn highlight_near(bvh: &Bvh, view: &Viewport, light: &CheckedLight, pixel: D
     (is_near && is_in_picture && is_lit && there.node == seen.node).then_some(centre)
 }
 
-/// A light that has been dragged.
+/// Feature of a dragged light, in a view.
 pub(crate) struct DraggedFeature<'a> {
     pub bvh: &'a Bvh,
     pub view: &'a Viewport,
@@ -61,7 +64,8 @@ pub(crate) struct DraggedFeature<'a> {
 }
 
 impl DraggedFeature<'_> {
-    /// On the screen, from `cursor` to where the feature lies, in pixels; infinite where it is not in the picture.
+    /// Measures the distance on the screen from `cursor` to the feature, in pixels; infinite if the feature is not in
+    /// the picture.
     pub fn distance_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         match self.taken.feature {
             Feature::Shadow | Feature::Hotspot => self.nearest_on_path_px(near, cursor),
@@ -71,7 +75,8 @@ impl DraggedFeature<'_> {
         }
     }
 
-    /// Of the surfaces that the feature's way meets, the distance of the one that is seen nearest to the cursor.
+    /// Measures the distance from the cursor to the nearest visible surface that the feature's light path meets, in
+    /// pixels.
     fn nearest_on_path_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         let pivot = self.taken.pivot.and_then(|pivot| self.placed.locate(pivot, Some(near[1])));
         let (across, after) =
@@ -79,7 +84,7 @@ impl DraggedFeature<'_> {
         let distance = |position: &DVec3| {
             let pixel = self.pixel(*position)?;
             let seen = self.seen(pixel)?;
-            // What is hidden is not in the picture.
+            // A hidden point is not in the picture.
             let is_seen = seen.position.distance(*position) < 1e-6 * self.bvh.posed.half_extent.length();
             is_seen.then(|| pixel.distance(cursor))
         };
@@ -90,12 +95,12 @@ impl DraggedFeature<'_> {
         met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
     }
 
-    /// Positions of all surfaces that the way of a place across the light meets past `to`.
+    /// Finds the positions of all surfaces that the light path at `across` meets at a larger `t` than `after`.
     fn surfaces_on_path(&self, place: &PointInLight, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);
         let size = self.bvh.posed.half_extent.length();
-        // Whatever throws shadows: they fall on everything.
+        // Shadows fall on all surfaces, whatever the shadow links.
         let is_solid = |triangle: usize, weights: DVec3| {
             self.bvh.passes_alpha_test(&self.bvh.triangles[triangle], weights)
         };
@@ -104,7 +109,7 @@ impl DraggedFeature<'_> {
                 let path = self.bvh.bent_path(tube, across.x, across.y);
                 let last = &tube.segments[tube.segments.len() - 1].curve;
                 let speed = 2.0 * last.d1.length() * tube.placement.world_per_tube;
-                // As far past the end as the scene reaches, where the light goes on.
+                // An extended light goes on past its end as far as the scene reaches.
                 let reach = 4.0 * (size + self.placed.source().length());
                 let t_end = tube.n as f64 + if tube.segments.len() > tube.n { reach / speed } else { 0.0 };
                 self.bvh.first_bent_hit_budgeted(&path, t_end, spend, |hit| {
@@ -135,8 +140,8 @@ impl DraggedFeature<'_> {
         met.into_inner()
     }
 
-    /// Newton's method over the picture, from the cursor to a surface point near to it at which light arrives as it should;
-    /// `None` where it leads to none.
+    /// Finds the pixel whose surface receives light along the mirror direction or the normal, by Newton's method over
+    /// the picture from the cursor. `None` if the method does not converge.
     fn nearest_aligned_pixel(&self, near_t: f64, cursor: DVec2) -> Option<DVec2> {
         let mut pixel = cursor;
         for _ in 0..20 {
@@ -160,7 +165,8 @@ impl DraggedFeature<'_> {
         None
     }
 
-    /// How far light at a pixel is from arriving as it should, in radians, across the direction that it should have.
+    /// Computes the deviation of the light at a pixel from the mirror direction or the normal, in radians along two
+    /// axes across it.
     fn direction_error(&self, pixel: DVec2, near_t: f64) -> Option<DVec2> {
         let seen = self.seen(pixel)?;
         let place = self.placed.locate(seen.position, Some(near_t))?;

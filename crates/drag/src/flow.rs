@@ -1,40 +1,43 @@
-//! Evenly from where a drag began to where the cursor is, so that where the light ends up is continuous.
+//! Path following from the start of a drag to the cursor, in steps of bounded length, so that the resulting light is a
+//! continuous function of the cursor.
 //!
-//! The light goes by small steps of bounded length, each the least change that keeps the feature on its way as far as limits let
-//! it. A step is a continuous function of where it begins: what asks gives way softly where no small change does it (a damped
-//! inverse), and nothing is tried and taken back but for steps that are too long for what is linear. So cursors that are near to
-//! each other lead to lights that are near to each other, also along limits and off them.
+//! Each step is the least change that keeps the feature on its path as far as limits allow, and a continuous function
+//! of its start. The objective yields softly where no small change reaches it (a damped inverse). The solver takes back
+//! a step only if it is too long for the linearization. So nearby cursors lead to nearby lights, also along limits and
+//! off them.
 
 use crate::goal::{DIFFERENCE, Goal};
 use crate::quadratic::{Linearization, RowSelection};
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 
-/// How far places of the way are apart, in radii or radians, and how many there are at least and at most.
+/// Distance between samples of the path, in radii or radians, and the least and most samples.
 const SAMPLE_SPACING: f64 = 0.025;
 const SAMPLE_COUNT_RANGE: [f64; 2] = [16.0, 96.0];
 
-/// Steps on the way, where it is steep more than there are places; what takes more does not go evenly.
+/// Most steps along the path. A steep path takes more steps than it has samples; one that needs more steps than this
+/// does not go evenly.
 const MAX_PATH_STEPS: usize = 160;
 
-/// Steps from the end of the way to where the feature is under the cursor.
+/// Most steps at the end of the path, until the feature is under the cursor.
 const MAX_CONVERGE_STEPS: usize = 6;
 
-/// The longest step, in the units of what moves.
+/// Longest step, in units of the unknowns.
 const MAX_STEP: f64 = 0.02;
 
-/// How softly the feature asks, as a share of the trace of `J J^T`.
+/// Softness of the objective, as a share of the trace of `J J^T`.
 const OBJECTIVE_COMPLIANCE: f64 = 1e-4;
 
-/// How far off the feature may be after a step, or by which share farther than before it; else it is quartered, so many times.
+/// Largest error of the feature after a step, absolute and as a multiple of the error before it. The solver quarters a
+/// step that exceeds both, at most so many times.
 const MAX_STEP_ERROR: f64 = 3e-3;
 const MAX_ERROR_GROWTH: f64 = 1.5;
 const QUARTERINGS: usize = 3;
 
-/// How far from the end of the way a light may lie that has the feature under the cursor to the last bit.
+/// Largest change from the end of the path to the light that has the feature under the cursor to the last bit.
 const MAX_FINAL_JUMP: f64 = 0.02;
 
 impl Solution {
-    /// Goes as far on the way as it goes evenly, and says which share of it that is.
+    /// Follows the path as far as it goes evenly, and returns the share of it that was covered.
     pub fn follow_path(&mut self, goal: &Goal) -> f64 {
         let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let (mut share, mut steps) = (0.0, 0);
@@ -45,7 +48,7 @@ impl Solution {
         share
     }
 
-    /// From the end of the way to where the feature is under the cursor. Whether there is such a light near by.
+    /// Moves the feature under the cursor from the end of the path. Returns true if there is such a light nearby.
     pub fn converge(&mut self, goal: &Goal) -> bool {
         for _ in 0..MAX_CONVERGE_STEPS {
             if self.iterate.is_converged() || self.advance(goal, 1.0, 1.0).is_none() {
@@ -63,14 +66,15 @@ impl Solution {
         is_there
     }
 
-    /// A step from one share of the way towards another, and which share it comes to; `None` where nothing can be evaluated there.
+    /// Takes a step from one share of the path towards another, and returns the share reached. `None` if the light
+    /// cannot be evaluated there.
     fn advance(&mut self, goal: &Goal, from: f64, to: f64) -> Option<f64> {
         self.iterations += 1;
         let ahead = self.with_share(goal, to)?;
         let linear = goal.linearize(&ahead.x, to, &ahead.evaluation, DIFFERENCE);
         let wanted = self.damped_target(goal, &ahead, &linear);
         let long = length_between(&wanted, &ahead.x) / MAX_STEP;
-        // Of a long way a part.
+        // A long path is taken in parts.
         let (mut parts, mut longest) = (long.max(1.0), MAX_STEP);
         let mut stepped = None;
         for _ in 0..=QUARTERINGS {
@@ -92,13 +96,13 @@ impl Solution {
         Some(share)
     }
 
-    /// The present place, with the feature to be at another share of its way.
+    /// Evaluates the present unknowns against the feature's target at another share of the path.
     fn with_share(&self, goal: &Goal, share: f64) -> Option<Iterate> {
         let Iterate { x, evaluation } = &self.iterate;
         Some(Iterate { x: x.clone(), evaluation: goal.evaluate(x, share, &evaluation.tracked)? })
     }
 
-    /// What is linear about a place nearby wants of `at`, softly.
+    /// Computes the target of a damped step from `at`, by a linearization about a nearby point.
     fn damped_target(&mut self, goal: &Goal, at: &Iterate, linear: &Linearization) -> Vec<f64> {
         self.step_target(
             goal,
@@ -109,7 +113,7 @@ impl Solution {
         )
     }
 
-    /// A step that is no longer than `longest`, and back within what has to hold.
+    /// Takes a step of at most `longest`, and restores the limits and hard pins.
     fn bounded_step(
         &mut self,
         goal: &Goal,

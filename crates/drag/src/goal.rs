@@ -1,4 +1,5 @@
-//! What a drag is after: two equations that hold where the feature lies under the cursor, and what must stay above 0.
+//! Goal of a drag: two equations that hold where the feature lies under the cursor, and limits that must stay 0 or
+//! more.
 
 use std::rc::Rc;
 
@@ -17,90 +18,97 @@ use crate::quadratic::{Hold, Linearization, Multipliers};
 use crate::request::{DragLimit, Feature, RadiusMode};
 use crate::work::WorkBudget;
 
-/// How far out of the light the feature may be where it sets out, so that it may go through the air between two surfaces.
+/// Distance outside the light that the feature may have at the start of its path, so that it can cross the air between
+/// two surfaces. It shrinks to 0 at the cursor.
 const EDGE_SLACK_ON_PATH: f64 = 3.0;
 
-/// Over how far slopes are taken.
+/// Step of the finite differences.
 pub(crate) const DIFFERENCE: f64 = 1e-6;
 
-/// Pins with which differences are taken to one side, and below which step.
+/// Number of pins above which differences are one-sided, for steps below `ONE_SIDED`.
 const MANY_PINS: usize = 16;
 const ONE_SIDED: f64 = 1e-5;
 
-/// Steps of a control point: of a tube that is made anew, where radii follow besides, and of a tube that is only placed anew.
+/// Costs per control point, in steps: of a tube that is rebuilt, of radii that follow besides, and of a tube that is
+/// only moved.
 const STEPS_OF_POINT: u64 = 400;
 const STEPS_OF_FOLLOWING: u64 = 400;
 const STEPS_OF_COPY: u64 = 40;
 
-/// A drag: what is asked of a light, and what must stay.
+/// Objective, unknowns and constraints of a drag.
 #[derive(Clone, Debug)]
 pub(crate) struct Goal<'a> {
     pub objective: Objective,
-    /// The light as the drag began.
+    /// Light at the start of the drag.
     pub start: &'a CheckedLight,
     pub unknowns: Unknowns,
-    /// The light as it was, for what lights are measured by.
+    /// Light at the start of the drag, in scene space. Later lights share its origin, chart and budget.
     pub scene_light: SceneLight<'a>,
-    /// The largest `R kappa` of each segment as the drag began, and so what it may have.
+    /// Largest `R kappa` of each segment at the start of the drag. A segment above the limit for drags may keep its
+    /// value.
     pub folds: Vec<f64>,
     pub pins: Vec<PinState>,
-    /// How firmly each residual is held.
+    /// Priority of each residual.
     pub rows: Rc<[Hold]>,
-    /// Edges of shadows, and surfaces, that what is pinned may not cross.
+    /// Tangents of shadow edges and surfaces that pins and the source may not cross.
     pub tangents: Vec<OcclusionTangent>,
-    /// Where two segments of a tube meet, and which of the followed places is to stay there: the feature's or its pivot's.
+    /// Tracked point that must stay at a joint of the tube (0 for the feature's, 1 for its pivot's), and the joint's
+    /// `t`.
     joint: Option<(usize, f64)>,
-    /// How softly the place under the cursor keeps within the light; 0 where a drag is to land, and not at all softly then.
+    /// Softness of the limits that keep the point under the cursor within the light. It is 0, a hard limit, for a drag
+    /// that is to converge.
     edge_compliance: f64,
 }
 
-/// What is asked.
 #[derive(Clone, Debug)]
 pub(crate) enum Objective {
-    /// That a feature lies under the cursor.
+    /// A feature lies under the cursor.
     Feature(Box<TakenFeature>),
-    /// That a control point is at a position in light-local space.
+    /// A control point is at a position in light-local space.
     Position { point: usize, to: DVec3 },
 }
 
-/// A feature on its way from where it was taken to the cursor.
+/// Feature on its path from the start of the drag to the cursor.
 #[derive(Clone, Debug)]
 pub(crate) struct TakenFeature {
     pub feature: Feature,
-    /// Where it was taken.
+    /// Surface point at the start of the drag.
     pub from: SeenPoint,
-    /// Where it goes.
+    /// Surface point under the cursor.
     pub to: SeenPoint,
-    /// Of a shadow: what throws it.
+    /// Caster point of a dragged shadow, in scene space.
     pub pivot: Option<DVec3>,
-    /// Where `from` was in the light.
+    /// Light coordinates of `from` at the start of the drag.
     pub start_coords: PointInLight,
-    /// Directions to the light, as it was at `from` and as it is to be at `to`, where they are what is dragged.
+    /// Unit directions to the light: at `from` as it was, and at `to` as it should become. They count for a highlight
+    /// or lit side only.
     pub directions: [DVec3; 2],
 }
 
-/// Places that are followed while the light moves, along the light: the feature's and its pivot's, then those of each pin.
+/// Values of `t` that the solver tracks while the light moves: of the feature and its pivot, then of each pin and its
+/// pivot.
 pub(crate) type TrackedPoints = Vec<[f64; 2]>;
 
-/// How a light does.
+/// Residuals and limits of a light.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluation {
-    /// How far the feature lies off, and then how far each pin does, in radii of the light or in radians.
+    /// Error of the objective, then of each pin, in radii of the light or in radians.
     pub residual: Vec<f64>,
-    /// How firmly each of these is held.
+    /// Priority of each residual.
     pub rows: Rc<[Hold]>,
     pub bounds: Vec<Bound>,
     pub tracked: TrackedPoints,
 }
 
 impl TakenFeature {
-    /// Where the feature is to lie at a share of its way, and from where light is to come there.
+    /// Returns the target of the feature at a share of the path: its position, and the direction to the light there.
     fn target(&self, share: f64) -> (DVec3, DVec3) {
         let [from, to] = self.directions;
         (self.from.position.lerp(self.to.position, share), slerp(from, to, share))
     }
 
-    /// What is off at a share of the way, and where the place and the pivot are then.
+    /// Computes the feature's error at a share of the path, and tracks its `t` and the pivot's. Adds the limits of
+    /// both.
     fn feature_residual(
         &self,
         placed: &SceneLight,
@@ -118,7 +126,7 @@ impl TakenFeature {
             (Feature::Shadow, Some(pivot)) => {
                 let pivot = placed.locate(pivot, Some(near[1]))?;
                 pivot_t = pivot.t;
-                // What throws it is in the light too.
+                // The caster must be in the light too.
                 let values = [
                     distance_behind(&place, &pivot, &self.start_coords),
                     pivot.distance_to_ends.min(1.0) - EDGE_MARGIN,
@@ -138,13 +146,13 @@ impl TakenFeature {
         Some((off, [place.t, pivot_t]))
     }
 
-    /// Square to the directions at every share of the way.
+    /// Returns a unit vector orthogonal to the target direction at every share of the path.
     fn axis(&self) -> DVec3 {
         let [from, to] = self.directions;
         from.cross(to).try_normalize().unwrap_or_else(|| from.any_orthonormal_vector())
     }
 
-    /// How far the feature goes, in radii of the light or in radians.
+    /// Length of the feature's path, in radii of the light or in radians.
     fn path_length(&self) -> f64 {
         let [from, to] = self.directions;
         let across = self.from.position.distance(self.to.position) / self.start_coords.width;
@@ -180,18 +188,18 @@ impl<'a> Goal<'a> {
         }
     }
 
-    /// The same with a followed place at a joint of the tube.
+    /// Copies the goal, and holds a tracked point at a joint of the tube.
     pub fn at_joint(&self, joint: (usize, f64)) -> Self {
         let rows = self.rows.iter().copied().chain([Hold::Fixed]).collect();
         Self { joint: Some(joint), rows, ..self.clone() }
     }
 
-    /// The same where the place under the cursor need not be within the light.
+    /// Copies the goal, and lets the point under the cursor leave the light at a cost.
     pub fn with_edge_compliance(&self, give: f64) -> Self {
         Self { edge_compliance: give, ..self.clone() }
     }
 
-    /// How the light with `x` does at a share of the way; `None` where it cannot be evaluated.
+    /// Evaluates the light with `x` at a share of the path. `None` if the light cannot be evaluated.
     pub fn evaluate(&self, x: &[f64], share: f64, near: &TrackedPoints) -> Option<Evaluation> {
         let taken = match &self.objective {
             Objective::Feature(taken) => taken,
@@ -221,7 +229,7 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: followed })
     }
 
-    /// How points are found in the light with `x`; `None` where it cannot be evaluated.
+    /// Returns the rays of the light with `x`. `None` if the light cannot be evaluated or the budget is spent.
     pub fn rays(&self, x: &[f64]) -> Option<LightRays> {
         let points = self.start.light().points().len() as u64;
         let of_a_point = match &self.unknowns {
@@ -232,12 +240,11 @@ impl<'a> Goal<'a> {
         self.work().spend(of_a_point * points).then(|| self.unknowns.rays(self.start, x))?
     }
 
-    /// What it costs.
     pub fn work(&self) -> &'a WorkBudget<'a> {
         self.scene_light.work
     }
 
-    /// The same for a control point: no more of the tube is made than what may fold by it.
+    /// Evaluates a dragged control point. It builds only the segments of the tube that the point can fold.
     fn evaluate_position(
         &self,
         x: &[f64],
@@ -259,7 +266,7 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: near.clone() })
     }
 
-    /// The same with some of its pins alone.
+    /// Copies the goal with the kept pins alone, and the tracked points of these.
     pub fn with_pins(
         &self,
         near: &TrackedPoints,
@@ -273,8 +280,8 @@ impl<'a> Goal<'a> {
         (goal, [vec![near[0]], of_pins].concat())
     }
 
-    /// Where the followed places are in the light with `x`, the feature's at the end of its way: those that count, or where
-    /// they were.
+    /// Finds the tracked points in the light with `x`, with the feature at the end of its path: the roots that count,
+    /// or the former values where there are none.
     pub fn tracked_at_end(&self, x: &[f64], near: &TrackedPoints) -> TrackedPoints {
         let Some(rays) = self.rays(x) else { return near.clone() };
         let placed = self.scene_light.with(&rays);
@@ -290,16 +297,16 @@ impl<'a> Goal<'a> {
         points.map(|([point, pivot], was)| [t(point, was[0]), t(pivot, was[1])]).collect()
     }
 
-    /// Whether something is held softly.
+    /// True if a pin or a residual is soft.
     pub fn has_soft_pins(&self) -> bool {
         self.pins.iter().any(|pin| !pin.is_hard) || self.rows.iter().any(|row| matches!(row, Hold::Soft(_)))
     }
 
-    /// What holds the light back most, by how its limits and pins pull.
+    /// Returns the limit or hard pin with the largest multiplier.
     pub fn strongest_limit(&self, at: &Evaluation, pulls: &Multipliers) -> Option<DragLimit> {
         let asked = at.rows.iter().filter(|row| **row == Hold::Objective).count();
         let most = pulls.rows[..asked].iter().fold(0.0, |most: f64, pull| most.max(pull.abs()));
-        // Rounding pulls too.
+        // Smaller multipliers come from rounding.
         let least = 1e-6 * most;
         let pins =
             self.pins.iter().flat_map(|pin| pin.row_holds().map(|hold| (hold, DragLimit::Pin(pin.index))));
@@ -312,7 +319,7 @@ impl<'a> Goal<'a> {
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(limit, _)| limit)
     }
 
-    /// How far it goes, in steps that one solution is near to the next of.
+    /// Length of the path of the objective, in radii or radians, or in units of a dragged control point.
     pub fn path_length(&self) -> f64 {
         match &self.objective {
             Objective::Feature(taken) => taken.path_length(),
@@ -325,12 +332,12 @@ impl<'a> Goal<'a> {
         }
     }
 
-    /// In how many places that is looked at, so far `apart`, within bounds.
+    /// Number of samples of the path at a distance of `apart`, within bounds.
     pub fn sample_count(&self, apart: f64, [least, most]: [f64; 2]) -> f64 {
         (self.path_length() / apart).clamp(least, most)
     }
 
-    /// Whether nothing that may change does anything to the feature where it is.
+    /// True if no unknown has an effect on the feature at the start.
     pub fn has_no_effect(&self, near: &TrackedPoints) -> bool {
         let x = vec![0.0; self.unknowns.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
@@ -339,7 +346,7 @@ impl<'a> Goal<'a> {
         asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
-    /// What keeps the light's own shape: no fold, no radius below nothing.
+    /// Computes the limits of the light's own shape: no fold, no negative radius.
     fn shape_bounds(&self, rays: &LightRays, x: &[f64]) -> Vec<Bound> {
         let (Unknowns::Points { points, radii, unit }, LightRays::Bent(tube)) = (&self.unknowns, rays) else {
             return Vec::new();
@@ -353,8 +360,10 @@ impl<'a> Goal<'a> {
         bounds
     }
 
-    /// What is linear about `x`, by central differences over `step` each way: with 1e-6 to some 1e-10 of what it is, which
-    /// Newton's method makes up for. With many pins, which are what takes long, to the side ahead alone: to some 1e-6.
+    /// Linearizes residuals and limits about `x`, by central differences of `step` each way.
+    ///
+    /// With a step of 1e-6 the slopes have a relative error of about 1e-10, which Newton's method corrects. With many
+    /// pins the cost of two evaluations per unknown counts, and differences are one-sided, with an error of about 1e-6.
     pub fn linearize(&self, x: &[f64], share: f64, at: &Evaluation, step: f64) -> Linearization<'a> {
         let (count, rows, limits) = (x.len(), at.residual.len(), at.bounds.len());
         let (mut jacobian, mut slopes) = (Matrix::zero(rows, count), Matrix::zero(limits, count));
@@ -372,7 +381,7 @@ impl<'a> Goal<'a> {
             let ahead = side(step);
             let is_enough = ahead.is_some() && self.pins.len() > MANY_PINS && step < ONE_SIDED;
             let behind = if is_enough { None } else { side(-step) };
-            // At the very edge of what can be evaluated one side is all there is.
+            // At the edge of the domain only one side can be evaluated.
             let (ahead, behind, length) = match (&ahead, &behind) {
                 (Some(ahead), Some(behind)) => (ahead, behind, 2.0 * step),
                 (Some(ahead), None) => (ahead, at, step),
@@ -391,13 +400,13 @@ impl<'a> Goal<'a> {
     }
 }
 
-/// That no segment folds which did not.
+/// Makes limits against folding, for segments that did not fold at the start.
 fn fold_bounds<'a>(folds: &'a [f64], begun: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
     let room = |(fold, most): (&f64, &f64)| (most.max(MAX_R_KAPPA) - fold) / MAX_R_KAPPA;
     folds.iter().zip(begun).map(move |fold| hard_bound(room(fold), DragLimit::Fold))
 }
 
-/// How firmly what is asked for and what is pinned is held.
+/// Returns the priorities of the objective's residuals and of the pins'.
 pub(crate) fn row_holds(asked: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
     let count = match asked {
         Objective::Feature(_) => 2,
@@ -406,7 +415,7 @@ pub(crate) fn row_holds(asked: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
     std::iter::repeat_n(Hold::Objective, count).chain(pins.iter().flat_map(PinState::row_holds)).collect()
 }
 
-/// The unit vector at a share of the shortest turn from one to another.
+/// Interpolates unit vectors along the shortest rotation from one to the other.
 fn slerp(from: DVec3, to: DVec3, share: f64) -> DVec3 {
     let cos = from.dot(to);
     let across = (to - from * cos).normalize_or_zero();

@@ -1,18 +1,19 @@
-//! Drags that land: a shadow, a hotspot, a highlight or a surface's brightest side is taken in the picture and put elsewhere, and
-//! the light is moved or bent so that it lies there.
+//! Solver for drags of a light's features: a user takes a shadow, hotspot, highlight or the lit side of a surface in a
+//! picture and puts it elsewhere, and the solver moves or bends the light accordingly.
 //!
-//! [`drag`] is a function of the scene, the light as it was when the drag began, and the two points of the picture: it does not
-//! depend on how the cursor got there. All is done in f64 with rays against the posed scene ([`raycast::Bvh`]); no picture is
-//! read, so that the same drag gives the same bits on every machine.
+//! [`drag`] is a function of the scene, the light at the start of the drag and the two points of the picture, and does
+//! not depend on the cursor's route. It works in f64 with rays against the posed scene ([`raycast::Bvh`]) and reads no
+//! picture, so the same drag gives the same bits on every machine. The crate knows no document and no clock.
 //!
-//! What is solved (light model, section 7): unknowns are a placement, or offsets of control points; two equations say that the
-//! feature lies under the cursor; limits keep the tube from folding; pins hold what is to stay, as further equations and limits.
-//! Of all that fulfils them the smallest change is taken, by
-//! [sequential quadratic programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the way from where the
-//! drag began to where the cursor is.
+//! The unknowns are a placement, or offsets of control points (light model, section 7). Two equations say that the
+//! feature lies under the cursor. Limits keep the tube from folding, and pins add equations and limits. The solver
+//! takes the smallest change by [sequential quadratic
+//! programming](https://en.wikipedia.org/wiki/Sequential_quadratic_programming) along the path from the start to the
+//! cursor.
 //!
-//! What a drag costs is counted in steps ([`WorkBudget`]) and bounded. No clock is read, so that past the bound too the same drag gives
-//! the same bits on every machine.
+//! The cost of a drag is counted in steps and bounded ([`WorkBudget`]), so that a drag past the bound gives the same
+//! bits too. Begin with `drag.rs` (one drag), `flow.rs` (the solver), `goal.rs` (equations and limits) and `moves.rs`
+//! (unknowns).
 
 mod bound;
 mod direct;
@@ -43,6 +44,5 @@ pub use request::{
 pub use slide::{Slide, slide_point};
 pub use work::{MAX_DRAG_STEPS, STEPS_BETWEEN_CHECKS, WorkBudget};
 
-/// What solves drags of features: its name and its version, which grows with every change after which a drag may give another
-/// light.
+/// Name and version of the solver. The version grows with every change after which a drag may give another light.
 pub const SOLVER: (&str, u32) = ("flow", 4);

@@ -1,11 +1,13 @@
-//! Dense linear algebra. What takes more than one row of a matrix counts its steps, and comes to nothing where there are none left.
+//! Dense linear algebra. A function that visits more than one row of a matrix counts its steps, and its result has no
+//! meaning once the budget is spent.
 
 use crate::work::WorkBudget;
 
-/// What is left of a row that follows from others, as a share of the largest row: differences have an error of 1e-10.
+/// Relative size of the remainder below which a row depends on the others, as a share of the largest row. Differences
+/// have an error of 1e-10.
 const DEPENDENT: f64 = 1e-8;
 
-/// A dense matrix, row by row.
+/// Dense matrix in row-major order.
 #[derive(Clone, Debug)]
 pub(crate) struct Matrix {
     pub rows: usize,
@@ -30,12 +32,12 @@ impl Matrix {
         &mut self.values[row * self.columns + column]
     }
 
-    /// Its product with a column.
+    /// Multiplies the matrix by a column vector.
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         (0..self.rows).map(|row| dot(self.row(row), x)).collect()
     }
 
-    /// The product of its transpose with a column.
+    /// Multiplies the transpose by a column vector.
     pub fn transposed_times(&self, y: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.columns];
         for (row, y) in y.iter().enumerate() {
@@ -46,7 +48,7 @@ impl Matrix {
         sum
     }
 
-    /// `A B^T`.
+    /// Computes `A B^T`.
     pub fn times_transposed(&self, other: &Self, work: &WorkBudget) -> Self {
         let mut product = Self::zero(self.rows, other.rows);
         for i in 0..self.rows {
@@ -69,7 +71,7 @@ pub(crate) fn length(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Which rows, as many as are independent, the others follow from: each next one the row that those before leave most of.
+/// Selects a maximal set of independent rows, each the row with the largest remainder after those before it.
 pub(crate) fn independent_rows(matrix: &Matrix, among: &[usize], work: &WorkBudget) -> Vec<usize> {
     let mut left: Vec<Vec<f64>> = among.iter().map(|row| matrix.row(*row).to_vec()).collect();
     let mut chosen = Vec::new();
@@ -92,7 +94,7 @@ pub(crate) fn independent_rows(matrix: &Matrix, among: &[usize], work: &WorkBudg
     chosen
 }
 
-/// The lower triangle `L` of a symmetric positive matrix `L L^T`, by Cholesky's method.
+/// Computes the lower triangle `L` of a symmetric positive matrix `L L^T`, by Cholesky's method.
 pub(crate) fn cholesky(matrix: &Matrix, work: &WorkBudget) -> Matrix {
     let n = matrix.rows;
     let mut lower = Matrix::zero(n, n);
@@ -110,7 +112,7 @@ pub(crate) fn cholesky(matrix: &Matrix, work: &WorkBudget) -> Matrix {
     lower
 }
 
-/// `L^-1 x`.
+/// Computes `L^-1 x`.
 pub(crate) fn solve_lower(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     let mut y = x.to_vec();
     for row in 0..y.len() {
@@ -120,7 +122,7 @@ pub(crate) fn solve_lower(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// `L^-T x`.
+/// Computes `L^-T x`.
 pub(crate) fn solve_lower_transposed(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     let mut y = x.to_vec();
     for row in (0..y.len()).rev() {
@@ -130,7 +132,7 @@ pub(crate) fn solve_lower_transposed(lower: &Matrix, x: &[f64]) -> Vec<f64> {
     y
 }
 
-/// The solution of a symmetric positive system, by elimination with pivots from the diagonal.
+/// Solves a symmetric positive system, by elimination with pivots from the diagonal.
 pub(crate) fn solve_symmetric(mut matrix: Matrix, mut right: Vec<f64>, work: &WorkBudget) -> Vec<f64> {
     let n = right.len();
     let mut order: Vec<usize> = (0..n).collect();

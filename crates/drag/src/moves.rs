@@ -1,4 +1,4 @@
-//! What a drag may change of a light, as numbers that are 0 where it begins and alike in size.
+//! Unknowns of a drag: numbers that are 0 at the start and similar in scale.
 
 use glam::{DMat3, DQuat, DVec3};
 use light::parameters::{ROTATION, TRANSLATION};
@@ -6,26 +6,26 @@ use light::{CheckedLight, ControlPoint, Light, LightRays, r_kappa_max_of_segment
 
 use crate::request::RadiusMode;
 
-/// The largest `R kappa` that a drag makes; at 1 a tube folds.
+/// Largest `R kappa` that a drag makes. A tube folds at 1.
 pub(crate) const MAX_R_KAPPA: f64 = 0.97;
 
-/// Where radii begin to shrink for a bend, `R kappa`.
+/// Value of `R kappa` at which radii that follow begin to shrink.
 const SHRINK_FROM_R_KAPPA: f64 = 0.8;
 
-/// What may change.
 #[derive(Clone, Debug)]
 pub(crate) enum Unknowns {
-    /// The placement: three numbers are a way in `unit` world units, three a rotation in radians about the source.
+    /// Placement: a translation in `unit` world units (three numbers) and a rotation about the source in radians
+    /// (three).
     Rigid { unit: f64 },
-    /// The rotation alone, of a light that comes from everywhere.
+    /// Rotation alone, for a directional light.
     Turn,
-    /// Control points: three numbers each are an offset in `unit` light-local units, and with [`RadiusMode::Solve`] one more each
-    /// is that of its radius.
+    /// Control points: an offset in `unit` light-local units each (three numbers), and with [`RadiusMode::Solve`] the
+    /// change of the radius (one more each).
     Points { points: Vec<usize>, radii: RadiusMode, unit: f64 },
 }
 
 impl Unknowns {
-    /// How many numbers they are.
+    /// Number of unknowns.
     pub fn count(&self) -> usize {
         match self {
             Self::Rigid { .. } => 6,
@@ -36,7 +36,7 @@ impl Unknowns {
         }
     }
 
-    /// The light with them; a tube that folds is one too.
+    /// Returns the light with unknowns `x`, unchecked: its tube may fold.
     pub fn light(&self, start: &Light, x: &[f64]) -> Light {
         if let Self::Points { .. } = self {
             let moved = self.points(start, x);
@@ -44,11 +44,11 @@ impl Unknowns {
         }
         let (translation, rotation) = self.placement(start, x);
         let turned = start.clone().with(ROTATION, rotation);
-        // A light that is only turned has its other values to the bit.
+        // A light that only rotates keeps its other values to the bit.
         if translation == start.get(TRANSLATION) { turned } else { turned.with(TRANSLATION, translation) }
     }
 
-    /// Where the light's source is with them, and how it is turned.
+    /// Returns the translation and the rotation of the light with `x`.
     fn placement(&self, start: &Light, x: &[f64]) -> (DVec3, DQuat) {
         let (translation, rotation) = (start.get(TRANSLATION), start.get(ROTATION));
         let turned =
@@ -60,7 +60,7 @@ impl Unknowns {
         }
     }
 
-    /// The light's control points with them.
+    /// Returns the control points of the light with `x`.
     pub fn points(&self, start: &Light, x: &[f64]) -> Vec<ControlPoint> {
         let mut all = start.points().to_vec();
         let Self::Points { points, radii, unit } = self else { return all };
@@ -75,7 +75,7 @@ impl Unknowns {
         all
     }
 
-    /// How points are found in the light with them; `None` where it cannot be evaluated.
+    /// Returns the rays of the light with `x`. `None` if the light cannot be evaluated.
     pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
         if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
             return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(LightRays::Bent);
@@ -98,14 +98,15 @@ impl Unknowns {
 }
 
 impl Unknowns {
-    /// Lets the radii of control points that have moved follow.
+    /// Shrinks radii to follow moved control points, with [`RadiusMode::Follow`] only.
     pub fn shrink_radii(&self, start: &Light, moved: &mut [ControlPoint]) {
         if let Self::Points { radii: RadiusMode::Follow, .. } = self {
             shrink_folding_radii(start.points(), moved);
         }
     }
 
-    /// How far a control point is from a share of its way to a light-local position, in units of what moves.
+    /// Computes the offset of a control point from the target at a share of its path, in units of the unknowns. `to` is
+    /// in light-local space.
     pub fn position_error(&self, start: &Light, x: &[f64], point: usize, to: DVec3, share: f64) -> DVec3 {
         let Self::Points { points, unit, .. } = self else { return DVec3::ZERO };
         let Some(k) = points.iter().position(|&moving| moving == point) else { return DVec3::ZERO };
@@ -113,11 +114,11 @@ impl Unknowns {
     }
 }
 
-/// Makes those radii smaller that would make the tube of these control points fold: continuous in their positions, and where
-/// nothing is nearer to folding than `arrive` was they stay.
+/// Shrinks the radii that would make the tube of these control points fold. The result is continuous in the positions.
+/// Radii stay where no segment is nearer to folding than it was in `start`.
 ///
-/// A segment's radius is a mean of those of its three control points, so that a segment whose three shrink by a factor
-/// shrinks by that at least.
+/// A segment's radius is a mean of the radii of its three control points. So if all three shrink by a factor, the
+/// segment shrinks by at least that factor.
 fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
     let all = 0..moved.len().saturating_sub(2);
     let (Ok(begun), Ok(folds)) =
@@ -137,8 +138,8 @@ fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
     }
 }
 
-/// The share of its radius that a segment with that `R kappa` may have, which had `begun`: what was near to folding already
-/// may stay so.
+/// Computes the share of its radius that a segment with `R kappa` of `fold` may keep, if it had `begun` at the start. A
+/// segment that was nearly folding may stay so.
 fn allowed_radius_share(fold: f64, begun: f64) -> f64 {
     let shrinks_from = begun.clamp(SHRINK_FROM_R_KAPPA, MAX_R_KAPPA);
     if fold <= shrinks_from {
@@ -148,6 +149,6 @@ fn allowed_radius_share(fold: f64, begun: f64) -> f64 {
         return 0.0;
     }
     let (room, beyond) = (MAX_R_KAPPA - shrinks_from, fold - shrinks_from);
-    // With the slope 1 at first, and never all of the room.
+    // The slope is 1 at first, and the value never reaches `MAX_R_KAPPA`.
     (shrinks_from + room * beyond / (room + beyond)) / fold
 }

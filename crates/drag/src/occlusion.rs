@@ -1,4 +1,4 @@
-//! What stands in a light's way.
+//! Casters that light meets on its path.
 
 use glam::{DVec2, DVec3};
 use light::parameters::SHADOW_ENABLE;
@@ -8,36 +8,35 @@ use raycast::{Bvh, CONTACT_TOLERANCE, LinkedNodes, SeenPoint, rounding_error};
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::work::WorkBudget;
 
-/// The cosine below which a surface is turned away from light for certain: pictures go by the path's tangent, which is not quite
-/// the direction that light arrives from.
+/// Cosine below which a surface surely faces away from the light. Pictures use the tangent of the light path, which
+/// differs slightly from the direction from which light arrives.
 const TURNED_AWAY: f64 = -0.05;
 
-/// A scene as one light sees it.
+/// Scene as one light sees it, with its links.
 pub(crate) struct Occlusion<'a> {
     pub bvh: &'a Bvh,
     linked: LinkedNodes,
-    /// Whether anything shadows it.
     shadow_enable: bool,
-    /// What following light costs.
+    /// Budget for the rays.
     pub work: &'a WorkBudget<'a>,
 }
 
-/// The first that light meets on its way.
+/// First caster on a light path.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShadowCaster {
     /// In scene space.
     pub position: DVec3,
-    /// How far along the light's way, as [`PointInLight::t`].
+    /// Distance along the light path, as [`PointInLight::t`].
     pub t: f64,
     pub node: usize,
 }
 
-/// What counts as the very point that light is to reach.
+/// Rule for hits that count as the receiving point itself.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
-    /// World units.
+    /// Distance in world units.
     pub within: f64,
-    /// Its own triangle, which no straight way meets twice.
+    /// Triangle of the point, which no straight path meets twice.
     pub triangle: Option<usize>,
 }
 
@@ -47,12 +46,12 @@ impl<'a> Occlusion<'a> {
         Self { bvh, linked: LinkedNodes::new(&bvh.posed, light), shadow_enable, work }
     }
 
-    /// Whether the light shows on a node.
+    /// True if the light's links let it illuminate the node.
     pub fn is_node_lit(&self, node: usize) -> bool {
         self.linked.is_lit(node)
     }
 
-    /// The first that light meets on its way to a surface that lies at `place`.
+    /// Finds the first caster on the light path to a surface at `place`.
     pub fn first_caster(
         &self,
         placed: &SceneLight,
@@ -71,8 +70,8 @@ impl<'a> Occlusion<'a> {
         self.first_caster_on_path(placed, place, place.cross_coords, surface.position, own)
     }
 
-    /// Whether a surface that lies at `place` is dark in pictures: turned away from the light, or in shadow where that is
-    /// looked for.
+    /// True if a surface at `place` is dark in pictures: it faces away from the light, or is in shadow at its shadow
+    /// position.
     pub fn is_unlit(&self, placed: &SceneLight, place: &PointInLight, surface: &SeenPoint) -> bool {
         let faces = surface.normal.dot(place.to_light);
         let at = SeenPoint { position: surface.shadow_position(), ..*surface };
@@ -80,8 +79,8 @@ impl<'a> Occlusion<'a> {
         faces < TURNED_AWAY || place.is_some_and(|place| self.first_caster(placed, &place, &at).is_some())
     }
 
-    /// The first that light meets on the way `across`, as far as `point`, which lies at `place`; what the way meets at the
-    /// point itself does not count.
+    /// Finds the first caster on the light path at `across`, up to `point` at `place`. Hits at the point itself do not
+    /// count.
     pub fn first_caster_on_path(
         &self,
         placed: &SceneLight,
@@ -93,7 +92,7 @@ impl<'a> Occlusion<'a> {
         self.first_matching_caster(placed, place, across, point, contact, |_| true)
     }
 
-    /// The first of the nodes that `is_caster` says.
+    /// Finds the first caster among the nodes that `is_caster` accepts.
     pub fn first_matching_caster(
         &self,
         placed: &SceneLight,

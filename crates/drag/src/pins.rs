@@ -1,4 +1,4 @@
-//! What is pinned, as equations and limits.
+//! Pins as equations and limits.
 
 use glam::{DVec2, DVec3};
 use raycast::Bvh;
@@ -9,45 +9,46 @@ use crate::point_in_light::{PointInLight, SceneLight};
 use crate::quadratic::Hold;
 use crate::request::{DragLimit, DragPin, DragRefusal, PinKind};
 
-/// How softly soft pins give way: a pin that is off by a tenth weighs as much as a change of three lengths of the light.
+/// Softness of soft pins: an error of a tenth weighs as much as a change of three lengths of the light.
 const SOFT_PIN_COMPLIANCE: f64 = 1e-3;
 
-/// How softly what arrives at a pinned direction gives way, as a share: the direction is what is pinned, but a surface looks as it
-/// did only with as much light.
+/// Softness of the relative error of the irradiance at a pinned direction. The pin is of the direction, but a surface
+/// keeps its look only if it receives as much light.
 const IRRADIANCE_COMPLIANCE: f64 = 1e-5;
 
-/// How near to a pin what light meets is the pinned surface itself, as a share of the scene's size: positions are written down
-/// with some digits.
+/// Distance within which a hit is the pinned surface itself, as a share of the scene's size. Pins come with rounded
+/// positions.
 const CONTACT: f64 = 1e-5;
 
-/// How far from the edge of a shadow what is pinned stays, in radii of the light.
+/// Least distance of a pinned point from the edge of a shadow, in radii of the light.
 const SHADOW_EDGE_MARGIN: f64 = 2e-3;
 
-/// A pin, and how it was when the drag began.
+/// Pin, with its state at the start of the drag.
 #[derive(Clone, Debug)]
 pub(crate) struct PinState {
-    /// Which of the drag's pins.
+    /// Index among the drag's pins.
     pub index: usize,
     pub kind: PinKind,
     pub is_hard: bool,
     /// In scene space.
     pub point: DVec3,
-    /// Where it was in the light.
+    /// Light coordinates of the point at the start of the drag.
     pub start_coords: PointInLight,
-    /// How much light arrived.
+    /// Irradiance at the start of the drag.
     pub irradiance: f64,
-    /// The surface's unit normals on the side that is lit, as a smooth one and of its triangle where that is lit from the front.
+    /// Unit normals of the surface on its lit side: the interpolated one, and the triangle's if that faces the light.
     /// Light from behind does not arrive.
     pub normals: [DVec3; 2],
-    /// Where its shadow is looked for, in scene space, as pictures do.
+    /// Point at which the shadow is tested, in scene space, as in pictures.
     pub shadow_point: DVec3,
-    /// Of a shadow: what throws it, and how far along the light.
+    /// Caster point of a pinned shadow in scene space, and its `t` at the start of the drag.
     pub pivot: Option<(DVec3, f64)>,
     pub contact: Contact,
 }
 
 impl PinState {
-    /// The pin, which has to hold. A soft one that does not is `Ok(None)`: nothing keeps it.
+    /// Makes the state of a pin that holds at the start. Returns `Ok(None)` for a soft pin that does not hold, and an
+    /// error for a hard one.
     pub fn new(
         occlusion: &Occlusion,
         bvh: &Bvh,
@@ -118,18 +119,17 @@ impl PinState {
         }
     }
 
-    /// Whether light arrives that nothing stands in the way of.
+    /// True if unoccluded light arrives at the front of the surface.
     pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
         self.normals.iter().all(|normal| normal.dot(place.along_path) > 0.0)
             && self.first_caster(occlusion, placed, place).is_none()
     }
 
-    /// Whether something stands in the light's way.
+    /// True if a caster shadows the point.
     pub fn is_shadowed(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
         self.first_caster(occlusion, placed, place).is_some()
     }
 
-    /// The first that does.
     fn first_caster(
         &self,
         occlusion: &Occlusion,
@@ -140,22 +140,22 @@ impl PinState {
         occlusion.first_caster_on_path(placed, &place, place.cross_coords, self.shadow_point, self.contact)
     }
 
-    /// Where its shadow is looked for, in a light in which the pin lies at `place`.
+    /// Light coordinates of the shadow point, in a light that has the pin at `place`.
     pub fn shadow_coords(&self, placed: &SceneLight, place: &PointInLight) -> Option<PointInLight> {
         placed.locate(self.shadow_point, Some(place.t))
     }
 
-    /// The places that are followed for it, as they were.
+    /// Values of `t` to track for the pin, at the start of the drag.
     pub fn start_t(&self) -> [f64; 2] {
         [self.start_coords.t, self.pivot.map_or(0.0, |(_, t)| t)]
     }
 
-    /// How softly it gives way.
+    /// Softness of the pin; 0 for a hard one.
     pub fn compliance(&self) -> f64 {
         if self.is_hard { 0.0 } else { SOFT_PIN_COMPLIANCE }
     }
 
-    /// How firmly its equations are held.
+    /// Returns the priorities of the pin's equations.
     pub fn row_holds(&self) -> impl Iterator<Item = Hold> {
         let hold = if self.is_hard { Hold::Fixed } else { Hold::Soft(SOFT_PIN_COMPLIANCE) };
         let count = if matches!(self.kind, PinKind::Direction | PinKind::Shadow) { 2 } else { 0 };
@@ -167,7 +167,8 @@ impl PinState {
         self.kind == PinKind::Direction && self.irradiance > 0.0
     }
 
-    /// Adds how far it is off, where that is an equation, and says where it is in the light.
+    /// Adds the pin's errors that are equations and its limits. Returns the tracked `t` values and the light
+    /// coordinates of the pin. `None` if the point or its pivot cannot be tracked.
     pub fn add_residual(
         &self,
         placed: &SceneLight,
@@ -208,35 +209,35 @@ impl PinState {
     }
 }
 
-/// The tangent of something that may not be crossed, found where a light would have crossed it.
+/// Tangent of a shadow edge or surface that may not be crossed, at the point where a light crossed it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OcclusionTangent {
-    /// The edge of a shadow.
+    /// Tangent of the edge of a shadow.
     ShadowEdge {
-        /// Whose, by its index.
+        /// Index of the pin that crossed the edge.
         pin: usize,
-        /// What throws it there, in scene space.
+        /// Caster point at the edge, in scene space.
         caster: DVec3,
-        /// How far along the light that is.
+        /// Distance of the caster along the light.
         t: f64,
-        /// Unit vector across the light, from the edge to where the pin may be.
+        /// Unit vector across the light, from the edge to the allowed side.
         allowed: DVec2,
     },
-    /// A surface before the source.
+    /// Tangent of a surface in front of the source.
     Surface {
         /// In scene space.
         at: DVec3,
-        /// Unit normal towards where the source may be.
+        /// Unit normal towards the allowed side.
         normal: DVec3,
-        /// How far it stays off, in world units.
+        /// Least distance of the source, in world units.
         clearance: f64,
-        /// The scene's size.
+        /// Size of the scene, in world units.
         size: f64,
     },
 }
 
 impl OcclusionTangent {
-    /// The pin that it is for.
+    /// Index of the pin that crossed the edge.
     pub fn pin(&self) -> Option<usize> {
         match self {
             Self::ShadowEdge { pin, .. } => Some(*pin),
@@ -244,7 +245,7 @@ impl OcclusionTangent {
         }
     }
 
-    /// How far a pin at `place` is within an edge.
+    /// Computes the distance of a pin at `place` from the edge, as a limit.
     pub fn pin_bound(&self, placed: &SceneLight, place: &PointInLight, pin: &PinState) -> Option<Bound> {
         let Self::ShadowEdge { caster, t, allowed, .. } = self else { return None };
         let edge = placed.locate(*caster, Some(*t))?;
@@ -254,7 +255,7 @@ impl OcclusionTangent {
         Some(Bound { value, limit: DragLimit::Pin(pin.index), compliance: pin.compliance() })
     }
 
-    /// How far the source is within a surface.
+    /// Computes the distance of the source from the surface, as a limit.
     pub fn source_bound(&self, placed: &SceneLight) -> Option<Bound> {
         let Self::Surface { at, normal, clearance: off, size } = self else { return None };
         let value = ((placed.source() - *at).dot(*normal) - off) / size;

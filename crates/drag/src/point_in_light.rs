@@ -1,35 +1,35 @@
-//! Where a point lies in a light, whatever its shape, followed while the light moves.
+//! Light coordinates of a point, for every shape of light, tracked while the light moves.
 
 use glam::{DVec2, DVec3};
 use light::{LightRays, Tube, TubeRoot};
 
 use crate::work::WorkBudget;
 
-/// Steps of finding a place: one that is followed in a tube, one in any other light, and one that is looked for in a segment.
+/// Costs of locating a point, in steps: tracked in a tube, in any other light, and searched in one segment.
 const STEPS_OF_PLACE: u64 = 300;
 const STEPS_OF_STRAIGHT_PLACE: u64 = 60;
 const STEPS_OF_ROOT: u64 = 50;
 
-/// Where a point lies in a light.
+/// Light coordinates of a point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PointInLight {
-    /// How far along its way, growing from the source: t of a tube, else a length in world units.
+    /// Distance along the light path, growing from the source: t of a tube, a length in world units for other shapes.
     pub t: f64,
-    /// Which way it lies on: (v, w) of a tube and of a cone; of others a place across the light.
+    /// Light path of the point: (v, w) of a tube or cone, coordinates across the light for other shapes.
     pub cross_coords: DVec2,
-    /// World units for a unit of `across` there.
+    /// World units per unit of `cross_coords` at the point.
     pub width: f64,
-    /// Unit vector to where its light comes from.
+    /// Unit vector towards the direction from which light arrives.
     pub to_light: DVec3,
-    /// The same along its way, which is what visibility goes by: of a tube the tangent of the path.
+    /// Unit vector back along the light path, which decides visibility: for a tube the tangent of the path.
     pub along_path: DVec3,
-    /// Of a tube `1 - kappa r.N`, which is 0 where ways meet; else 1.
+    /// For a tube `1 - kappa r.N`, which is 0 where light paths meet; else 1.
     pub path_spacing: f64,
-    /// How far from the light's ends, in widths, less than 0 beyond one; infinite where it has none.
+    /// Distance from the light's ends in widths, negative beyond one; infinite if the light has none.
     pub distance_to_ends: f64,
 }
 
-/// The gnomonic axes about a direction of an omni light, in its own axes: what `across` is measured by.
+/// Gnomonic axes about a direction of an omni light, in the light's axes. They measure its `cross_coords`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chart {
     ahead: DVec3,
@@ -38,32 +38,32 @@ pub(crate) struct Chart {
 }
 
 impl Chart {
-    /// About `ahead`, of length 1.
+    /// Makes the chart about the unit vector `ahead`.
     pub fn about(ahead: DVec3) -> Self {
         let right = ahead.any_orthonormal_vector();
         Self { ahead, right, up: right.cross(ahead) }
     }
 
-    /// The way in the light's axes that lies at `across`.
+    /// Returns the direction at `across`, in the light's axes.
     pub fn direction_at(&self, across: DVec2) -> DVec3 {
         self.ahead + self.right * across.x + self.up * across.y
     }
 }
 
-/// A light as rays about the origin of scene space.
+/// Light as rays relative to the origin of scene space.
 #[derive(Clone, Debug)]
 pub(crate) struct SceneLight<'a> {
     pub rays: &'a LightRays,
-    /// Where scene space begins, in the world.
+    /// Origin of scene space, in the world.
     pub origin_in_world: DVec3,
-    /// Of an omni light.
+    /// Axes of an omni light.
     pub chart: Chart,
-    /// What finding places costs.
+    /// Budget for locating points.
     pub work: &'a WorkBudget<'a>,
 }
 
 impl<'a> SceneLight<'a> {
-    /// `rays` in a scene, and what an omni light is measured by: the direction to `about`.
+    /// Places `rays` in a scene. The chart of an omni light is about the direction to `about`.
     pub fn new(rays: &'a LightRays, origin_in_world: DVec3, about: DVec3, work: &'a WorkBudget<'a>) -> Self {
         let ahead = match rays {
             LightRays::Omni(omni) => {
@@ -75,17 +75,17 @@ impl<'a> SceneLight<'a> {
         Self { rays, origin_in_world, chart: Chart::about(ahead), work }
     }
 
-    /// The same with another light of that shape.
+    /// Copies the light with other rays of the same shape.
     pub fn with(&self, rays: &'a LightRays) -> Self {
         Self { rays, ..*self }
     }
 
-    /// Where the source is, in scene space; of a directional light any point of its axis.
+    /// Position of the source, in scene space; for a directional light any point of its axis.
     pub fn source(&self) -> DVec3 {
         self.translation() - self.origin_in_world
     }
 
-    /// Steps to find a place: one that is followed, or one that is looked for in every segment.
+    /// Cost of locating a point, in steps: tracked, or searched in all segments.
     fn locate_cost_steps(&self, is_followed: bool) -> u64 {
         match self.rays {
             LightRays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
@@ -103,8 +103,10 @@ impl<'a> SceneLight<'a> {
         }
     }
 
-    /// Where a point in scene space lies, in the light or beside it; of a tube the place that is followed from `near`, or that
-    /// counts where there is none. `None` where it lies nowhere: behind a source, outside a tube that nothing is followed in.
+    /// Computes the light coordinates of a point in scene space, inside the light or beside it. In a tube it tracks the
+    /// root from `near`, or without `near` takes the root that counts.
+    ///
+    /// `None` behind a source, outside a tube without `near`, and if the budget is spent.
     pub fn locate(&self, point: DVec3, near: Option<f64>) -> Option<PointInLight> {
         if !self.work.spend(self.locate_cost_steps(near.is_some())) {
             return None;
@@ -144,8 +146,8 @@ impl<'a> SceneLight<'a> {
         }
     }
 
-    /// The same, with the largest component of the irradiance there on a surface square to the light, without shadows; 0 outside
-    /// the light.
+    /// Computes the light coordinates, and the largest component of the unshadowed irradiance on a surface orthogonal
+    /// to the light there; 0 outside the light.
     pub fn locate_with_irradiance(&self, point: DVec3, near: f64) -> Option<(PointInLight, f64)> {
         if !self.work.spend(self.locate_cost_steps(true)) {
             return None;
@@ -166,8 +168,8 @@ impl<'a> SceneLight<'a> {
         Some((self.locate(point, Some(near))?, irradiance.map_or(0.0, DVec3::max_element)))
     }
 
-    /// Of a light without a tube: where its way `across` begins, and where it is level with `point`, which lies at `place`.
-    /// A sun's way begins `far` before that.
+    /// Returns the light path at `across` of a light without a tube: its start, and its point level with `point` at
+    /// `place`. The path of a directional light starts `far` before that.
     pub fn straight_path(
         &self,
         place: &PointInLight,
@@ -192,7 +194,7 @@ impl<'a> SceneLight<'a> {
         }
     }
 
-    /// How far out in the light a place lies, squared: 1 at its edge. 0 where it has none.
+    /// Squared distance of the point from the light's axis, 1 at its edge; 0 for a light without an edge.
     pub fn rho2(&self, place: &PointInLight) -> f64 {
         match self.rays {
             LightRays::Bent(_) | LightRays::Cone(_) => place.cross_coords.length_squared(),
@@ -207,7 +209,8 @@ impl<'a> SceneLight<'a> {
     }
 }
 
-/// The root near `t`, with the radius left aside: Newton's method on `(q - P) . P'`, each step squaring the error.
+/// Tracks the root near `t` regardless of the radius, by Newton's method on `(q - P) . P'`. Each step squares the
+/// error.
 fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     const STEPS: usize = 12;
     // The error after such a step is its square.
@@ -228,7 +231,7 @@ fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
         if slope <= 0.0 {
             break;
         }
-        // A step of one segment at most: past the joint the curve is another.
+        // The curve changes past a joint, so a step is at most one segment long.
         let step = (r.dot(d) / slope).clamp(-1.0, 1.0);
         let next = (t + step).clamp(0.0, end);
         let is_done = (next - t).abs() <= ENOUGH * (1.0 + t);
@@ -254,7 +257,7 @@ fn track_root(tube: &Tube<f64>, q: DVec3, near: f64) -> TubeRoot<f64> {
     }
 }
 
-/// The place of a point that light reaches by the straight `way`.
+/// Makes the coordinates of a point that light reaches along the straight path `way`.
 fn straight_coords(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> PointInLight {
     let t = way.length();
     let to_light = -way / t;
@@ -269,14 +272,14 @@ fn straight_coords(way: DVec3, across: DVec2, width: f64, from_ends: f64) -> Poi
     }
 }
 
-/// The place of a root.
+/// Makes the coordinates of a root of a tube.
 fn tube_coords(tube: &Tube<f64>, root: &TubeRoot<f64>) -> PointInLight {
     let curve = &tube.segments[root.segment].curve;
     let turn = curve.u_hat_derivative(root.u, root.u_hat);
     let speed = 2.0 * curve.d(root.u).length();
     let scale = tube.placement.world_per_tube;
     let radius = if root.radius > 0.0 { root.radius } else { 1.0 };
-    // Beyond an end r has a part along the tangent.
+    // Beyond an end `r` has a component along the tangent.
     let beyond = root.r.dot(root.u_hat) / radius;
     let from_end = if tube.segments.len() > tube.n {
         f64::INFINITY

@@ -1,4 +1,4 @@
-//! The step that a solver takes: the smallest change that fulfils what is linear about the present place.
+//! Quadratic program of a step: the smallest change that fulfils the linearization about the present point.
 
 use std::rc::Rc;
 
@@ -7,31 +7,31 @@ use crate::matrix::{
 };
 use crate::work::WorkBudget;
 
-/// The least `mu` beside limits, as a share of the trace of `J J^T`. What it leaves of a residual goes in further steps.
+/// Least `mu` beside limits, as a share of the trace of `J J^T`. Further steps reduce the residual that it leaves.
 const MIN_MU_BESIDE_LIMITS: f64 = 1e-7;
 
-/// The least `mu`: what no change does anything to asks for nothing.
+/// Least `mu`. A row that no change affects then has no effect.
 const MIN_MU: f64 = 1e-30;
 
-/// Turns in which springs come in and go together, so that many do not take as many turns. Past these they do so one by one, which
-/// ends for certain.
+/// Iterations of the active set in which all soft limits (springs) enter and leave together, so that many springs do
+/// not take as many iterations. Later iterations change one at a time, which surely terminates.
 const MAX_BATCHED_TURNS: usize = 8;
 
-/// To what share of their size limits are held.
+/// Relative accuracy with which limits hold.
 const LIMIT_TOLERANCE: f64 = 1e-14;
 
-/// What is linear about a place `x`: residuals `residual + jacobian dx`, and limits that are to stay 0 or more, `limits +
-/// slopes dx`. The values are given beside it, since they may be of a place nearby.
+/// Linearization about unknowns `x`: residuals `residual + jacobian dx`, and limits `limits + slopes dx` that must stay
+/// 0 or more. The values come separately, since they may be those of a nearby point.
 pub(crate) struct Linearization<'a> {
     pub jacobian: Matrix,
     pub slopes: Matrix,
-    /// How firmly each residual is held.
+    /// Priority of each residual.
     pub rows: Rc<[Hold]>,
-    /// How softly each limit gives way; 0 where it does not.
+    /// Softness of each limit; 0 for a hard one.
     pub compliances: Vec<f64>,
-    /// Of the fixed rows those that the others follow from.
+    /// Independent fixed rows, from which the other fixed rows follow.
     fixed: Vec<usize>,
-    /// `I + sum a a^T / give` over the soft rows: what the size of a change is measured by where these count. `None` of none.
+    /// Metric of the change with the soft rows, `I + sum a a^T / compliance`. `None` without soft rows.
     metric: Option<Matrix>,
     work: &'a WorkBudget<'a>,
 }
@@ -59,7 +59,7 @@ impl<'a> Linearization<'a> {
     }
 }
 
-/// Steps of what goes over all of a square matrix.
+/// Cost of an operation on all values of a square matrix, in steps.
 fn square(columns: usize) -> u64 {
     (columns * columns) as u64
 }
@@ -83,18 +83,18 @@ fn add_scaled(sum: &mut [f64], a: &[f64], by: f64) {
     sum.iter_mut().zip(a).for_each(|(sum, value)| *sum += value * by);
 }
 
-/// How firmly a residual is held at 0.
+/// Priority of a residual's equation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Hold {
-    /// As far as limits and what is fixed let it.
+    /// Holds as far as limits and fixed rows allow.
     Objective,
-    /// Whatever is asked.
+    /// Holds in every case, before the objective.
     Fixed,
-    /// `|residual|^2 / give` is weighed against the size of the change.
+    /// Weighs `|residual|^2` divided by this compliance against the size of the change.
     Soft(f64),
 }
 
-/// Values of residuals and limits, and which count.
+/// Values of residuals and limits, and the rows that count.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Values<'a> {
     pub residual: &'a [f64],
@@ -102,24 +102,25 @@ pub(crate) struct Values<'a> {
     pub counting: RowSelection,
 }
 
-/// Which residuals count; limits do that are not soft, and with [`Self::All`] those that are.
+/// Residuals that count in a step. Hard limits always count, soft ones with [`Self::All`] only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowSelection {
     All,
-    /// Not those that are soft.
+    /// All but the soft ones.
     Firm,
-    /// Those alone that are fixed.
+    /// The fixed ones alone.
     Fixed,
 }
 
-/// The smallest `y` for which the residuals at `y` are 0, as far as the limits let them, and how each limit and each fixed
-/// residual pulls.
+/// Computes the smallest `y` at which the residuals are 0, as far as the limits allow, and the multipliers of all rows
+/// and limits.
 ///
-/// `y` is least in `|y|^2 + |residual|^2 / mu` over what fulfils the limits. Without limits that is `J^T (J J^T + mu I)^-1
-/// (J x - residual)` (light model, section 7). Limits are brought in by an active set: each as a further row that is held at
-/// 0, and let go where it pulls the wrong way. They come before residuals, which only ask; a fixed residual is a row that is
-/// never let go. What is soft has a `mu` of its own, limits too, which then are springs on one side. That changes what `|y|^2`
-/// is measured by, and adds no rows: however much is pinned, there are as many unknowns.
+/// `y` minimizes `|y|^2 + |residual|^2 / mu` under the limits. Without limits that is `J^T (J J^T + mu I)^-1 (J x -
+/// residual)` (light model, section 7). An active set adds each binding limit as a further row that is held at 0, and
+/// removes it if its multiplier has the wrong sign. Limits come before the residuals of the objective. A fixed residual
+/// is a row that is never removed. Soft rows have a `mu` of their own; soft limits have one too and act as one-sided
+/// springs. They change the metric of `|y|^2` and add no rows, so the size of the system stays that of the unknowns,
+/// however many pins there are.
 pub(crate) fn smallest_step(
     x: &[f64],
     linear: &Linearization,
@@ -146,7 +147,7 @@ pub(crate) fn smallest_step(
             break;
         }
         let (y, of_rows, pulls) = step.with_active(&active);
-        // A limit that holds the light back where it wants to go is let go of.
+        // A limit that pulls in the wrong direction leaves the active set.
         let wrong = active.iter().enumerate().filter(|(k, _)| pulls[*k] < 0.0);
         if let Some((k, &limit)) = wrong.min_by(|a, b| pulls[a.0].total_cmp(&pulls[b.0])) {
             if give[limit] > 0.0 && turn < MAX_BATCHED_TURNS {
@@ -177,35 +178,35 @@ pub(crate) fn smallest_step(
     best.unwrap_or_else(|| (x.to_vec(), still()))
 }
 
-/// How residuals and limits pull at what changes: the multipliers of their rows, of limits 0 or more.
+/// Multipliers of the rows and limits; those of limits are 0 or more.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Multipliers {
     pub rows: Vec<f64>,
     pub limits: Vec<f64>,
 }
 
-/// What a step is made of.
+/// Data of one step.
 struct QpStep<'a> {
     linear: &'a Linearization<'a>,
-    /// What rows and limits are to be at `y`.
+    /// Values that rows and limits must have at `y`.
     wanted: Vec<f64>,
     floor: Vec<f64>,
-    /// Where soft rows pull.
+    /// Right side of the soft rows.
     pull: Vec<f64>,
     counting: RowSelection,
     mu: f64,
 }
 
 impl QpStep<'_> {
-    /// The smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
+    /// Computes the smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
     ///
-    /// With `M = L L^T` for what is soft and `y0 = M^-1 pull`, `|y|^2` and the soft rows are `|L^T (y - y0)|^2`, and so only firm
-    /// rows are left, as `L^-1 a` of what they were.
+    /// With `M = L L^T` for the soft rows and `y0 = M^-1 pull`, `|y|^2` and the soft rows together are `|L^T (y -
+    /// y0)|^2`. Only firm rows remain, each as `L^-1 a`.
     fn with_active(&self, active: &[usize]) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let Linearization { jacobian, slopes, rows, compliances: give, fixed, metric, work } = self.linear;
         let is_spring = |limit: &&usize| give[**limit] > 0.0;
         let are_soft = self.counting == RowSelection::All && metric.is_some();
-        // Where nothing is soft M is I.
+        // Without soft rows and active springs M is I.
         let soft = (are_soft || active.iter().any(|limit| is_spring(&limit))).then(|| {
             let unsoft = || identity(jacobian.columns);
             let mut metric = metric.clone().filter(|_| are_soft).unwrap_or_else(unsoft);
@@ -230,7 +231,7 @@ impl QpStep<'_> {
             .chain(limits.copied().map(FirmRow::Limit))
             .collect();
         let trace: f64 = asked().map(|row| dot(jacobian.row(row), jacobian.row(row))).sum();
-        // What is firm comes first: residuals ask more softly than it is rounded.
+        // Firm rows come first, so the softness of the objective exceeds their rounding errors.
         let is_asked_alone = firm.iter().all(|row| matches!(row, FirmRow::Objective(_)));
         let asking = if is_asked_alone { self.mu } else { self.mu.max(MIN_MU_BESIDE_LIMITS * trace) };
         let mut all = Matrix::zero(firm.len(), jacobian.columns);
@@ -280,7 +281,6 @@ impl QpStep<'_> {
     }
 }
 
-/// A row that is firm.
 #[derive(Clone, Copy, Debug)]
 enum FirmRow {
     Objective(usize),
@@ -304,7 +304,7 @@ mod tests {
         pinned(residual, limits, &[])
     }
 
-    /// The same with further rows, `y . row = 0`.
+    /// Computes the step with further rows, `y . row = 0`.
     fn pinned(residual: f64, limits: &[(f64, [f64; 2])], pins: &[(Hold, [f64; 2])]) -> Vec<f64> {
         let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
         rows.extend(pins.iter().map(|(_, row)| &row[..]));
@@ -331,21 +331,21 @@ mod tests {
         assert!(y.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{y:?} is not {expected:?}");
     }
 
-    /// Of all points on a line the one nearest to 0; with a wall the one at the wall; and where the wall stands before the
-    /// line, as near as the wall lets it.
+    /// The smallest step on a line is its point nearest to 0. With a limit across it, it is the point at the limit. If
+    /// the limit keeps it from the line, it is the point nearest to the line.
     #[test]
     fn the_smallest_step_keeps_within_limits() {
         near(&step(-2.0, &[]), [1.0, 1.0]);
         near(&step(-2.0, &[(0.25, [-1.0, 0.0])]), [0.25, 1.75]);
-        // A limit that is far away changes nothing.
+        // A limit that does not bind has no effect.
         near(&step(-2.0, &[(5.0, [-1.0, 0.0])]), [1.0, 1.0]);
         near(&step(-2.0, &[(0.25, [-1.0, 0.0]), (0.5, [0.0, -1.0])]), [0.25, 0.5]);
-        // One that is broken is mended first.
+        // A broken limit is restored first.
         near(&step(-2.0, &[(-0.5, [-1.0, 0.0])]), [-0.5, 2.5]);
     }
 
-    /// What is fixed stays, whatever is asked; what is soft gives way by what it costs: with `a = 2 - b`, the least of
-    /// `a^2 + b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
+    /// A fixed row holds against the objective. A soft row yields by its cost: with `a = 2 - b`, the least of `a^2 +
+    /// b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
     #[test]
     fn pins_hold() {
         near(&pinned(-2.0, &[], &[(Hold::Fixed, [0.0, 1.0])]), [2.0, 0.0]);

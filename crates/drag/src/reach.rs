@@ -1,4 +1,4 @@
-//! Straight to a light that has the feature under the cursor, wherever it is.
+//! Jumps to a light that has the feature under the cursor, however far it is from the present one.
 
 use crate::goal::{DIFFERENCE, Goal, TrackedPoints};
 use crate::matrix::dot;
@@ -6,30 +6,30 @@ use crate::quadratic::RowSelection;
 use crate::start::rigid_start;
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 
-/// The longest way to one place, in the units of what moves.
+/// Longest change from one sample of the path to the next, in units of the unknowns.
 const MAX_STEP: f64 = 0.25;
 
-/// Newton's steps to a place, and over how far each takes differences. Where two segments of a tube meet slopes jump: what
-/// is linear on one side leads nowhere on the other, and what is on the mean over both does.
+/// Difference steps of the Newton steps to a sample. Slopes jump where two segments of a tube meet. The linearization
+/// of one side then leads nowhere on the other, and the mean over both sides works.
 const DIFFERENCE_STEPS: [f64; 6] = [DIFFERENCE, DIFFERENCE, DIFFERENCE, 1e-3, 1e-2, 5e-2];
 
-/// How far from a joint, in segments, a place may go on along that.
+/// Distance from a joint, in segments, within which the solver may go on along the joint.
 const MAX_JOINT_DISTANCE: f64 = 0.1;
 
-/// How far places of a way are apart, in radii or radians, and how many there are at least and at most.
+/// Distance between samples of the path, in radii or radians, and the least and most samples.
 pub(crate) const SAMPLE_SPACING: f64 = 0.1;
 pub(crate) const SAMPLE_COUNT_RANGE: [f64; 2] = [4.0, 48.0];
 
-/// Parts of a way to the next place that are tried, each a quarter of the one before.
+/// Number of parts of the path to the next sample that the solver tries, each a quarter of the one before.
 const PARTS: usize = 4;
 
-/// Steps in which a change becomes smaller, and by which share each.
+/// Most steps that reduce the change, and the share by which each does.
 const MAX_SHRINK_STEPS: usize = 24;
 const SHRINK: f64 = 0.3;
 
 impl Solution {
-    /// Goes on from a share of the way however it may, also from another light that has the feature under the cursor. Whether it
-    /// lands.
+    /// Goes on from a share of the path, if necessary by a jump to another light that has the feature under the cursor.
+    /// Returns true if it converges.
     pub fn jump(&mut self, goal: &Goal, near: &TrackedPoints, from: f64) -> bool {
         let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let mut share = from;
@@ -42,8 +42,8 @@ impl Solution {
         self.iterate.is_converged() || self.place_rigidly(goal, near)
     }
 
-    /// Goes on from one share of the way to another, or to one between, by the smallest change that has the feature there; `None`
-    /// where nothing does even for a small part of it.
+    /// Moves from one share of the path to another or to one between, by the smallest change that has the feature
+    /// there. `None` if not even a small part of the path has a solution.
     fn continue_to(&mut self, goal: &Goal, share: f64, end: f64) -> Option<f64> {
         let parts = || std::iter::successors(Some(1.0), |part| Some(part * 0.25)).take(PARTS);
         let next_of = |part: f64| if part < 1.0 { share + (end - share) * part } else { end };
@@ -53,7 +53,7 @@ impl Solution {
                 .or_else(|| self.newton_along_joint(goal, next))?;
             Some((at, next))
         });
-        // What is soft gives way where nothing else does.
+        // Soft pins yield if nothing else has a solution.
         if reached.is_none() && goal.has_soft_pins() {
             reached = parts()
                 .map(next_of)
@@ -64,7 +64,7 @@ impl Solution {
         Some(next)
     }
 
-    /// Puts a light that moves as a whole where the feature is under the cursor. Whether it may be there.
+    /// Moves the light rigidly so that the feature is under the cursor. Returns true if the limits allow it.
     fn place_rigidly(&mut self, goal: &Goal, near: &TrackedPoints) -> bool {
         let Some((x, near)) = rigid_start(goal, near) else { return false };
         let Some(evaluation) = goal.evaluate(&x, 1.0, &near) else { return false };
@@ -77,7 +77,7 @@ impl Solution {
         is_there
     }
 
-    /// The nearest place with the feature where it should be, by Newton's method.
+    /// Finds the nearest light with the feature at its target, by Newton's method.
     pub fn newton_to(&mut self, goal: &Goal, share: f64, counting: RowSelection) -> Option<Iterate> {
         let evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;
         let from = self.iterate.x.clone();
@@ -95,7 +95,8 @@ impl Solution {
             }
             let evaluation = goal.evaluate(&x, share, &at.evaluation.tracked)?;
             at = Iterate { x, evaluation };
-            // Beside limits what is asked is weighed against the change; the rest is a way of its own.
+            // Beside limits the objective is weighed against the change. A separate restoration removes the remaining
+            // error.
             if let Some(at) = restore_feasibility(goal, share, &linear, &at, RowSelection::Firm) {
                 return Some(at);
             }
@@ -103,8 +104,10 @@ impl Solution {
         None
     }
 
-    /// The same along a joint of the tube. Slopes jump where two segments meet, and where those of each side lead to the other
-    /// the nearest place is on the joint itself: along that they are the same.
+    /// Finds the nearest light with a tracked point at a joint of the tube.
+    ///
+    /// Slopes jump where two segments meet. If the slopes of each side lead to the other, the nearest light has the
+    /// point on the joint itself, and along the joint both sides have the same slopes.
     pub fn newton_along_joint(&mut self, goal: &Goal, share: f64) -> Option<Iterate> {
         let places = self.iterate.evaluation.tracked.first()?.iter().enumerate();
         let joints: Vec<_> = places
@@ -121,7 +124,7 @@ impl Solution {
         })
     }
 
-    /// Makes the change smaller as long as the feature stays where it should be.
+    /// Reduces the change for as long as the feature stays at its target.
     pub fn shrink(&mut self, goal: &Goal) {
         for _ in 0..MAX_SHRINK_STEPS {
             let smaller: Vec<f64> = self.iterate.x.iter().map(|x| x * (1.0 - SHRINK)).collect();

@@ -1,158 +1,155 @@
-//! What is asked, and what comes of it.
+//! Requests and results of drags.
 
 use glam::{DVec2, DVec3};
 use light::Light;
 use scene::Camera;
 
-/// A picture that is dragged in.
+/// View in which the user drags.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Viewport {
-    /// Who looks.
     pub camera: Camera,
-    /// Its width and height in pixels.
+    /// Width and height in pixels.
     pub size: [u32; 2],
 }
 
-/// A feature of a light, and where it goes.
+/// Request to move a feature of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drag {
-    /// What is dragged.
     pub feature: Feature,
-    /// The control points that take part, by their indices; `None` moves the light as a whole.
+    /// Indices of the control points that may move; `None` moves the whole light.
     pub points: Option<Vec<usize>>,
-    /// What becomes of radii where control points take part.
+    /// Handling of the radii if control points move.
     pub radii: RadiusMode,
-    /// Where the feature is taken, in pixels from the picture's top left corner.
+    /// Start of the drag, in pixels from the picture's top left corner.
     pub from: DVec2,
-    /// Where it goes.
+    /// Cursor, in pixels from the picture's top left corner.
     pub to: DVec2,
-    /// What is to stay as it is.
+    /// Properties that stay as they are.
     pub pins: Vec<DragPin>,
-    /// Whether the source may not go through a surface.
+    /// True if the source may not go through a surface.
     pub source_outside: bool,
 }
 
-/// What is to stay as it is at a point while the light is dragged. It has to be so when the drag begins.
+/// Property of a point that stays as it is while the light is dragged. It must hold when the drag begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragPin {
-    /// What stays.
     pub kind: PinKind,
-    /// Where, in the world: on a surface.
+    /// World position on a surface.
     pub at: DVec3,
-    /// Of [`PinKind::Shadow`]: the node that throws it, by its name or its path; `None` for the first that light meets.
+    /// Name or path of the node that casts the shadow, for [`PinKind::Shadow`]; `None` for the first caster on the
+    /// light path.
     pub caster: Option<String>,
-    /// Whether it stays whatever is asked, or as far as that lets it.
+    /// True if the pin holds in every case; false if it holds only as far as the drag allows.
     pub is_hard: bool,
 }
 
-/// What stays at a point.
+/// Property that a pin keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PinKind {
-    /// The direction from which light arrives and, as far as what is asked lets it, how much of it, so that the surface looks as it
-    /// did.
+    /// Direction from which light arrives and, as far as the drag allows, its irradiance, so that the surface keeps its
+    /// look.
     Direction,
-    /// That light arrives.
+    /// Light arrives.
     Lit,
-    /// That something stands in the light's way.
+    /// A caster blocks the light.
     Shadowed,
-    /// The shadow of the very point of the caster that throws it now.
+    /// Shadow of the same point of the caster that casts it at the start.
     Shadow,
 }
 
-/// What is dragged. M is the surface seen where the drag begins, M' the one seen where it ends.
+/// Dragged feature of a light. M is the surface point seen at the start of the drag, M' the one under the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Feature {
-    /// The shadow on M: what throws it comes to lie on the way of the light to M'.
+    /// Shadow on M: its caster point moves onto the light path to M'.
     Shadow,
-    /// The part of the light that M lies in: it comes to lie on M'.
+    /// Part of the light at M: it moves to M'.
     Hotspot,
-    /// The highlight: at M' the light arrives along the mirror direction.
+    /// Highlight: light arrives at M' along the mirror direction.
     Highlight,
-    /// Where a surface is brightest: at M' the light arrives along the normal.
+    /// Brightest side of a surface: light arrives at M' along the normal.
     Diffuse,
 }
 
-/// What becomes of radii while control points move.
+/// Handling of radii while control points move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum RadiusMode {
-    /// They stay.
+    /// Radii stay.
     #[default]
     Keep,
-    /// Those of the moving points are unknowns too.
+    /// Radii of the moving points are unknowns too.
     Solve,
-    /// Those that would make the tube fold shrink, and come back.
+    /// Radii that would make the tube fold shrink, and grow back.
     Follow,
 }
 
-/// What came of a drag.
+/// Result of a drag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragResult {
-    /// Whether the feature lies under the cursor.
     pub status: DragStatus,
-    /// The light, which can be evaluated: the one that the drag began with where it was refused.
+    /// A light that can be evaluated. It is the light of the start if the drag was refused.
     pub light: Light,
-    /// On the screen, from the cursor to where the feature lies now, in pixels; infinite where it is not in the picture.
+    /// Distance on the screen from the cursor to the feature, in pixels; infinite if the feature is not in the picture.
     pub residual_px: f64,
-    /// The node that shadows M' too, where a shadow was dragged and another caster stands in the light's way.
+    /// Node that shadows M' in place of the dragged caster point, if another caster is on the light path.
     pub shadowed_by: Option<usize>,
-    /// Steps that the solver took.
+    /// Number of solver steps.
     pub iterations: usize,
-    /// Where the drag began, in the world; `None` where no surface is seen.
+    /// World position of the surface at the start of the drag; `None` if there is no surface.
     pub from_world: Option<DVec3>,
-    /// Where it ended.
+    /// World position of the surface under the cursor; `None` if there is no surface.
     pub to_world: Option<DVec3>,
-    /// Of a shadow: the point that throws it.
+    /// World position of the caster point of a dragged shadow.
     pub pivot_world: Option<DVec3>,
 }
 
-/// Whether the feature lies under the cursor.
+/// Outcome of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragStatus {
-    /// It does, within half a pixel.
+    /// The feature is under the cursor, within half a pixel.
     Converged,
-    /// It lies as near as the light may bring it.
+    /// The feature is as near to the cursor as the limit allows.
     Limited(DragLimit),
-    /// Nothing was moved.
+    /// The light is unchanged.
     Refused(DragRefusal),
 }
 
-/// What keeps a light from going on.
+/// Limit that keeps a light from the cursor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragLimit {
     /// The tube would fold over itself.
     Fold,
-    /// A radius would be less than nothing.
+    /// A radius would be negative.
     Radius,
-    /// The place under the cursor would lie outside the light.
+    /// The point under the cursor would lie outside the light.
     TubeEdge,
     /// No small change brings the feature nearer.
     NoDescent,
     /// The source would go through a surface.
     SourceInside,
-    /// What is pinned would not stay, by the pin's index.
+    /// The pin with this index would not hold.
     Pin(usize),
-    /// Finding a nearer light takes more steps than a drag may take ([`crate::MAX_DRAG_STEPS`]).
+    /// The search for a nearer light takes more steps than a drag may take ([`crate::MAX_DRAG_STEPS`]).
     TooMuchWork,
 }
 
-/// Why nothing can be moved.
+/// Reason for which a drag is refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragRefusal {
-    /// Where the drag begins there is no surface.
+    /// There is no surface at the start of the drag.
     NothingAtStart,
-    /// The cursor is off the surfaces, or on one that the light may not show on.
+    /// There is no surface under the cursor, or the light's links exclude it.
     NothingAtEnd,
-    /// The surface where the drag begins lies outside the light, or the light may not show on it.
+    /// The surface at the start of the drag lies outside the light, or the light's links exclude it.
     OutsideTheLight,
-    /// Where a shadow is to be taken there is none.
+    /// There is no shadow at the start of the drag.
     NoShadow,
-    /// Control points were named, and the light has none.
+    /// The request names control points, and the light has none.
     NotBendy,
-    /// A control point was named that the light does not have, or its source.
+    /// The request names a control point that the light does not have, or its source.
     NoSuchPoint,
-    /// None of the control points that take part acts on the light there.
+    /// None of the moving control points acts on the light at the start of the drag.
     NoWeight,
-    /// A hard pin, by its index, holds what is not so: its point is outside the light, or is not lit, not in shadow, or
-    /// not in that caster's shadow.
+    /// The hard pin with this index does not hold at the start: its point is outside the light, or is not lit, not in
+    /// shadow, or not in the shadow of the named caster.
     PinDoesNotHold(usize),
 }

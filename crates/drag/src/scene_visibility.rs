@@ -1,4 +1,5 @@
-//! What is pinned by what light meets on its way, and where the source may go: found by rays, since it has no slope.
+//! Visibility constraints of a drag: occlusion of pinned points and surfaces before the source. Rays find them, since
+//! they have no slope.
 
 use glam::{DVec2, DVec3};
 
@@ -10,34 +11,34 @@ use crate::pins::{OcclusionTangent, PinState};
 use crate::point_in_light::SceneLight;
 use crate::request::{DragLimit, PinKind};
 
-/// Halvings by which the first crossing is found.
+/// Number of halvings that find the first crossing.
 const HALVINGS: usize = 40;
 
-/// Edges that are found at once. More wait for what these change.
+/// Most shadow edges found at once. Others wait for the effect of these.
 const EDGES_AT_ONCE: usize = 8;
 
-/// How far from a surface the source stays, in the scene's sizes.
+/// Least distance of the source from a surface, as a share of the scene's size.
 const SURFACE_CLEARANCE_SHARE: f64 = 1e-3;
 
-/// How far off an equation that holds may be where it is looked at anew, in radii or radians.
+/// Largest error at which an equation counts as held when it is checked anew, in radii or radians.
 const HELD_TOLERANCE: f64 = 1e-6;
 
-/// How far around an edge its direction is looked for, in radii of the light.
+/// Distance around an edge at which light paths probe its direction, in radii of the light.
 const EDGE_PROBE_RADIUS: f64 = 1e-3;
 
-/// Ways that are followed there.
+/// Number of light paths that probe the direction of an edge.
 const EDGE_PROBE_COUNT: usize = 16;
 
-/// The scene as what has to hold sees it.
+/// Scene against which visibility constraints are checked.
 pub(crate) struct SceneVisibility<'a> {
     pub occlusion: &'a Occlusion<'a>,
-    /// Whether the source may not go through surfaces.
+    /// True if the source may not go through a surface.
     pub source_outside: bool,
 }
 
 impl SceneVisibility<'_> {
-    /// What the light with `x` breaks, as limits that keep it from that; none where all that has to hold does. `are_soft` looks at
-    /// soft pins too.
+    /// Returns the constraints that the light with `x` breaks, as tangents that keep the light from breaking them; none
+    /// if all hold. Checks soft pins too if `are_soft`.
     pub fn violated_tangents(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Vec<OcclusionTangent> {
         let broken = self.violated_pins(goal, x, |pin| pin.is_hard || are_soft);
         let edges = broken.into_iter().filter_map(|pin| self.edge(goal, pin, x));
@@ -45,14 +46,14 @@ impl SceneVisibility<'_> {
         if edges.is_empty() { self.surface(goal, x).into_iter().collect() } else { edges }
     }
 
-    /// What has to hold and does not in the light with `x`.
+    /// Returns the first hard pin or surface that the light with `x` violates.
     pub fn violated_limit(&self, goal: &Goal, x: &[f64]) -> Option<DragLimit> {
         let pins = self.violated_pins(goal, x, |pin| pin.is_hard);
         let pin = pins.first().map(|pin| DragLimit::Pin(pin.index));
         pin.or_else(|| self.surface(goal, x).map(|_| DragLimit::SourceInside))
     }
 
-    /// Of the pins that are looked at, those that do not hold in the light with `x`.
+    /// Returns the selected pins that do not hold in the light with `x`.
     fn violated_pins<'g>(
         &self,
         goal: &'g Goal,
@@ -68,7 +69,8 @@ impl SceneVisibility<'_> {
         }
     }
 
-    /// Whether a pin holds in a light: where ways of it overlap, in the place that counts. `None` where it lies nowhere.
+    /// True if a pin holds in a light, at the root that counts if paths of the light overlap. `None` if the point has
+    /// no light coordinates.
     fn is_pin_held(&self, placed: &SceneLight, pin: &PinState) -> Option<bool> {
         let place = placed.locate(pin.point, None)?;
         let is_inside = placed.rho2(&place) <= 1.0 && place.distance_to_ends >= 0.0;
@@ -85,7 +87,7 @@ impl SceneVisibility<'_> {
         Some(is_inside && is_held)
     }
 
-    /// The edge of the shadow that a pin crosses on the straight way to `x`.
+    /// Finds the shadow edge that a pin crosses on the straight line from the start to `x`.
     fn edge(&self, goal: &Goal, pin: &PinState, x: &[f64]) -> Option<OcclusionTangent> {
         let at = |share: f64| -> Vec<f64> { x.iter().map(|x| x * share).collect() };
         if !matches!(pin.kind, PinKind::Lit | PinKind::Shadowed) {
@@ -104,7 +106,7 @@ impl SceneVisibility<'_> {
                 self.occlusion.first_caster_on_path(placed, &place, across, pin.shadow_point, contact)
             };
             let caster = first(place.cross_coords, pin.contact)?;
-            // Its own surface, which ways beside it meet too, does not count.
+            // The pin's own surface, which neighbouring light paths meet too, does not count.
             let reach = EDGE_PROBE_RADIUS * pin.start_coords.width / place.width;
             let mut contact = pin.contact;
             contact.within += 8.0 * reach * place.width;
@@ -129,7 +131,7 @@ impl SceneVisibility<'_> {
         })
     }
 
-    /// The surface that the source goes through on its straight way in the light with `x`.
+    /// Finds the surface that the source crosses on its straight line from the start to the light with `x`.
     fn surface(&self, goal: &Goal, x: &[f64]) -> Option<OcclusionTangent> {
         let Unknowns::Rigid { unit } = goal.unknowns else { return None };
         if !self.source_outside {
@@ -139,12 +141,13 @@ impl SceneVisibility<'_> {
         self.surface_between(from, way)
     }
 
-    /// The first surface on a way, whichever light it stops, as what the source may not go through. The source stays off it by
-    /// a thousandth of the scene's size, or by half of how near it was.
+    /// Finds the first surface on a line, whatever the shadow links, as a limit for the source.
+    ///
+    /// The source keeps a distance of a thousandth of the scene's size, or of half its distance at the start.
     fn surface_between(&self, from: DVec3, way: DVec3) -> Option<OcclusionTangent> {
         let bvh = self.occlusion.bvh;
         let size = bvh.posed.half_extent.length();
-        // As much farther as the source has to stay off.
+        // The ray is longer by the distance that the source keeps.
         let reach = 1.0 + SURFACE_CLEARANCE_SHARE * size / way.length().max(f64::MIN_POSITIVE);
         let spend = |boxes| self.occlusion.work.spend_on_rays(boxes);
         let hit = bvh.first_hit_budgeted(from, way, [0.0, reach], spend, |hit| {
@@ -159,7 +162,7 @@ impl SceneVisibility<'_> {
     }
 }
 
-/// What is so in the light with `x`, as it is placed in the scene.
+/// Applies `what` to the light with `x`, placed in the scene. `None` if the light cannot be evaluated.
 fn in_light<T>(goal: &Goal, x: &[f64], what: impl Fn(&SceneLight) -> Option<T>) -> Option<T> {
     let rays = goal.rays(x)?;
     what(&goal.scene_light.with(&rays))

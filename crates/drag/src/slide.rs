@@ -1,5 +1,5 @@
-//! As near to the cursor as limits let the light: where a feature cannot lie under it, and control points that are dragged
-//! themselves.
+//! Slides along limits: brings a feature that cannot lie under the cursor, or a dragged control point, as near to it as
+//! the limits allow.
 
 use glam::DVec3;
 use light::CheckedLight;
@@ -14,41 +14,44 @@ use crate::request::{DragLimit, RadiusMode};
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 use crate::work::WorkBudget;
 
-/// Halvings between the last place on a straight way that can be had and the wall.
+/// Number of halvings between the last feasible point of a straight line and the limit.
 const LIMIT_HALVINGS: usize = 20;
 
-/// Steps where nothing lands: on the way, and at its end until they are [`MIN_STEP`], so many at most.
+/// Number of steps along the path of a drag that does not converge, and most steps at its end until they are
+/// [`MIN_STEP`].
 const SLIDE_STEPS: usize = 24;
 const MAX_SETTLE_STEPS: usize = 40;
 
-/// A step this small is none, in the units of what moves.
+/// Step below which the light counts as settled, in units of the unknowns.
 const MIN_STEP: f64 = 1e-7;
 
-/// The longest step.
+/// Longest step, in units of the unknowns.
 const MAX_STEP: f64 = 0.03;
 
-/// How softly the feature pulls there, as a share of the trace of `J J^T`: what helps little is not done.
+/// Softness of the objective in a slide, as a share of the trace of `J J^T`. A change that helps little is not made.
 const OBJECTIVE_COMPLIANCE: f64 = 1e-2;
 
-/// Quarterings of a step that makes nothing better.
+/// Most quarterings of a step that does not reduce the cost.
 const QUARTERINGS: usize = 4;
 
-/// What came of it.
+/// Result of a dragged control point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slide {
-    /// The light, which can be evaluated.
+    /// A light that can be evaluated.
     pub light: CheckedLight,
-    /// What keeps the control point from where it was to go; `None` where it is there.
+    /// Limit that keeps the control point from its target; `None` if it is there.
     pub limit: Option<DragLimit>,
-    /// How far it is from there, in light-local units.
+    /// Distance of the control point from its target, in light-local units.
     pub distance_left: f64,
 }
 
-/// `light` with a control point at `to` in light-local space, or as near to that as no fold lets it; with [`RadiusMode::Follow`] radii
-/// that would make the tube fold shrink, and nothing is in the way. It depends on the light and on `to` alone.
+/// Moves a control point of `light` to `to` in light-local space, or as near as the fold limit allows.
 ///
-/// `None` where the light has no such control point, or it is the source; and for [`RadiusMode::Solve`], since radii do nothing
-/// for a position.
+/// With [`RadiusMode::Follow`] radii that would make the tube fold shrink, and nothing keeps the point from its target.
+/// The result depends on the light and on `to` alone.
+///
+/// `None` if the light has no such control point or it is the source, if `to` is not finite, and for
+/// [`RadiusMode::Solve`], since radii have no effect on a position.
 pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusMode) -> Option<Slide> {
     let points = light.light().points();
     if !(1..points.len()).contains(&point) || radii == RadiusMode::Solve || !to.is_finite() {
@@ -62,7 +65,7 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     let placed = SceneLight::new(light.rays(), DVec3::ZERO, DVec3::ZERO, &work);
     let goal = Goal::new(asked, (light, moves), placed, Vec::new());
     let near = vec![[0.0; 2]];
-    // Where nothing is in the way it is there, to the last bit.
+    // Without a limit the point reaches its target to the last bit.
     let all_of_it = ((to - points[point].position) / unit).to_array();
     let reaches = goal
         .evaluate(&all_of_it, 1.0, &near)
@@ -78,7 +81,8 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     }
     let found = solve_position(&goal, &near, &all_of_it)?;
     let moved = CheckedLight::new(goal.unknowns.light(light.light(), &found.iterate.x));
-    // What the solver passes is no fold, and so can be evaluated; the light as it was can be in any case.
+    // A light that the solver accepts does not fold, and so can be evaluated. The light of the start can be in any
+    // case.
     let light = moved.unwrap_or_else(|_| light.clone());
     let short_by = light.light().points()[point].position.distance(to);
     Some(Slide {
@@ -88,7 +92,9 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     })
 }
 
-/// Straight to where the control point first meets a limit, which of each share of the way is one place to look at, and on along that.
+/// Moves straight to the first limit that the control point meets, and slides along that.
+///
+/// Each share of the straight line has one light to check.
 fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solution> {
     let mut found = Solution::begin(goal, near)?;
     let at = |share: f64| {
@@ -109,16 +115,16 @@ fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solu
     Some(found)
 }
 
-/// What is least where a light glides to.
+/// Cost that a slide minimizes.
 struct Cost<'a> {
-    /// Where it could go no further with the feature where it should be.
+    /// Unknowns of the last light that had the feature at its target.
     limit_x: &'a [f64],
-    /// What a change from there costs beside what is off.
+    /// Weight of a change from there, against the squared error of the feature.
     compliance: f64,
 }
 
 impl Cost<'_> {
-    /// How far the feature stays off, squared, and what the light's change and all that is soft cost beside that.
+    /// Computes the squared error of the feature, plus the weighted change of the light and the errors of soft pins.
     fn of(&self, at: &Iterate) -> f64 {
         let rows = at.evaluation.residual.iter().zip(at.evaluation.rows.iter());
         let of_rows = rows.map(|(off, row)| if let Hold::Soft(give) = row { off * off / give } else { 0.0 });
@@ -134,8 +140,11 @@ impl Cost<'_> {
 }
 
 impl Solution {
-    /// Goes on where nothing more has the feature where it should be, to where it is off the least: weighed against how far the light
-    /// goes for that, so that it neither jumps nor runs away for little. Where the feature should be need not be in the light there.
+    /// Goes on from a share of the path past which no light has the feature at its target, to the light with the least
+    /// cost.
+    ///
+    /// The cost weighs the error of the feature against the change of the light, so that the light neither jumps nor
+    /// drifts far for a small gain. The target of the feature may lie outside the light.
     pub fn slide(&mut self, to_land: &Goal, from: f64) {
         let wall = self.iterate.x.clone();
         let Some(evaluation) = to_land.evaluate(&wall, from, &self.iterate.evaluation.tracked) else {
@@ -162,7 +171,7 @@ impl Solution {
         }
     }
 
-    /// A step that costs less, or back to where limits hold, and how long it is; `None` where there is none.
+    /// Takes a step that reduces the cost or restores the limits, and returns its length. `None` if there is none.
     fn cheaper_step(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
         self.iterations += 1;
         self.iterate.evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;

@@ -1,21 +1,23 @@
-//! From where a drag began to where the cursor is.
+//! Solver of a drag, from its start to the cursor.
 
 use crate::goal::{DIFFERENCE, Goal, TrackedPoints};
 use crate::quadratic::RowSelection;
 use crate::scene_visibility::SceneVisibility;
 use crate::step::{Iterate, Solution, restore_feasibility};
 
-/// Edges that may turn up, and for soft pins.
+/// Most tangents of a drag, and most with which soft pins still add some.
 const MAX_TANGENTS: [usize; 2] = [12, 4];
 
-/// Places on a straight way that are looked at where what was found cannot be had, and halvings between the last two.
+/// Number of points on a straight line that are checked if the light found is not feasible, and of halvings between the
+/// last two.
 const LINE_SEARCH_STEPS: usize = 32;
 
-/// The smallest change that brings the feature under the cursor, or as near as the limits let it. `None` where even the
-/// beginning cannot be evaluated.
+/// Finds the smallest change that brings the feature under the cursor, or as near as the limits allow. `None` if not
+/// even the start can be evaluated.
 ///
-/// What light meets has no slope. So the drag is solved without it, and where the light that was found breaks what has to hold
-/// the edge that it crossed is a further limit. Where its work is over it is what was found until then, which may break anything.
+/// Visibility has no slope. So the drag is solved without it, and if the resulting light breaks a visibility
+/// constraint, the edge that it crossed becomes a further limit. If the budget is spent, the result is the latest
+/// light, which may break any constraint.
 pub(crate) fn solve(goal: &mut Goal, near: &TrackedPoints, sight: &SceneVisibility) -> Option<Solution> {
     let mut found = solve_with_tangents(goal, near)?;
     while goal.tangents.len() < MAX_TANGENTS[0] {
@@ -42,7 +44,7 @@ pub(crate) fn solve(goal: &mut Goal, near: &TrackedPoints, sight: &SceneVisibili
     Some(found)
 }
 
-/// As far on the straight way to `x` as what has to hold does.
+/// Goes along the straight line towards `x` as far as all constraints hold.
 fn feasible_on_line(
     goal: &Goal,
     near: &TrackedPoints,
@@ -70,7 +72,7 @@ fn feasible_on_line(
     Some(last)
 }
 
-/// What has to hold brought back to holding, where that can be from there.
+/// Restores the limits and hard pins, if they can be restored from there.
 fn made_feasible(goal: &Goal, at: Iterate) -> Iterate {
     if at.is_feasible() {
         return at;
@@ -79,10 +81,11 @@ fn made_feasible(goal: &Goal, at: Iterate) -> Iterate {
     restore_feasibility(goal, 1.0, &about, &at, RowSelection::Fixed).unwrap_or(at)
 }
 
-/// The same within the limits that are known.
+/// Solves the drag within the present tangents.
 ///
-/// First evenly, so that where the light ends up is continuous. Where that does not land, a jump may; one that does not either is
-/// for nothing, and the light glides from where it could not go on evenly.
+/// First it follows the path evenly, so that the light is a continuous function of the cursor. If that does not
+/// converge, it tries a jump. If the jump does not converge either, it discards it, and the light slides from the end
+/// of the even part.
 pub(crate) fn solve_with_tangents(goal: &Goal, near: &TrackedPoints) -> Option<Solution> {
     let mut found = Solution::begin(goal, near)?;
     let share = found.follow_path(goal);

@@ -1,4 +1,4 @@
-//! Where a light that moves as a whole may be put so that the feature lies under the cursor, in closed form.
+//! Rigid placement of a light in closed form, with the feature under the cursor.
 
 use glam::{DQuat, DVec3};
 use light::LightRays;
@@ -8,12 +8,12 @@ use crate::goal::{Goal, Objective, TakenFeature, TrackedPoints};
 use crate::moves::Unknowns;
 use crate::request::Feature;
 
-/// A placement with the feature under the cursor, and where it then lies in the light; not the nearest one. `None` where there is
-/// no such closed form.
+/// Returns the unknowns of a placement with the feature under the cursor, and the tracked points in it. The placement
+/// is not the nearest one. `None` if there is no closed form.
 ///
-/// A hotspot goes with the light, a highlight by a turn about the place too. For a shadow, of the ways of the light the one
-/// through the pivot is turned about that until it meets the cursor, by the place on it that is as far from the pivot as the
-/// cursor is.
+/// A hotspot moves with the light, and a highlight rotates the light about the point too. For a shadow, the light
+/// rotates about the pivot: the light path through the pivot has a point as far from the pivot as the cursor is, and
+/// the rotation takes that point to the cursor.
 pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>, TrackedPoints)> {
     let (Unknowns::Rigid { unit }, Objective::Feature(taken)) = (&goal.unknowns, &goal.objective) else {
         return None;
@@ -36,14 +36,15 @@ pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>
     Some((rigid_unknowns(goal, *unit, (pivot, to), turn), near.clone()))
 }
 
-/// The numbers of the placement that takes a point of the light elsewhere and turns it about that.
+/// Returns the unknowns of the placement that moves a point of the light from `from` to `to` and rotates the light
+/// about it.
 fn rigid_unknowns(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Vec<f64> {
     let source = goal.scene_light.source();
     let way = (to + turn * (source - from) - source) / unit;
     [way.to_array(), turn.to_scaled_axis().to_array()].concat()
 }
 
-/// The place on the way through the pivot, past it, that is so far from it, and where it lies on its way.
+/// Finds the point past the pivot on the light path through it, at a distance from it, and the point's `t`.
 fn point_at_distance(
     goal: &Goal,
     taken: &TakenFeature,
@@ -63,7 +64,7 @@ fn point_at_distance(
     };
     let end = if tube.segments.len() > tube.n { f64::INFINITY } else { tube.n as f64 };
     let far = |t: f64| at(t).distance(pivot) - distance;
-    // Past the place where it is too near, by steps that grow, then between the two.
+    // Growing steps find a point that is too far, and bisection the one between.
     let (mut low, mut high) = (pivot_t, near_t);
     let mut step = (near_t - pivot_t).max(1e-6);
     while far(high) < 0.0 {

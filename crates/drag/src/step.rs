@@ -1,4 +1,4 @@
-//! A place that the solver is at, and a step from it.
+//! State of the solver, and a step from it.
 
 use crate::bound::Bound;
 use crate::goal::{Evaluation, Goal, TrackedPoints};
@@ -6,37 +6,38 @@ use crate::matrix::{dot, length};
 use crate::quadratic::{Hold, Linearization, RowSelection, Values, smallest_step};
 use crate::request::DragLimit;
 
-/// A residual this small is none, in radii or radians.
+/// Residual that counts as 0, in radii or radians.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
-/// Steps from one place to the nearest at which all holds, with one Jacobian.
+/// Most steps with one Jacobian that restore the constraints.
 const MAX_RESTORE_STEPS: usize = 8;
 
-/// A place that the solver is at.
+/// State of the solver: unknowns and their evaluation.
 #[derive(Clone, Debug)]
 pub(crate) struct Iterate {
     pub x: Vec<f64>,
     pub evaluation: Evaluation,
 }
 
-/// What was found.
+/// Result of the solver.
 #[derive(Clone, Debug)]
 pub(crate) struct Solution {
     pub iterate: Iterate,
-    /// What holds it back most.
+    /// Limit or hard pin with the largest multiplier.
     pub strongest_limit: Option<DragLimit>,
     pub iterations: usize,
 }
 
 impl Iterate {
-    /// Whether the feature lies where it should, and nothing is broken.
+    /// True if the feature is at its target and all constraints hold.
     pub fn is_converged(&self) -> bool {
         self.objective_error() < RESIDUAL_TOLERANCE
             && self.pin_error() < RESIDUAL_TOLERANCE
             && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
 
-    /// Whether the light can be had: hard pins and limits hold, where it glides but for those of the place under the cursor.
+    /// True if hard pins and limits hold. In a slide the limits of the point under the cursor are soft and do not
+    /// count.
     pub fn is_feasible(&self) -> bool {
         self.pin_error() < RESIDUAL_TOLERANCE && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
@@ -50,32 +51,33 @@ impl Iterate {
         residual.iter().zip(rows.iter()).filter(|(_, row)| which(**row)).map(|(off, _)| off * off).sum()
     }
 
-    /// How far the feature is off.
+    /// Error of the feature.
     pub fn objective_error(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Objective).sqrt()
     }
 
-    /// How far the feature and hard pins are off and by how much limits are broken, squared.
+    /// Sum of squares of the errors of the feature and of hard pins, and of broken limits.
     pub fn merit(&self) -> f64 {
         let broken = self.hard_bounds().map(|bound| bound.value.min(0.0));
         self.sum_of_squares(|row| !matches!(row, Hold::Soft(_))) + broken.map(|off| off * off).sum::<f64>()
     }
 
-    /// How far hard pins are off.
+    /// Error of the hard pins.
     fn pin_error(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Fixed).sqrt()
     }
 }
 
 impl Solution {
-    /// The light that the drag began with. `None` where even that cannot be evaluated.
+    /// Starts with the light at the start of the drag. `None` if it cannot be evaluated.
     pub fn begin(goal: &Goal, near: &TrackedPoints) -> Option<Self> {
         let unmoved = vec![0.0; goal.unknowns.count()];
         let at = Iterate { evaluation: goal.evaluate(&unmoved, 0.0, near)?, x: unmoved };
         Some(Self { iterate: at, strongest_limit: None, iterations: 0 })
     }
 
-    /// What is linear about a place nearby wants of `at`, with the smallest change since `from`.
+    /// Computes the unknowns that solve the linearization, with values from `at` and the smallest change since `from`.
+    /// The linearization may be about a nearby point.
     pub fn step_target(
         &mut self,
         goal: &Goal,
@@ -97,8 +99,8 @@ pub(crate) fn length_between(a: &[f64], b: &[f64]) -> f64 {
     length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// The nearest place at which all that counts is as it should be, by what was linear about a place nearby; `None` where that
-/// leads nowhere.
+/// Finds the nearest state at which all rows that count hold, by the linearization about a nearby point. `None` if the
+/// steps do not converge.
 pub(crate) fn restore_feasibility(
     goal: &Goal,
     share: f64,
@@ -131,7 +133,7 @@ pub(crate) fn restore_feasibility(
     is_good(&at).then_some(at)
 }
 
-/// The trace of `J J^T` of what is asked.
+/// Computes the trace of `J J^T` of the objective.
 pub(crate) fn objective_trace(linear: &Linearization) -> f64 {
     let asked = (0..linear.rows.len()).filter(|row| linear.rows[*row] == Hold::Objective);
     asked.map(|row| dot(linear.jacobian.row(row), linear.jacobian.row(row))).sum()

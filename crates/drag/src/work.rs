@@ -1,30 +1,31 @@
-//! What a drag may cost: counted in steps, so that the same drag ends at the same place on every machine.
+//! Budget of a drag, counted in steps, so that the same drag ends at the same light on every machine.
 
 use std::cell::Cell;
 use std::fmt;
 
-/// Steps that a drag takes at most to find a light. One takes from half of a nanosecond to three of one core, mostly one: so some
-/// three seconds. `bendylights-studies work` measures what drags take, and searches for those that take most.
+/// Most steps that a drag takes to find a light. A step takes half a nanosecond to three of one core, mostly one, so
+/// all take about three seconds. `bendylights-studies work` measures the steps of drags, and searches for the drags
+/// that take most.
 pub const MAX_DRAG_STEPS: u64 = 3_000_000_000;
 
-/// The share of a drag's steps in which what was found by then is looked at.
+/// Divisor of the step limit that gives the steps for judging an unfinished drag.
 const JUDGING_FRACTION: u64 = 8;
 
-/// Steps between two questions whether a drag goes on.
+/// Steps between two checks if a drag should continue.
 pub const STEPS_BETWEEN_CHECKS: u64 = 2_000_000;
 
-/// Steps of a box of the scene that a ray comes near to, in which [`raycast`] counts.
+/// Cost of one unit of ray work, in steps: a box or triangle near a ray, as [`raycast`] counts them.
 const STEPS_OF_BOX: u64 = 10;
 
-/// Counts the steps of one drag and ends it: where it has taken as many as it may, and where whoever asked for it has given it up.
+/// Counts the steps of one drag, and ends it at the step limit or if the caller cancels it.
 ///
-/// Once it is over nothing can be evaluated any more, so that every search comes to its end at once.
+/// Once the budget is spent nothing can be evaluated, so every search ends at once.
 pub struct WorkBudget<'a> {
     spent: Cell<u64>,
     limit_steps: Cell<u64>,
-    /// As many more may be taken to look at what was found.
+    /// Further steps, for judging the light that was found.
     judging: u64,
-    /// When it is asked next whether the drag goes on.
+    /// Step count of the next check.
     next_check_at: Cell<u64>,
     should_continue: &'a dyn Fn(u64) -> bool,
     is_given_up: Cell<bool>,
@@ -37,13 +38,13 @@ impl fmt::Debug for WorkBudget<'_> {
 }
 
 impl<'a> WorkBudget<'a> {
-    /// Nothing yet. `should_continue` is asked every [`STEPS_BETWEEN_CHECKS`], with the number of steps until then, whether the drag
-    /// goes on; it may take its time.
+    /// Starts at 0 steps. Every [`STEPS_BETWEEN_CHECKS`] steps it calls `goes_on` with the steps so far, and ends the
+    /// drag if that returns false. The callback may block.
     pub fn new(goes_on: &'a dyn Fn(u64) -> bool) -> Self {
         Self::with_limit(MAX_DRAG_STEPS, goes_on)
     }
 
-    /// The same with another bound than [`MAX_DRAG_STEPS`].
+    /// Makes a budget with another limit than [`MAX_DRAG_STEPS`].
     pub fn with_limit(most: u64, should_continue: &'a dyn Fn(u64) -> bool) -> Self {
         Self {
             spent: Cell::new(0),
@@ -55,7 +56,7 @@ impl<'a> WorkBudget<'a> {
         }
     }
 
-    /// Takes steps, and says whether there may be more.
+    /// Spends steps, and returns false if the budget is spent.
     pub(crate) fn spend(&self, steps: u64) -> bool {
         let spent = self.spent.get() + steps;
         if spent > self.limit_steps.get() || self.is_given_up.get() {
@@ -74,29 +75,29 @@ impl<'a> WorkBudget<'a> {
         true
     }
 
-    /// Takes steps along rays, as [`raycast`] counts them.
+    /// Spends steps for ray work, as [`raycast`] counts it.
     pub(crate) fn spend_on_rays(&self, boxes: u64) -> bool {
         self.spend(STEPS_OF_BOX * boxes)
     }
 
-    /// Whether nothing can be evaluated any more, and what came of the latest evaluations means nothing.
+    /// True if nothing can be evaluated any more. The latest evaluations then have no meaning.
     pub(crate) fn is_exhausted(&self) -> bool {
         self.limit_steps.get() == 0
     }
 
-    /// Goes on for as long as it takes to look at what was found, unless the drag was given up.
+    /// Allows the steps for judging the light that was found, unless the drag was cancelled.
     pub(crate) fn allow_judging(&self) {
         if !self.is_given_up.get() {
             self.limit_steps.set(self.spent.get() + self.judging);
         }
     }
 
-    /// Whether whoever asked for the drag has given it up.
+    /// True if the caller cancelled the drag.
     pub fn is_cancelled(&self) -> bool {
         self.is_given_up.get()
     }
 
-    /// Steps until now.
+    /// Number of steps so far.
     pub fn spent_steps(&self) -> u64 {
         self.spent.get()
     }

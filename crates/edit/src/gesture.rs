@@ -1,4 +1,4 @@
-//! Drags under way: live for everybody, in no log, and a soft lock on one light each.
+//! Gestures: drags in progress. Everybody sees them, no log has them, and each locks one light for other actors.
 
 use document::{
     Change, Command, CommandContext, CommandResult, Document, DragOutcome, EditError, NumberedLight,
@@ -8,51 +8,50 @@ use light::LightId;
 
 use crate::{Actor, EditRefusal};
 
-/// How long a gesture is held without an update, in milliseconds.
+/// Time in milliseconds after which a gesture without an update expires.
 pub const LEASE_MS: u64 = 30_000;
-/// Gestures that a session has under way at most.
+/// Maximum number of gestures of a session at one time.
 pub const MAX_GESTURES: usize = 64;
 
-/// One drag under way.
+/// Drag in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gesture {
-    /// Its holder's name for it.
+    /// Name that the holder gave it.
     pub id: String,
-    /// The connection that holds it; the gesture ends with it.
+    /// Connection of the holder. The gesture ends with it.
     pub client: u64,
-    /// Who holds it.
+    /// Holder.
     pub actor: Actor,
-    /// The light that it is on.
     pub light: LightId,
-    /// The holder's number of the latest update that was valid, 0 before the first.
+    /// Holder's number of the latest valid update, 0 before the first.
     pub update: u64,
-    /// The latest valid command.
+    /// Latest valid command.
     pub command: Option<Command>,
-    /// Why the latest update was refused, if it was.
+    /// Refusal of the latest update; `None` if it was valid.
     pub refusal: Option<EditRefusal>,
-    /// What everybody sees of it.
+    /// Light as everybody sees it.
     pub live: Option<LiveLight>,
-    /// The latest record that its holder knew when it began; control points are counted as they were then.
+    /// Latest record that the holder knew at the start. Control points have the numbering of that record.
     pub(crate) base_seq: u64,
-    /// When it was last updated, on the owner's clock.
+    /// Time of the last update, on the owner's clock.
     pub(crate) updated_at_ms: u64,
 }
 
-/// A light as it is dragged: worked out once, at the update, for all who draw it and tell of it.
+/// State of a dragged light, computed once for each update and shared by all its readers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveLight {
-    /// What would change in the document.
+    /// Changes that a commit would make in the document.
     pub changes: Vec<Change>,
-    /// How the drag of a feature stands.
+    /// Outcome of the drag of a feature so far.
     pub outcome: Option<DragOutcome>,
-    /// The light as the document has it.
+    /// Light in the document.
     pub(crate) before: NumberedLight,
-    /// The light with the changes.
+    /// Light with the changes.
     pub(crate) after: NumberedLight,
 }
 
 impl LiveLight {
-    /// What `command` makes of `light`, which it changes and does not remove.
+    /// Computes the result of `command` for `light`, which the command changes and does not remove.
     pub(crate) fn of(
         light: LightId,
         document: &Document,
@@ -70,7 +69,7 @@ impl LiveLight {
 }
 
 impl Gesture {
-    /// What it would change in the document.
+    /// Changes that a commit would make in the document.
     pub fn changes(&self) -> &[Change] {
         self.live.as_ref().map_or(&[], |shown| &shown.changes)
     }

@@ -1,7 +1,8 @@
-//! Which steps are in effect, and which undo or redo would take next.
+//! Steps in effect, and the next targets of undo and redo.
 //!
-//! Only numbers of records are kept: what a step changed stands in its record. All collections share what is equal
-//! between clones, so that neither an undo nor keeping the state before it costs more with a longer past.
+//! Only the sequence numbers of records are kept. The record of a step has its changes. All collections share equal
+//! parts between clones, so that the cost of an undo, or of a copy of the earlier state, does not grow with the
+//! history.
 
 use std::sync::Arc;
 
@@ -9,45 +10,45 @@ use rpds::{RedBlackTreeMapSync, RedBlackTreeSetSync};
 
 use crate::{Action, UndoScope};
 
-/// Steps of one person that can be undone at most; older ones stay in the log and in effect.
+/// Maximum number of steps of one actor that can be undone. Older ones stay in the log and in effect.
 pub const MAX_UNDO_DEPTH: usize = 10_000;
 
 /// Steps in effect and undos in effect, by the sequence of their records.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
-    /// Who made each step that nothing has taken back.
+    /// Actor of each step in effect.
     steps: RedBlackTreeMapSync<u64, Arc<str>>,
-    /// The same steps and their own undos, by person.
+    /// Same steps, and the actors' own undos, by actor.
     actors: RedBlackTreeMapSync<Arc<str>, ActorUndo>,
-    /// Undos with [`UndoScope::Session`] that no redo has taken back and no later edit has ended.
+    /// Undos with [`UndoScope::Session`] that no redo has reverted and no later edit has ended.
     undos: Undos,
 }
 
-/// What one person can undo and redo with [`UndoScope::Mine`].
+/// Steps and undos of one actor, for [`UndoScope::Mine`].
 #[derive(Clone, Debug, Default)]
 struct ActorUndo {
     steps: RedBlackTreeSetSync<u64>,
     undos: Undos,
 }
 
-/// By the sequence of the undo's record: the step that it took back, and who had made that.
+/// Undos by the sequence of their records: the step that each reverted, and that step's actor.
 type Undos = RedBlackTreeMapSync<u64, (u64, Arc<str>)>;
 
-/// An undo in effect, as a checkpoint holds it.
+/// Undo in effect, as in a checkpoint.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PastUndo {
-    /// Its record.
+    /// Sequence of the undo's record.
     pub seq: u64,
-    /// Who can redo it; `None` for an undo with [`UndoScope::Session`], which anybody can.
+    /// Actor who can redo it; `None` for an undo with [`UndoScope::Session`], which anybody can redo.
     pub actor_id: Option<String>,
-    /// The step that it took back.
+    /// Sequence of the step that it reverted.
     pub target: u64,
-    /// Who had made that step.
+    /// Actor of that step.
     pub target_actor_id: String,
 }
 
 impl History {
-    /// The latest step of that scope, of those before record `before` where that is given.
+    /// Latest step of a scope, or the latest before record `before` if that is given.
     pub fn undo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         match scope {
@@ -56,13 +57,13 @@ impl History {
         }
     }
 
-    /// The latest undo of that scope, of those before record `before` where that is given.
+    /// Latest undo of a scope, or the latest before record `before` if that is given.
     pub fn redo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         self.undos(actor_id, scope)?.range(until).next_back().map(|(seq, _)| *seq)
     }
 
-    /// Whether what `action` takes back, if it is an undo or a redo, is there for that person to take back.
+    /// Returns true if `action` is no undo or redo, or if its target is in effect and in the actor's scope.
     pub fn is_in_effect(&self, actor_id: &str, action: &Action) -> bool {
         match action {
             Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => true,
@@ -76,7 +77,7 @@ impl History {
         }
     }
 
-    /// Takes in record `seq`. What it takes back is in effect.
+    /// Adds record `seq`. The target of an undo or redo is in effect.
     pub fn add_record(&mut self, seq: u64, actor_id: &str, action: &Action) {
         match *action {
             Action::Edit { .. } | Action::Gesture { .. } | Action::Group { .. } => {
@@ -100,12 +101,12 @@ impl History {
         }
     }
 
-    /// Every step in effect: its sequence and who made it, oldest first.
+    /// Sequence and actor of every step in effect, oldest first.
     pub fn steps(&self) -> impl Iterator<Item = (u64, &str)> {
         self.steps.iter().map(|(seq, by)| (*seq, &**by))
     }
 
-    /// Every undo that can be redone.
+    /// All undos that can be redone.
     pub fn past_undos(&self) -> impl Iterator<Item = PastUndo> {
         let own = self.actors.iter().map(|(id, person)| (Some(id), &person.undos));
         own.chain([(None, &self.undos)]).flat_map(|(id, undos)| {
@@ -118,7 +119,7 @@ impl History {
         })
     }
 
-    /// The history that [`Self::steps`] and [`Self::past_undos`] were taken of.
+    /// Restores the history from [`Self::steps`] and [`Self::past_undos`].
     pub fn restore<'a>(steps: impl Iterator<Item = (u64, &'a str)>, undos: &[PastUndo]) -> Self {
         let mut history = Self::default();
         for (seq, by) in steps {
@@ -155,7 +156,7 @@ impl History {
         self.actors.insert_mut(self.shared_actor_id(actor_id), ActorUndo { undos, ..person });
     }
 
-    /// One copy of each person's id, however many steps they made.
+    /// Shared copy of an actor's id, so that many steps use one string.
     fn shared_actor_id(&self, actor_id: &str) -> Arc<str> {
         self.actors.get_key_value(actor_id).map_or_else(|| actor_id.into(), |(id, _)| Arc::clone(id))
     }

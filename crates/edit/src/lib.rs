@@ -1,8 +1,10 @@
-//! The edit log: records, undo and redo, gestures, replay.
+//! Edit sessions: the log of records, undo and redo, gestures, replay.
 //!
-//! A [`Session`] is a document, how it came about and what is being dragged in it. It is a function of its
-//! records: whoever feeds it the same ones has the same session. It does no IO and knows no clock; whoever owns
-//! it writes records down, tells the time and finds scenes.
+//! A [`Session`] is a document with its history and the gestures in progress. It is a function of its records: the same
+//! records give the same session. The crate does no IO and knows no clock, no network and no geometry. The owner of a
+//! session (a room of the server) stores the records, gives the time and finds scenes.
+//!
+//! Begin with [`Session`] and [`Record`], then `history.rs` (steps that undo can revert), `undo.rs` and `gesture.rs`.
 
 mod gesture;
 mod history;

@@ -1,101 +1,99 @@
-//! What the log holds.
+//! Records of the log.
 
 use document::{Change, Command, DragOutcome};
 
-/// Who did it.
+/// Person or program that makes an edit.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Actor {
-    /// Stays with a person over connections; decides what "mine" means in undo.
+    /// Identifies the actor across connections. Undo of one's own steps compares it.
     pub id: String,
-    /// For people.
+    /// Name for people.
     pub name: String,
 }
 
-/// Whose steps undo and redo look at.
+/// Scope of the steps that undo and redo consider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UndoScope {
-    /// One's own.
+    /// Steps of the actor.
     Mine,
-    /// Everybody's.
+    /// Steps of all actors.
     Session,
 }
 
-/// One committed step.
+/// Committed step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
-    /// Counts from 1 without gaps.
+    /// Sequence number, from 1 without gaps.
     pub seq: u64,
-    /// When, in milliseconds since 1970 UTC. For people; nothing depends on it.
+    /// Time in milliseconds since 1970 UTC, for people. Nothing depends on it.
     pub time_ms: u64,
-    /// Who.
     pub actor: Actor,
-    /// The sender's own name for the step, unique among that actor's: one that comes again is not carried out again.
+    /// Sender's name for the operation, unique for that actor. An operation with a known name is not executed again.
     pub op_id: String,
-    /// What was asked for.
+    /// Requested action.
     pub action: Action,
-    /// What it did. Replay makes these and looks at nothing else.
+    /// Changes that it made. Replay applies these and ignores the rest.
     pub changes: Vec<Change>,
 }
 
-/// What was asked for.
+/// Requested action of a record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// A command.
     Edit {
-        /// As it was sent.
+        /// Command as sent.
         command: Command,
-        /// Whether somebody else had changed the same light after the latest record that the sender knew.
+        /// True if another actor had changed the same light after the latest record that the sender knew.
         rebased: bool,
-        /// How it ended where it drags a feature.
+        /// Outcome, if the command drags a feature.
         outcome: Option<Box<DragOutcome>>,
     },
-    /// The last command of a drag.
+    /// Last command of a gesture.
     Gesture {
-        /// As it was sent.
+        /// Command as sent.
         command: Command,
-        /// As of an edit, from the record that the holder knew when the drag began.
+        /// Same as in `Edit`, counted from the record that the holder knew when the gesture began.
         rebased: bool,
-        /// As of an edit.
+        /// Outcome, if the command drags a feature.
         outcome: Option<Box<DragOutcome>>,
     },
-    /// Commands as one step.
+    /// Several commands as one step.
     Group {
         /// In order.
         edits: Vec<RecordedCommand>,
-        /// As of an edit, of any of them.
+        /// Same as in `Edit`, for any of the commands.
         rebased: bool,
     },
-    /// Taking back a step.
+    /// Undo of a step.
     Undo {
-        /// Whose steps were looked at.
+        /// Scope of the search.
         scope: UndoScope,
-        /// The step's record.
+        /// Sequence of the step's record.
         target: u64,
-        /// What was left as it is, and why.
+        /// Parts that stayed, with reasons.
         skipped: Vec<String>,
     },
-    /// Taking back an undo.
+    /// Redo of an undone step.
     Redo {
-        /// Whose undos were looked at.
+        /// Scope of the search.
         scope: UndoScope,
-        /// The undo's record.
+        /// Sequence of the undo's record.
         target: u64,
-        /// What was left as it is, and why.
+        /// Parts that stayed, with reasons.
         skipped: Vec<String>,
     },
 }
 
-/// A command of a group.
+/// Command of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedCommand {
-    /// As it was sent, with ids for names.
+    /// Command as sent, with ids instead of names.
     pub command: Command,
-    /// How it ended where it drags a feature.
+    /// Outcome, if the command drags a feature.
     pub outcome: Option<Box<DragOutcome>>,
 }
 
 impl Action {
-    /// What undo or redo left as it was.
+    /// Parts that an undo or redo left unchanged.
     pub fn skipped(&self) -> &[String] {
         match self {
             Self::Edit { .. } | Self::Gesture { .. } | Self::Group { .. } => &[],
@@ -103,7 +101,7 @@ impl Action {
         }
     }
 
-    /// The commands, and how each ended that drags a feature; none of undo and redo.
+    /// Commands, each with its outcome if it drags a feature; empty for undo and redo.
     pub fn commands(&self) -> Vec<(&Command, Option<&DragOutcome>)> {
         match self {
             Self::Edit { command, outcome, .. } | Self::Gesture { command, outcome, .. } => {
@@ -116,7 +114,7 @@ impl Action {
         }
     }
 
-    /// Whether somebody else came in between.
+    /// Returns true if another actor had changed the same light since the record that the sender knew.
     pub fn rebased(&self) -> bool {
         match self {
             Self::Edit { rebased, .. } | Self::Gesture { rebased, .. } | Self::Group { rebased, .. } => {

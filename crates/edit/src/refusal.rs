@@ -1,81 +1,79 @@
-//! Why a request is refused, and why a log cannot be replayed.
+//! Refusals of requests, and errors of replay.
 
 use document::EditError;
 use thiserror::Error;
 
-/// Why a request is refused. Each sentence says what to do.
+/// Reason why a request is refused. The message says what to do.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum EditRefusal {
-    /// The document does not allow it.
+    /// Refusal by the document.
     #[error("{0}")]
     Edit(#[from] EditError),
-    /// The light is being dragged.
+    /// Light that another actor drags.
     #[error("{light} is held by {holder}, who is dragging it: wait until it is let go")]
     Locked {
-        /// Which, as [`Document::light_name`](document::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](document::Document::light_name).
         light: String,
-        /// Name of whoever drags it.
+        /// Name of the actor who drags it.
         holder: String,
     },
-    /// The control points have other numbers than the sender knew.
+    /// Control points that were renumbered since the record that the sender knew.
     #[error("the control points of {light} were renumbered in record {seq}: look at the light again")]
     Stale {
-        /// Which, as [`Document::light_name`](document::Document::light_name) says it.
+        /// Light by its [`Document::light_name`](document::Document::light_name).
         light: String,
-        /// The record that did it.
+        /// Record that renumbered them.
         seq: u64,
     },
-    /// No step of which anything is left to take back.
+    /// No step of which anything is left to undo.
     #[error("there is nothing to undo{}", but(passed.as_deref()))]
     NothingToUndo {
-        /// Why the latest step stays, where there is one.
+        /// Reason why the latest step stays, if there is one.
         passed: Option<String>,
     },
-    /// No undo of which anything is left to take back.
+    /// No undo of which anything is left to redo.
     #[error("there is nothing to redo{}", but(passed.as_deref()))]
     NothingToRedo {
-        /// Why the latest undo stays, where there is one.
+        /// Reason why the latest undo stays, if there is one.
         passed: Option<String>,
     },
-    /// A step whose record its owner does not find.
+    /// Step whose record the owner cannot find.
     #[error(
         "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
     )]
     MissingRecord(u64),
-    /// No such drag: never begun, ended, or somebody else's.
+    /// Unknown gesture: never begun, ended, or of another actor.
     #[error("there is no gesture {0} of yours: begin it again")]
     NoGesture(String),
-    /// A drag that is committed before its first update.
+    /// Commit of a gesture before its first update.
     #[error("gesture {0} was never updated and has nothing to commit: cancel such a gesture")]
     EmptyGesture(String),
-    /// A drag of that name is under way.
+    /// Name of a gesture in progress, used again.
     #[error("gesture {0} is already under way: choose another name")]
     GestureExists(String),
-    /// A drag's command is not of its light.
+    /// Command of a gesture that does not change its light. The field is the light's name.
     #[error("a gesture on {0} can only change that light: begin another gesture")]
     OtherLight(String),
-    /// A command of a group is refused, and so is the group.
+    /// Refused command of a group, which refuses the group.
     #[error("edit {number} of the group: {reason}; nothing of the group was done")]
     InGroup {
-        /// Which, counted from 1.
+        /// Position in the group, counted from 1.
         number: usize,
-        /// What stands in that one's way.
+        /// Reason for that command.
         reason: Box<Self>,
     },
-    /// A limit of the session.
+    /// Limit of the session.
     #[error("a session has at most {limit} {what}: {remedy}")]
     TooMany {
-        /// Of what.
         what: &'static str,
-        /// How many.
         limit: usize,
-        /// What to do.
+        /// Advice, as a clause.
         remedy: &'static str,
     },
 }
 
 impl EditRefusal {
-    /// Why a group is refused: for its command of that index.
+    /// Makes the refusal of a group from that of its command at `index`.
     pub fn in_group(index: usize, reason: Self) -> Self {
         Self::InGroup { number: index + 1, reason: Box::new(reason) }
     }
@@ -85,31 +83,25 @@ fn but(passed: Option<&str>) -> String {
     passed.map_or_else(String::new, |why| format!(": {why}"))
 }
 
-/// Why a record does not go on from where a log stands.
+/// Reason why a record does not continue a log.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ReplayError {
-    /// A record is missing or out of order.
+    /// Record that is missing or out of order.
     #[error("record {found} follows record {after}: the log has a gap; export it again")]
     Gap {
-        /// The sequence that came.
+        /// Sequence of the record.
         found: u64,
-        /// The one before.
+        /// Sequence of the record before.
         after: u64,
     },
-    /// A record does not fit the document before it.
+    /// Record that does not fit the document before it.
     #[error("record {seq}: {reason}")]
-    Record {
-        /// Which.
-        seq: u64,
-        /// Why.
-        reason: EditError,
-    },
-    /// A record takes back what is not there to take back.
+    Record { seq: u64, reason: EditError },
+    /// Undo or redo of a record that is not in effect.
     #[error("record {seq} takes back record {target}, which is not in effect: the log was changed by hand")]
     TargetNotInEffect {
-        /// Which.
         seq: u64,
-        /// What it takes back.
+        /// Record to undo or redo.
         target: u64,
     },
 }

@@ -1,4 +1,4 @@
-//! A document, how it came about, and what is being dragged in it.
+//! Sessions: a document, its history, and the gestures in progress.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,78 +15,77 @@ use crate::history::{History, PastUndo};
 use crate::undo::Reverted;
 use crate::{Action, Actor, EditRefusal, Record, RecordedCommand, ReplayError, UndoScope};
 
-/// Records that a log has at most.
+/// Maximum number of records of a log.
 pub const MAX_RECORDS: usize = 1_000_000;
 
-/// What can be asked of a session that ends in a record.
+/// Request to a session that ends in a record.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditRequest {
-    /// Carry out a command.
+    /// Execution of a command.
     Edit {
-        /// The latest record that the sender knew; `None` where it does not say.
+        /// Latest record that the sender knew; `None` if not given.
         base_seq: Option<u64>,
-        /// What to do.
         command: Command,
     },
-    /// Carry out commands as one step, all or none.
+    /// Execution of commands as one step, all or none.
     Group(Vec<GroupedEdit>),
-    /// Commit a gesture of this name.
+    /// Commit of the gesture of this name.
     Commit(String),
-    /// Take back a step.
+    /// Undo of a step.
     Undo(UndoScope),
-    /// Take back an undo.
+    /// Redo of an undone step.
     Redo(UndoScope),
 }
 
-/// An edit of a group.
+/// Edit of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedEdit {
-    /// As in [`EditRequest::Edit`].
+    /// Same as in [`EditRequest::Edit`].
     pub base_seq: Option<u64>,
-    /// What to do, and where the drag in it leads.
+    /// Command, with the solution of its drag.
     pub grouped: GroupedCommand,
 }
 
-/// What a session needs of its owner to carry out a request.
+/// Data that the owner of a session provides for a request.
 #[derive(Default)]
 pub struct EditSources<'a> {
-    /// What commands need to know of geometry.
+    /// Data about the scene, for commands.
     pub context: CommandContext<'a>,
-    /// What `reverted` says of the request in the session as it is.
+    /// Result of [`Session::find_revert`] for the request in the present state of the session.
     pub reverted: Option<Reverted>,
 }
 
-/// What a session has to know of its past besides the document: with that it goes on from any record as if it had
-/// replayed all before. Lists are in the order of their first fields.
+/// History of a session besides the document. With both, a session continues from any record as if it had replayed all
+/// before. Lists are in the order of their first fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SessionHistory {
-    /// Steps in effect: the record and who made it.
+    /// Steps in effect: the record and its actor.
     pub steps: Vec<(u64, String)>,
     /// Undos that can be redone.
     pub undos: Vec<PastUndo>,
-    /// The latest record of each actor on each light.
+    /// Latest record of each actor on each light.
     pub touched: Vec<(LightId, String, u64)>,
-    /// The latest record that renumbered each light's control points.
+    /// Latest record that renumbered each light's control points.
     pub renumbered: Vec<(LightId, u64)>,
 }
 
-/// See the crate's documentation. Cloning costs as much as the document, not as the log, so that the state before a
-/// commit can be kept.
+/// Document with its history and gestures, see the crate's documentation. A clone costs as much as the document, not
+/// the log, so that an owner can keep the state before a commit.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
     document: Document,
     seq: u64,
     history: History,
-    /// The latest record of each actor on each light.
+    /// Latest record of each actor on each light.
     touched: RedBlackTreeMapSync<(LightId, Arc<str>), u64>,
-    /// The latest record that renumbered each light's control points.
+    /// Latest record that renumbered each light's control points.
     renumbered: RedBlackTreeMapSync<LightId, u64>,
-    /// Ordered by light, of which each has one at most.
+    /// By light. Each light has at most one.
     gestures: BTreeMap<LightId, Gesture>,
 }
 
 impl Session {
-    /// The document after the latest record.
+    /// Document after the latest record.
     pub fn document(&self) -> &Document {
         &self.document
     }
@@ -96,7 +95,7 @@ impl Session {
         self.seq
     }
 
-    /// The session after record `seq`, as one that replayed all records up to it.
+    /// Restores the session after record `seq`, equal to one that replayed all records up to it.
     pub fn restore(document: Document, seq: u64, past: &SessionHistory) -> Self {
         let steps = past.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
         let touched = past.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
@@ -110,7 +109,7 @@ impl Session {
         }
     }
 
-    /// What [`Self::restore`] needs besides document and sequence.
+    /// History that [`Self::restore`] needs besides document and sequence.
     pub fn session_history(&self) -> SessionHistory {
         let touched = self.touched.iter().map(|((light, by), seq)| (*light, by.to_string(), *seq));
         SessionHistory {
@@ -121,9 +120,8 @@ impl Session {
         }
     }
 
-    /// Goes back to the records of `before`, which this session went on from. Gestures stay as they are now, but for
-    /// what they would change, which is worked out again; where that takes the scene, as drags of features do, they show what
-    /// they showed.
+    /// Returns to the records of `before`, an earlier state of this session. Current gestures stay, and their changes
+    /// are computed again. Those that need the scene, as drags of features do, keep what they show.
     pub fn roll_back_to(&mut self, before: Self, context: CommandContext) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
@@ -136,8 +134,7 @@ impl Session {
         }
     }
 
-    /// Takes in a record that was written down before. That no operation comes twice is for the owner of the records
-    /// to see, who knows them all.
+    /// Applies a stored record. The owner of the records, who knows them all, checks that no operation comes twice.
     pub fn replay(&mut self, record: &Record) -> Result<(), ReplayError> {
         let seq = record.seq;
         if seq != self.seq + 1 {
@@ -154,7 +151,7 @@ impl Session {
         Ok(())
     }
 
-    /// Remembers of a record, which the document has taken in, what later ones are held to.
+    /// Updates the history from a record that the document has applied.
     fn index_record(&mut self, record: &Record) {
         let seq = record.seq;
         self.history.add_record(seq, &record.actor.id, &record.action);
@@ -173,10 +170,10 @@ impl Session {
         }
     }
 
-    /// Carries out a request and gives the record to write down. `now_ms` is the time of day. That an operation is
-    /// carried out once is for the owner of the records to see.
+    /// Executes a request and returns the record to store. `now_ms` is the time of day. The owner of the records
+    /// ensures that an operation is executed once.
     ///
-    /// Until the record is written down the caller keeps a clone of the session before, to go back to.
+    /// Until the record is stored, the caller keeps a clone of the session before, to return to.
     pub fn execute_request(
         &mut self,
         request: EditRequest,
@@ -189,7 +186,7 @@ impl Session {
             let remedy = "make a new session from its document";
             return Err(EditRefusal::TooMany { what: "records", limit: MAX_RECORDS, remedy });
         }
-        // What was found for another state of the session is worth nothing.
+        // A result for another state of the session is useless.
         let found = sources.reverted.filter(|found| found.seq == self.seq);
         let (action, edited) = match request {
             EditRequest::Edit { base_seq, command } => {
@@ -249,13 +246,13 @@ impl Session {
         &self.history
     }
 
-    /// The latest record of each actor on `light`.
+    /// Latest record of each actor on `light`.
     pub(crate) fn latest_records_on(&self, light: LightId) -> impl Iterator<Item = (&str, u64)> {
         let from = self.touched.range((light, Arc::from(""))..);
         from.take_while(move |((id, _), _)| *id == light).map(|((_, by), seq)| (&**by, *seq))
     }
 
-    /// Refuses control points by outdated numbers; says whether somebody else came in between.
+    /// Refuses outdated indices of control points. Returns true if another actor changed the light since `base_seq`.
     fn check_base_seq(
         &self,
         command: &Command,
@@ -269,8 +266,7 @@ impl Session {
         Ok(self.latest_records_on(light).any(|(by, seq)| by != actor.id && seq > base_seq))
     }
 
-    /// Refuses to count the control points of `light` as they were at record `base_seq` where they have since been
-    /// renumbered.
+    /// Refuses indices of control points of `light` as of record `base_seq` if they were renumbered since.
     fn check_numbering(&self, light: LightId, base_seq: u64) -> Result<(), EditRefusal> {
         match self.renumbered.get(&light) {
             Some(&seq) if seq > base_seq => {
@@ -294,13 +290,13 @@ impl Session {
         }
     }
 
-    /// The gestures under way, in the order of their lights.
+    /// Gestures in progress, in the order of their lights.
     pub fn gestures(&self) -> impl Iterator<Item = &Gesture> {
         self.gestures.values()
     }
 
-    /// Begins a gesture named `id` on `light`. `base_seq` as in [`EditRequest::Edit`]. `client` is the connection that it
-    /// ends with, `now_ms` any clock that only goes forward.
+    /// Begins a gesture named `id` on `light`. `base_seq` is as in [`EditRequest::Edit`]. `client` is the connection
+    /// with which the gesture ends. `now_ms` is any clock that only goes forward.
     pub fn begin_gesture(
         &mut self,
         id: &str,
@@ -337,7 +333,7 @@ impl Session {
         }))
     }
 
-    /// The latest state of a drag. A command that is refused leaves the one before in place, and the lease renewed.
+    /// Updates the state of a drag. A refused command leaves the state before and still renews the lease.
     pub fn update_gesture(
         &mut self,
         id: &str,
@@ -358,7 +354,7 @@ impl Session {
         Ok(gesture)
     }
 
-    /// What `command` shows, as the state of a drag of `light` that began at record `base_seq`.
+    /// Computes the result of `command` as the state of a drag of `light` that began at record `base_seq`.
     fn live_light(
         &self,
         light: LightId,
@@ -382,7 +378,7 @@ impl Session {
         self.gestures.remove(&light).ok_or_else(|| EditRefusal::NoGesture(id.to_owned()))
     }
 
-    /// Ends the gestures of a connection that is gone.
+    /// Ends the gestures of a closed connection.
     pub fn end_gestures_of(&mut self, client: u64) -> Vec<Gesture> {
         self.gestures
             .extract_if(.., |_, gesture| gesture.client == client)
@@ -397,7 +393,7 @@ impl Session {
         }
     }
 
-    /// Ends the gestures whose lease is over.
+    /// Ends the gestures whose leases have expired.
     pub fn expire_gestures(&mut self, now_ms: u64) -> Vec<Gesture> {
         let over = |gesture: &Gesture| now_ms.saturating_sub(gesture.updated_at_ms) > LEASE_MS;
         self.gestures.extract_if(.., |_, gesture| over(gesture)).map(|(_, gesture)| gesture).collect()
@@ -408,8 +404,8 @@ impl Session {
         mine.next().map(|held| held.light).ok_or_else(|| EditRefusal::NoGesture(id.to_owned()))
     }
 
-    /// The document as everybody sees it: with the gestures under way. One that no longer fits, its light being gone,
-    /// shows nothing.
+    /// Document as everybody sees it, with the gestures in progress. A gesture that no longer fits, because its light
+    /// is removed, has no effect.
     pub fn live_document(&self) -> Document {
         let mut live = self.document.clone();
         for (light, shown) in
@@ -418,7 +414,7 @@ impl Session {
             if self.document.lights().get(&light) == Some(&shown.before) {
                 live.set_live_light(light, &shown.after);
             } else {
-                // Its holder has changed something else of it meanwhile.
+                // The holder has changed another property of the light since the update.
                 let _ = live.apply(&shown.changes);
             }
         }

@@ -1,44 +1,44 @@
-//! What undo and redo take back, where later changes may stand in the way.
+//! Targets and changes of undo and redo, with later changes that prevent parts of them.
 
 use document::{Change, CommandResult, Document, EditError};
 
 use crate::{EditRefusal, EditRequest, Record, Session};
 
-/// Steps of which nothing is left to take back that undo and redo look past at most.
+/// Maximum number of steps with nothing left that undo and redo pass over.
 pub const MAX_STEPS_PASSED_OVER: usize = 1_000;
-/// Sentences about what stays, of the steps that are passed over, each once.
+/// Maximum number of distinct reasons kept for all steps that are passed over.
 const MAX_REASONS: usize = 8;
-/// Properties of a step for which is said who has changed them since.
+/// Maximum number of properties of a step for which the later actor is named.
 const MAX_NAMED_PROPERTIES: usize = 8;
-/// Who that was is looked for in the latest records of so many people.
+/// Maximum number of records, the latest on a light, in which that actor is searched.
 const MAX_SEARCHED_RECORDS: usize = 8;
 
-/// Finds a record of the past by its sequence.
+/// Finds an earlier record by its sequence.
 pub type FindRecord<'a> = &'a dyn Fn(u64) -> Option<Record>;
 
-/// What undo or redo comes to in a session as it is.
+/// Result of undo or redo in the present state of a session.
 #[derive(Clone, Debug)]
 pub struct Reverted {
-    /// The latest record of that session.
+    /// Sequence of the latest record of that state.
     pub(crate) seq: u64,
-    /// The document after it.
+    /// Document after the undo or redo.
     pub(crate) document: Document,
-    /// The record that is taken back. Of those after it that could have been, nothing is left.
+    /// Sequence of the record to revert. Nothing is left of the candidates after it.
     pub target: u64,
-    /// The changes to make; there is one at least.
+    /// Changes to make, at least one.
     pub changes: Vec<Change>,
-    /// What stays, and why, a sentence each.
+    /// Parts that stay, with reasons, a sentence each.
     pub skipped: Vec<String>,
-    /// Those of them that are of later steps, which were passed over.
+    /// Those of `skipped` that belong to later steps, which were passed over.
     pub passed: Vec<String>,
 }
 
 impl Session {
-    /// What `request` of that actor takes back; `None` where it is no undo or redo.
+    /// Finds the changes for an undo or redo; `None` for another request.
     ///
-    /// It is the latest step of which something is left: a step whose every property has been changed since, or cannot
-    /// go back, is passed over and stays in effect, as it can be taken back once what stands in its way is. At most
-    /// [`MAX_STEPS_PASSED_OVER`] are passed over.
+    /// The target is the latest step of which something is left. A step is passed over if each of its properties was
+    /// changed since or cannot be reverted. It stays in effect, since it can be undone once the obstacle is gone. At
+    /// most [`MAX_STEPS_PASSED_OVER`] steps are passed over.
     pub fn find_revert(
         &self,
         request: &EditRequest,
@@ -98,8 +98,8 @@ impl Session {
         })
     }
 
-    /// What gave the property of `change` its value after record `target`, and the name of who did it, where that can be
-    /// told from the latest records on its light.
+    /// Finds the change that gave the property of `change` its value after record `target`, and the name of its actor,
+    /// if the latest records on its light show it.
     fn later_change_of(
         &self,
         change: &Change,
@@ -117,24 +117,24 @@ impl Session {
     }
 }
 
-/// What taking back changes comes to.
+/// Parts of a revert.
 struct RevertParts {
-    /// The changes to make, where there are any.
+    /// Changes to make; `None` if there are none.
     revert: Option<CommandResult>,
-    /// What has another value by now.
+    /// Changes whose property has another value now.
     changed_since: Vec<Change>,
-    /// What would leave something invalid, a sentence each.
+    /// Reasons of changes that would leave something invalid, a sentence each.
     blocked_reasons: Vec<String>,
 }
 
-/// The changes that take back `changes` in `document` as it is now.
+/// Reverts `changes` in the present `document`.
 ///
-/// A property that no longer has the value it was given stays: somebody has changed it since. What is left of a
-/// light is taken back as a whole or, where that would leave a light that cannot be evaluated, not at all.
+/// A property whose value differs from the new value of its change stays: somebody has changed it since. The remaining
+/// changes of a light are reverted together or, if that would leave a light that cannot be evaluated, not at all.
 fn revert_changes(document: &Document, changes: &[Change]) -> RevertParts {
     let inverses: Vec<Change> = changes.iter().rev().map(Change::inverse).collect();
     let mut parts = RevertParts { revert: None, changed_since: Vec::new(), blocked_reasons: Vec::new() };
-    // Then none can be made, and none after it: many such are passed over without a copy of the document.
+    // Without any old value no change is possible. Many such steps are passed over without a copy of the document.
     if !inverses.iter().any(|change| document.holds_old_value_of(change)) {
         parts.changed_since = inverses;
         return parts;
@@ -147,7 +147,7 @@ fn revert_changes(document: &Document, changes: &[Change]) -> RevertParts {
         match after.apply(&held) {
             Ok(()) => changes.extend(held),
             Err(error) => {
-                // The subject names the light already.
+                // The subject already names the light.
                 let reason = match &error {
                     EditError::InvalidLight { reason, .. } => reason.to_string(),
                     other => other.to_string(),

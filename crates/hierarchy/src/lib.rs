@@ -1,7 +1,13 @@
-//! Bounding-volume hierarchies: boxes in boxes, for rays in f64 (`raycast`) and for the GPU (`render`).
+//! Bounding-volume hierarchies over axis-aligned boxes, for rays in f64 (`raycast`) and for the GPU (`render`).
 //!
-//! Our own, since crates that build them are made for scenes that are well shaped: `obvhs` 0.4 takes the square of
-//! the number of boxes where they lie in one place or along a line. Here each level costs as much as there are boxes, and there are [`MAX_DEPTH`] levels and as many as halving takes at most, whatever the boxes are.
+//! The crate builds trees and does not traverse them. It knows no triangles, rays, scenes or devices: a caller gives
+//! boxes and gets their indices back, leaf by leaf. Boxes are in f32, so callers round them outwards.
+//!
+//! The builder is our own because other crates assume well-shaped scenes: `obvhs` 0.4 takes the square of the number of
+//! boxes if they lie in one place or along a line. Here each level costs time proportional to the number of boxes. The
+//! depth is at most [`MAX_DEPTH`] levels plus the number of levels that halving takes, whatever the boxes are.
+//!
+//! Begin with [`Hierarchy::new`]. `split` has the surface area heuristic.
 
 mod bounds;
 mod split;
@@ -10,38 +16,38 @@ pub use bounds::Aabb;
 pub use split::MAX_DEPTH;
 use split::{IndexedBox, split, union_of};
 
-/// A box around others: around two nodes, or, in a leaf, around what was given.
+/// Node of a [`Hierarchy`]. Its box contains its two child nodes or, in a leaf, the boxes of the leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HierarchyNode {
-    /// Around all that is below it.
     pub bounds: Aabb,
-    /// Where its two nodes are in [`Hierarchy::nodes`]; of a leaf, where what it holds is in [`Hierarchy::order`].
+    /// Inner node: index in [`Hierarchy::nodes`] of the first of its two children. Leaf: index in [`Hierarchy::order`]
+    /// of its first box.
     pub first: u32,
-    /// How many of `order` a leaf holds; 0 of a node that is none.
+    /// Number of entries of `order` in a leaf; 0 for an inner node.
     pub count: u32,
 }
 
-/// A binary tree of boxes.
+/// Binary tree of boxes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Hierarchy {
-    /// The root first, children beside each other and behind their parents; none where nothing was given.
+    /// Nodes, the root first. The two children of a node are adjacent and come after it. Empty if there are no boxes.
     pub nodes: Vec<HierarchyNode>,
-    /// Indices of the boxes that were given, leaf by leaf.
+    /// Indices of the given boxes, leaf by leaf.
     pub order: Vec<u32>,
 }
 
 impl HierarchyNode {
-    /// Whether it holds what was given, and no nodes.
+    /// Returns true if the node holds boxes and no child nodes.
     pub fn is_leaf(&self) -> bool {
         self.count > 0
     }
 }
 
 impl Hierarchy {
-    /// Over these boxes, none of which has a coordinate that is not a number.
+    /// Builds a tree over `boxes`. No coordinate may be NaN.
     ///
-    /// Each box is split where the surface area heuristic (`MacDonald` and Booth, 1990) costs least among 16 bins an axis
-    /// (Wald, 2007). Takes n log n steps, and gives the same on every machine.
+    /// Each node is split where the surface area heuristic (`MacDonald` and Booth, 1990) costs least among 16 bins an
+    /// axis (Wald, 2007). The time is proportional to n log n. The result is the same on every machine.
     pub fn new(boxes: impl IntoIterator<Item = Aabb>) -> Self {
         let mut items: Vec<IndexedBox> =
             boxes.into_iter().zip(0..).map(|(bounds, index)| IndexedBox { bounds, index }).collect();

@@ -1,24 +1,24 @@
-//! Where a box is split.
+//! Splits of a node by the surface area heuristic.
 
 use crate::Aabb;
 
-/// Places along each axis at which a box can be split.
+/// Number of bins along each axis.
 const BINS: usize = 16;
-/// Boxes in a leaf at most.
+/// Maximum number of boxes in a leaf.
 const MAX_LEAF: usize = 8;
-/// What it costs to look at a node's two boxes, in tests of what is in one.
+/// Cost of a visit to an inner node (a test of its two boxes), in tests of one box of a leaf.
 const NODE_COST: f32 = 2.0;
-/// Levels that are split where that costs least; below them boxes are halved by number.
+/// Number of levels that are split by cost. Below them nodes are split into halves of equal count.
 pub const MAX_DEPTH: u32 = 64;
 
-/// A box and which it was.
+/// Box with its index in the input.
 #[derive(Clone, Copy)]
 pub(crate) struct IndexedBox {
     pub bounds: Aabb,
     pub index: u32,
 }
 
-/// What of a box is in a part of it.
+/// Boxes whose centres lie in one bin.
 #[derive(Clone, Copy)]
 struct Bin {
     bounds: Aabb,
@@ -29,7 +29,7 @@ pub(crate) fn union_of(items: &[IndexedBox]) -> Aabb {
     items.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds))
 }
 
-/// Sorts `items` into two parts and says how many are in the first; `None` where they are best left together.
+/// Partitions `items` into two parts and returns the size of the first. Returns `None` if one leaf is cheaper.
 pub(crate) fn split(items: &mut [IndexedBox], bounds: Aabb, depth: u32) -> Option<usize> {
     if items.len() < 2 {
         return None;
@@ -60,7 +60,8 @@ pub(crate) fn split(items: &mut [IndexedBox], bounds: Aabb, depth: u32) -> Optio
     }
 }
 
-/// What the split costs that costs least, its axis, and the last bin of its first part. `None` where all middles are in one bin.
+/// Returns the least cost of a split, its axis, and the last bin of its first part. `None` if the centres lie in one
+/// point.
 fn cheapest_split(items: &[IndexedBox], middles: Aabb) -> Option<(f32, usize, usize)> {
     let mut cheapest: Option<(f32, usize, usize)> = None;
     for axis in 0..3 {
@@ -94,10 +95,10 @@ fn cheapest_split(items: &[IndexedBox], middles: Aabb) -> Option<(f32, usize, us
     cheapest
 }
 
-/// In which bin a box is, by its middle.
+/// Returns a function that gives the bin of a box from its centre.
 fn bins_along(middles: Aabb, axis: usize) -> impl Fn(&IndexedBox) -> usize {
     let (low, scale) = (middles.min[axis], BINS as f32 / (middles.max[axis] - middles.min[axis]));
-    // A quotient that is too large for f32 ends in the last bin.
+    // An overflowing quotient falls into the last bin.
     move |item| (((item.bounds.doubled_center()[axis] - low) * scale) as usize).min(BINS - 1)
 }
 
@@ -106,7 +107,7 @@ fn longest_axis(bounds: Aabb) -> usize {
     (0..3).max_by(|a, b| side[*a].total_cmp(&side[*b])).unwrap_or(0)
 }
 
-/// Puts what is `first` before what is not, and says how many are.
+/// Moves the items for which `first` holds to the front and returns their number.
 fn partition(items: &mut [IndexedBox], first: impl Fn(&IndexedBox) -> bool) -> usize {
     let mut count = 0;
     for index in 0..items.len() {

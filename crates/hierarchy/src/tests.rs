@@ -8,7 +8,7 @@ fn at(place: [f32; 3], size: [f32; 3]) -> Aabb {
     Aabb { min, max: min + Vec3A::from_array(size) }
 }
 
-/// Levels below the root.
+/// Depth of the tree: number of levels below the root.
 fn depth(hierarchy: &Hierarchy) -> u32 {
     let mut depths = vec![0; hierarchy.nodes.len()];
     for (index, node) in hierarchy.nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
@@ -19,7 +19,7 @@ fn depth(hierarchy: &Hierarchy) -> u32 {
     depths.into_iter().max().unwrap_or(0)
 }
 
-/// What does not hold of a hierarchy over `boxes`.
+/// Describes the first invariant of a hierarchy over `boxes` that does not hold.
 fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     let mut order = hierarchy.order.clone();
     order.sort_unstable();
@@ -45,7 +45,7 @@ fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     (held != boxes.len()).then(|| format!("leaves hold {held} of {}", boxes.len()))
 }
 
-/// Nodes that are looked at for what is at a point.
+/// Number of nodes that a point query visits.
 fn visited_nodes(hierarchy: &Hierarchy, point: Vec3A) -> usize {
     let (mut open, mut count) = (vec![0], 0);
     while let Some(index) = open.pop() {
@@ -59,11 +59,11 @@ fn visited_nodes(hierarchy: &Hierarchy, point: Vec3A) -> usize {
     count
 }
 
-/// Where the box of that index is.
+/// Gives the box of an index.
 type BoxOfIndex = &'static dyn Fn(f32) -> Aabb;
 
-/// What other builders take the square of their number for: in one place, growing around one place, along a line, at distances
-/// that grow or shrink.
+/// Inputs for which other builders take quadratic time: boxes in one place, growing around one point, along a line, and
+/// at growing or shrinking distances.
 #[test]
 fn depth_is_bounded_for_any_boxes() {
     let count = 20_000_u16;
@@ -90,7 +90,7 @@ fn a_point_query_visits_few_nodes() {
         (0..125_000_u32).map(|k| [k % 50, k / 50 % 50, k / 2500].map(|k| k as f32)).collect();
     let boxes: Vec<Aabb> = places.iter().map(|&place| at(place, [0.5; 3])).collect();
     let hierarchy = Hierarchy::new(boxes.iter().copied());
-    // Two nodes a level of a balanced tree, and few more since bins do not halve.
+    // A balanced tree takes two nodes a level. Bins do not halve exactly, so a few more are allowed.
     let levels = libm::log2f(boxes.len() as f32);
     let most =
         places.iter().step_by(997).map(|&[x, y, z]| visited_nodes(&hierarchy, Vec3A::new(x, y, z) + 0.25));
@@ -109,11 +109,11 @@ proptest! {
         step in 1..8_usize,
     ) {
         let boxes: Vec<Aabb> = corners.iter().map(|&(place, size)| at(place, size)).collect();
-        // Some twice.
+        // Some boxes twice.
         let boxes: Vec<Aabb> = boxes.iter().chain(boxes.iter().step_by(step)).copied().collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());
         prop_assert_eq!(broken_invariant(&hierarchy, &boxes), None);
-        // The planted fault: a box that is lost is missed.
+        // Planted fault: the check must notice a box outside its node.
         let mut lost = hierarchy;
         lost.nodes[0].bounds.max = lost.nodes[0].bounds.min;
         let is_one_point = boxes.iter().all(|bounds| *bounds == boxes[0] && bounds.min == bounds.max);

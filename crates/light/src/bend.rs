@@ -1,4 +1,4 @@
-//! A straight light as a BendyLight, and back.
+//! Conversion of straight lights into BendyLights and back.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -11,17 +11,17 @@ use crate::{
     ControlPoint, CrossSection, Decay, EndMode, Light, LightError, LightShape, Setting, Tube, Value,
 };
 
-/// The BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
+/// Makes the BendyLight equal to the spotlight `spot`, with `segments` quadratic segments to bend.
 ///
 /// Control points and radii are linear in the Greville abscissae `0, 1/2, 3/2, ..., n - 1/2, n`, at which a clamped
-/// quadratic B-spline reproduces linear functions exactly (light model, section 1): the tube is the cone, parametrised
-/// evenly. It ends at the spotlight's `range`; without one, its control points span one local unit and it is extended
-/// without end. Parameters that both shapes have keep their values.
+/// quadratic B-spline reproduces linear functions exactly (light model, section 1). So the tube is the cone,
+/// parametrised evenly. It ends at the spotlight's `range`. Without a range its control points span one local unit, and
+/// the light is extended without end. Parameters that both shapes have keep their values.
 pub fn bend(spot: &Light, segments: usize) -> Result<Light, LightError> {
     bend_with_length(spot, segments, spot.get(SCALE))
 }
 
-/// The same, with control points that span `reach` world units along the axis where the spotlight has no range of its own.
+/// Does the same as `bend`, but control points of a spotlight without a range span `reach` world units along the axis.
 pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Light, LightError> {
     check_values(spot)?;
     if *spot.shape() != LightShape::Spot {
@@ -36,7 +36,7 @@ pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Lig
     let slope = libm::tan(spot.get(CONE_ANGLE).to_radians());
     let point = |g: f64| {
         let along = g / segments as f64 * length;
-        // Subtracted rather than negated: the source is at 0, not at -0.
+        // Subtracted instead of negated: the source is at 0, not at -0.
         ControlPoint::new(DVec3::new(0.0, 0.0, 0.0 - along), along * slope)
     };
     let mut bent =
@@ -47,15 +47,16 @@ pub fn bend_with_length(spot: &Light, segments: usize, reach: f64) -> Result<Lig
     Ok(bent.with(END_MODE, if range.is_some() { EndMode::Cut } else { EndMode::Extend }))
 }
 
-/// The spotlight that is bent in place of a light that has no cone: the part of its light that lies `cone_angle` degrees
-/// about its axis at most. A spotlight is that one itself.
+/// Makes a spotlight from a light without a cone, before it is bent: the part of the light within `cone_angle` degrees
+/// of its axis. A spotlight or a BendyLight is returned unchanged.
 ///
-/// An omni light is turned to shine at `toward`, in the world. A directional one keeps its direction, and shines from so far
-/// before `toward` as its control points are to reach: `reach` world units. Where it has a window it shines along the
-/// window's axis, and the window is the outline there. Parameters that both shapes have keep their values, and within the
-/// cone light does not fall off. The range of an omni light, a sphere, becomes a cut-off, which is one too; a spotlight's is
-/// a plane. Where a cut-off fades past the range that is refused. Without `toward` both shine along their own -Z from where
-/// they stand.
+/// - An omni light is turned to shine at `toward`, in world space. Its range, a sphere, becomes a cut-off, which is a
+///   sphere too; a spotlight's range is a plane. A cut-off that fades past the range is an error.
+/// - A directional light keeps its direction and shines from `reach` world units before `toward`, the length of the
+///   control points. If it has a window, it shines along the window's axis, and the window is the outline there.
+/// - Without `toward` both shine along their own -Z from their own position.
+///
+/// Parameters that both shapes have keep their values. Within the cone light does not fall off.
 pub fn as_spotlight(
     light: &Light,
     cone_angle: f64,
@@ -80,27 +81,28 @@ pub fn as_spotlight(
         return Ok(through_window(spot, light, toward, reach));
     }
     let way = toward - light.get(TRANSLATION);
-    // The largest part apart, so that no length leaves the range of numbers.
+    // Divided by the largest component first, so that no length overflows.
     let way = (way / way.abs().max_element()).try_normalize();
     let turned = |way: DVec3| spot.clone().with(ROTATION, DQuat::from_mat3(&looking_along(way, DVec3::Y)));
     Ok(way.map_or_else(|| spot.clone(), turned))
 }
 
-/// The spotlight `spot`, whose light ends at a distance of `range` from its source in place of the plane there.
+/// Makes the light of the spotlight `spot` end at the distance `range` from its source, instead of at a plane.
 fn with_spherical_end(spot: &Light, range: f64) -> Result<Light, LightError> {
     let spot = spot.clone().with(RANGE, None);
     let Some(cut_off) = spot.get(CUT_OFF).filter(|cut_off| *cut_off < range) else {
         return Ok(spot.with(CUT_OFF, Some(range)).with(FAR_EDGE, 0.0));
     };
-    // Nothing is left of it there.
+    // No light is left at the range.
     if cut_off + spot.get(FAR_EDGE) <= range {
         return Ok(spot);
     }
     Err(LightError::RangeInFarEdge { range, cut_off })
 }
 
-/// The spotlight `spot` in place of the directional `light`, from `reach` world units before `toward`, or before the place
-/// beside that on the axis of its window: a rectangle as large there, as far as the cone holds it.
+/// Places the spotlight `spot` instead of the directional `light`, `reach` world units before `toward`. If the light
+/// has a window, the source is on the window's axis, and the cross-section is a rectangle of the window's size as far
+/// as the cone contains it.
 fn through_window(spot: Light, light: &Light, toward: DVec3, reach: f64) -> Light {
     let back = light.get(ROTATION).normalize() * DVec3::Z;
     let sides = [light.get(WIDTH), light.get(HEIGHT)];
@@ -111,7 +113,7 @@ fn through_window(spot: Light, light: &Light, toward: DVec3, reach: f64) -> Ligh
     let before = middle + back * ((toward - middle).dot(back) + reach);
     let radius = reach * libm::tan(spot.get(CONE_ANGLE).to_radians());
     let half = sides.map(|side| side.map(|side| (side / 2.0 / radius).min(1.0)));
-    // A side without end goes as far as the circle does.
+    // An unbounded side reaches as far as the circle does.
     let rest = |other: Option<f64>| other.map_or(1.0, |half| (1.0 - half * half).max(0.0).sqrt().max(1e-3));
     spot.with(TRANSLATION, before)
         .with(CROSS_SECTION, CrossSection::Superellipse)
@@ -120,17 +122,17 @@ fn through_window(spot: Light, light: &Light, toward: DVec3, reach: f64) -> Ligh
         .with(SECTION_HEIGHT, half[1].unwrap_or_else(|| rest(half[0])))
 }
 
-/// How far the angle of a straight tube may lie from `coneAngle`, in degrees, and still be it: roundings of its radii.
+/// Maximum difference in degrees between the angle of a straight tube and `coneAngle`, for roundings of its radii.
 const ANGLE_TOLERANCE_DEGREES: f64 = 1e-9;
 
-/// How far control points may lie off a cone and still be on it, as shares of their distance and radius: roundings.
+/// Maximum distance of control points from a cone, as shares of their distance and radius, for roundings.
 const CONE_TOLERANCE: f64 = 1e-9;
 
-/// The spotlight from a BendyLight's source to its last control point, with that one's colour and intensity: of one that
-/// was made from a spotlight and is still straight, that spotlight.
+/// Makes the spotlight from a BendyLight's source to its last control point, with the colour and intensity of that
+/// point. A BendyLight that was made from a spotlight and is still straight gives that spotlight.
 ///
-/// Its cone has the tube's last radius at the last control point, which is as far as it shines unless the BendyLight is
-/// extended. `up` stays up. Parameters that both shapes have keep their values.
+/// The cone has the tube's last radius at the last control point. It ends there unless the BendyLight is extended. `up`
+/// stays up. Parameters that both shapes have keep their values.
 pub fn straighten(bent: &Light) -> Result<Light, LightError> {
     if bent.points().is_empty() {
         return Err(LightError::NotBent);
@@ -139,9 +141,9 @@ pub fn straighten(bent: &Light) -> Result<Light, LightError> {
     straighten_checked(bent)
 }
 
-/// The spotlight that a checked BendyLight is, while its tube is still a cone: control points on one ray from the source,
-/// one behind the other, all of one colour and intensity, with radii that grow as their distances do, to the angle that
-/// its profile goes by. `None` where it is bent, however little.
+/// Returns the spotlight equal to a checked BendyLight whose tube is a cone. The control points lie on one ray from the
+/// source in ascending order, have one colour and intensity, and radii proportional to their distances, at the angle
+/// that its profile uses. `None` if the light is bent, however little.
 pub fn spotlight_if_straight(bent: &Light) -> Option<Light> {
     let points = bent.points();
     let last = points.last()?;
@@ -154,7 +156,7 @@ pub fn spotlight_if_straight(bent: &Light) -> Option<Light> {
             && (point.radius - slope * along(point)).abs() <= CONE_TOLERANCE * point.radius
             && (point.color, point.intensity) == (last.color, last.intensity)
     };
-    // Where `up` is along the axis, which way is up across it is each shape's own choice.
+    // If `up` is along the axis, each shape chooses its own direction across it.
     let up = bent.get(UP);
     let is_cone = points.iter().all(is_on_cone)
         && points.windows(2).all(|pair| along(&pair[0]) < along(&pair[1]))
@@ -164,7 +166,7 @@ pub fn spotlight_if_straight(bent: &Light) -> Option<Light> {
     if is_cone { straighten_checked(bent).ok() } else { None }
 }
 
-/// Of a checked BendyLight.
+/// Does the work of `straighten` for a checked BendyLight.
 fn straighten_checked(bent: &Light) -> Result<Light, LightError> {
     let Some(last) = bent.points().last() else { return Err(LightError::NotBent) };
     let length = last.position.length();
@@ -190,12 +192,13 @@ fn straighten_checked(bent: &Light) -> Result<Light, LightError> {
     Ok(spot)
 }
 
-/// The half angle, in degrees, of the cone from the source that is as wide as the tube at a control point.
+/// Returns the half angle in degrees of the cone from the source that is as wide as the tube at a control point.
 fn cone_angle(point: &ControlPoint) -> f64 {
     libm::atan2(point.radius, point.position.length()).to_degrees()
 }
 
-/// The rotation that takes -Z to `direction`, of length 1, and +Y to where `up` leans; any, where `up` is along it.
+/// Returns the rotation that takes -Z to the unit vector `direction` and +Y to the side of `up`. If `up` is along
+/// `direction`, the rotation about it is arbitrary.
 fn looking_along(direction: DVec3, up: DVec3) -> DMat3 {
     let back = -direction;
     let across = up.cross(back);
@@ -204,8 +207,8 @@ fn looking_along(direction: DVec3, up: DVec3) -> DMat3 {
     DMat3::from_cols(right, back.cross(right), back)
 }
 
-/// The Greville abscissae of a clamped uniform quadratic B-spline with `n` segments: `0, 1/2, 3/2, ..., n -
-/// 1/2, n`.
+/// Returns the Greville abscissae of a clamped uniform quadratic B-spline with `n` segments:
+/// `0, 1/2, 3/2, ..., n - 1/2, n`.
 pub fn greville_abscissae(n: usize) -> Vec<f64> {
     let inner = (0..n).map(|i| i as f64 + 0.5);
     std::iter::once(0.0).chain(inner).chain(std::iter::once(n as f64)).collect()

@@ -1,5 +1,4 @@
-//! From what an artist set to a [`Tube`] that can be evaluated: checks, Bezier extraction and the frame's
-//! constants.
+//! Construction of a [`Tube`]'s segments from a light's values: checks, Bezier extraction and the frame's constants.
 
 use std::ops::Range;
 
@@ -11,40 +10,38 @@ use crate::frame::{STRAIGHT_SINE, set_frame};
 use crate::parameters::{END_MODE, SCALE, UP};
 use crate::{ControlPoint, EndMode, Light, LightError, Segment, Transform, validity};
 
-/// Most segments of one light: far past what an artist handles, and small enough for any GPU buffer.
+/// Maximum number of segments of a light: far more than an artist handles, and few enough for any GPU buffer.
 pub const MAX_SEGMENTS: usize = 256;
 
-/// Where tube space lies in the world. Tube space is light-local space scaled by a power of two so that the
-/// control polygon is about one unit long: f32 then never under- or overflows, and the scaling itself is
-/// exact.
+/// Position of tube space in the world.
+///
+/// Tube space is light-local space scaled by a power of two so that the control polygon is about one unit long. Then
+/// f32 never under- or overflows, and the scaling itself is exact.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     /// World position of the source.
     pub translation: DVec3,
-    /// World axes from tube axes.
+    /// Rotation from tube axes to world axes.
     pub rotation: DMat3,
-    /// World units per tube unit.
     pub world_per_tube: f64,
 }
 
 impl Placement {
-    /// Tube-space position of a world position.
     pub fn tube_from_world(&self, world: DVec3) -> DVec3 {
         (self.rotation.transpose() * (world - self.translation)) / self.world_per_tube
     }
 
-    /// World position of a tube-space position.
     pub fn world_from_tube(&self, tube: DVec3) -> DVec3 {
         self.translation + self.rotation * (tube * self.world_per_tube)
     }
 }
 
-/// Checks each value against its row.
+/// Checks each value against its row of the table.
 pub fn check_values(light: &Light) -> Result<(), LightError> {
     light.values().try_for_each(|(row, value)| row.check(value))
 }
 
-/// Checks control points of a BendyLight by themselves.
+/// Checks the control points of a BendyLight.
 fn check_points(points: &[ControlPoint]) -> Result<(), LightError> {
     let count = points.len();
     if count < 3 {
@@ -62,7 +59,7 @@ fn check_points(points: &[ControlPoint]) -> Result<(), LightError> {
     if let Some((field, _)) = finite.iter().find(|(_, ok)| !ok) {
         return Err(LightError::NotFinite(field));
     }
-    // Wider than this, f32 has no digits left for the curve. A light without length is refused for that.
+    // A wider tube leaves f32 no digits for the curve. A light without length is refused for its length instead.
     let length = polygon_length(points);
     let widest = if length > 0.0 { 1e6 * length } else { f64::MAX };
     let radii = points.iter().map(|point| point.radius);
@@ -75,7 +72,7 @@ fn check_points(points: &[ControlPoint]) -> Result<(), LightError> {
     Ok(())
 }
 
-/// Bezier control values of segment `i` of the clamped uniform quadratic B-spline through `c` (light model,
+/// Returns the Bezier control values of segment `i` of the clamped uniform quadratic B-spline through `c` (light model,
 /// section 1).
 pub fn bezier<T>(c: &[T], i: usize) -> [T; 3]
 where
@@ -87,13 +84,12 @@ where
     [b0, c[i + 1], b2]
 }
 
-/// Length of the control polygon.
 fn polygon_length(points: &[ControlPoint]) -> f64 {
     points.windows(2).map(|p| p[1].position.distance(p[0].position)).sum()
 }
 
-/// Half the derivatives at both ends, from the control points' differences so that neighbours share them bit
-/// for bit.
+/// Returns half the derivatives at both ends. They come from differences of the control points, so that adjacent
+/// segments share them bit for bit.
 fn half_derivatives<T>(c: &[T], i: usize) -> (T, T)
 where
     T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -104,8 +100,8 @@ where
     (first, second)
 }
 
-/// The largest `R kappa` of some segments of the BendyLight that has these control points, whether they fold or not; refuses what has
-/// no curve.
+/// Computes the largest `R kappa` of some segments of the BendyLight with these control points. The tube may fold
+/// there. A segment without a direction is an error.
 pub fn r_kappa_max_of_segments(
     points: &[ControlPoint],
     segments: Range<usize>,
@@ -114,7 +110,7 @@ pub fn r_kappa_max_of_segments(
     segments.map(|i| Ok(validity::r_kappa_max(&segment_curve(&values, i)?))).collect()
 }
 
-/// The segments of a checked light, in tube space, and the placement of that space.
+/// Builds the segments of a light in tube space, and the placement of that space, after all checks.
 pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightError> {
     check_values(light)?;
     if light.get(UP) == DVec3::ZERO {
@@ -124,7 +120,7 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
     segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
 }
 
-/// The same of a light with these control points, whose other values have been checked.
+/// Does the same for other control points of a light whose other values have been checked.
 pub fn segments_of_points(
     control: &[ControlPoint],
     transform: Transform,
@@ -177,7 +173,7 @@ pub fn segments_of_points(
     ))
 }
 
-/// The control points' values, a list for each spline.
+/// Values of the control points, one list for each spline.
 struct ControlValues {
     positions: Vec<DVec3>,
     radii: Vec<f64>,
@@ -204,7 +200,7 @@ impl ControlValues {
     }
 }
 
-/// Position and radius of segment `i`, without its frame; refuses one that has no direction.
+/// Returns position and radius of segment `i`, without its frame. A segment without a direction is an error.
 fn segment_curve(values: &ControlValues, i: usize) -> Result<Curve<f64>, LightError> {
     let ControlValues { positions, radii, .. } = values;
     let [b0, _, b2] = bezier(positions, i);
@@ -235,14 +231,14 @@ fn segment_curve(values: &ControlValues, i: usize) -> Result<Curve<f64>, LightEr
     })
 }
 
-/// The light's `up` as a unit vector, whatever its size.
+/// Returns the light's `up` as a unit vector, without overflow.
 pub fn unit_up(light: &Light) -> DVec3 {
     let up = light.get(UP);
     (up / up.abs().max_element()).normalize()
 }
 
-/// The light past its last control point: straight on, with linear radius, colour and intensity; `None` where
-/// it ends without a direction to go on in.
+/// Returns the segment past the last control point: straight, with linear radius, colour and intensity. `None` if the
+/// curve has no direction at its end.
 fn extension_segment(last: &Segment<f64>, arc_start: f64) -> Option<Segment<f64>> {
     let grow = |b: [f64; 3]| 2.0 * (b[2] - b[1]);
     let grow3 = |b: [DVec3; 3]| (b[2] - b[1]) * 2.0;

@@ -1,4 +1,4 @@
-//! A light that can be evaluated.
+//! Lights that passed every check.
 
 use std::cell::Cell;
 use std::sync::Arc;
@@ -11,41 +11,35 @@ thread_local! {
     static CHECK_COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// A light that passed every check, with what evaluates it: made once, where a change is applied, and carried from there
-/// to all who evaluate it. Nothing downstream checks a light again.
+/// Light that passed every check, prepared for evaluation. It is made once, where a change is applied. Nothing
+/// downstream checks a light again.
 #[derive(Clone, Debug)]
 pub struct CheckedLight {
     light: Light,
     rays: LightRays,
     revisions: Revisions,
-    /// See [`Self::straightened`].
+    /// See [`Self::equivalent_spotlight()`].
     equivalent_spotlight: Option<Arc<Self>>,
 }
 
-/// How a point is found in a light.
+/// Prepared rays of a light, by shape. They locate a point in it.
 #[derive(Clone, Debug)]
 pub enum LightRays {
-    /// Straight lines from a point, in a cone.
     Cone(Cone),
-    /// Curves along a tube.
     Bent(Tube<f64>),
-    /// Parallel lines.
     Parallel(Parallel),
-    /// Straight lines from a point to all sides.
     Omni(Omni),
 }
 
-/// A light under the name that it keeps for as long as its session lives.
+/// Light with its id, which stays the same for the life of its session.
 #[derive(Clone, Debug)]
 pub struct LightInstance {
-    /// Its name.
     pub id: LightId,
-    /// As it is now.
     pub light: Arc<CheckedLight>,
 }
 
 impl LightInstance {
-    /// Lights of no session, checked, which go by their numbers from 0.
+    /// Checks lights that belong to no session and numbers them from 0.
     pub fn numbered(lights: impl IntoIterator<Item = Light>) -> Result<Vec<Self>, LightError> {
         let checked = lights.into_iter().zip(0..).map(|(light, number)| {
             Ok(Self { id: LightId(number), light: Arc::new(CheckedLight::new(light)?) })
@@ -55,7 +49,7 @@ impl LightInstance {
 }
 
 impl CheckedLight {
-    /// Checks a light: every value against its row, a BendyLight's control points, its tube for folds.
+    /// Checks a light: every value against its row, the control points of a BendyLight, and its tube for folds.
     pub fn new(light: Light) -> Result<Self, LightError> {
         CHECK_COUNT.set(CHECK_COUNT.get() + 1);
         let checked = Self::of(light)?;
@@ -74,33 +68,31 @@ impl CheckedLight {
         Ok(Self { light, rays, revisions, equivalent_spotlight: None })
     }
 
-    /// How many checks this thread has made: what tests count to see that a light is checked once.
+    /// Number of checks on this thread. Tests use it to see that a light is checked once.
     pub fn check_count() -> u64 {
         CHECK_COUNT.get()
     }
 
-    /// The light as it is written down.
     pub fn light(&self) -> &Light {
         &self.light
     }
 
-    /// How a point is found in it.
     pub fn rays(&self) -> &LightRays {
         &self.rays
     }
 
-    /// The tube of a BendyLight.
+    /// Tube, if this is a BendyLight.
     pub fn tube(&self) -> Option<&Tube<f64>> {
         if let LightRays::Bent(tube) = &self.rays { Some(tube) } else { None }
     }
 
-    /// The spotlight that a BendyLight is whose tube is still a cone: made with it, and the same light at every point but
-    /// for the roundings and its `t`.
+    /// Spotlight equal to a BendyLight whose tube is a cone. It is made with the light. It has the same light at every
+    /// point, except for roundings and for `t`.
     pub fn equivalent_spotlight(&self) -> Option<&Arc<Self>> {
         self.equivalent_spotlight.as_ref()
     }
 
-    /// What becomes of its light on the way.
+    /// Falloff, tint and shadow of the light.
     pub fn light_profile(&self) -> &LightProfile {
         match &self.rays {
             LightRays::Cone(cone) => &cone.light_profile,
@@ -110,19 +102,19 @@ impl CheckedLight {
         }
     }
 
-    /// Names of what pictures keep of it.
+    /// Digests that caches of the light use as keys.
     pub fn revisions(&self) -> Revisions {
         self.revisions
     }
 
-    /// Of all its values.
+    /// Digest of all values.
     pub fn digest(&self) -> LightDigest {
         self.revisions.content
     }
 }
 
 impl PartialEq for CheckedLight {
-    /// Whether all values are the same.
+    /// Compares all values.
     fn eq(&self, other: &Self) -> bool {
         self.light == other.light
     }

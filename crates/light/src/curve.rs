@@ -1,4 +1,4 @@
-//! One quadratic piece of a tube: position and radius over `u`, and the frame's constants.
+//! Quadratic pieces of a tube: position and radius over `u`, and the frame's constants.
 //!
 //! Light model, sections 1 and 2. With `d(u) = d0 + u a`:
 //!
@@ -12,19 +12,18 @@ use glam::DVec3;
 use crate::Real;
 use crate::lanes::{Lanes, Mask, choose_vec};
 
-/// A box around everything a curve's tube can reach.
+/// Box around everything that a curve's tube can reach.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeBox<F: Lanes> {
-    /// Centre.
     pub center: F::Vec3,
-    /// Orthonormal axes: chord, in the plane of the curve, normal to it.
+    /// Orthonormal axes: along the chord, in the plane of the curve, normal to it.
     pub axes: [F::Vec3; 3],
     /// Half extents along the axes.
     pub half: [F; 3],
 }
 
 impl<F: Lanes> TubeBox<F> {
-    /// Whether `q` lies in the box.
+    /// Returns true if `q` lies in the box.
     #[inline(always)]
     pub fn contains(&self, q: F::Vec3) -> F::Mask {
         let p = q - self.center;
@@ -35,7 +34,6 @@ impl<F: Lanes> TubeBox<F> {
 }
 
 impl TubeBox<f64> {
-    /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| {
             let side = |axis: usize| {
@@ -46,7 +44,7 @@ impl TubeBox<f64> {
     }
 }
 
-/// A quadratic piece of a tube in tube space, prepared in f64 and rounded once.
+/// Quadratic piece of a tube in tube space, prepared in f64 and rounded once.
 #[derive(Clone, Copy, Debug)]
 pub struct Curve<F: Lanes> {
     /// Start, bit-equal to the `b2` of the piece before.
@@ -71,12 +69,12 @@ pub struct Curve<F: Lanes> {
     pub e0: F,
     /// Half the radius's second derivative.
     pub ar: F,
-    /// Skips points that are nowhere near.
+    /// Box that skips points far from the tube.
     pub bounds: TubeBox<F>,
 }
 
 impl<F: Lanes> Curve<F> {
-    /// Half the derivative, `d(u) = P'(u) / 2`; at the end `d1` to the last bit, which near a cusp the sum has lost.
+    /// Half the derivative, `d(u) = P'(u) / 2`. At the end it is exactly `d1`; near a cusp the sum has lost those bits.
     #[inline(always)]
     pub fn d(&self, u: F) -> F::Vec3 {
         F::select_vec(u.equals(F::of(1.0)), self.d1, self.d0 + self.a * u)
@@ -88,25 +86,23 @@ impl<F: Lanes> Curve<F> {
         self.b0 + (self.d0 * F::of(2.0) + self.a * u) * u
     }
 
-    /// `q - P(u)`, formed so that the large part cancels first.
+    /// Computes `q - P(u)` so that the large part cancels first.
     #[inline(always)]
     pub fn offset(&self, q: F::Vec3, u: F) -> F::Vec3 {
         (q - self.b0) - (self.d0 * F::of(2.0) + self.a * u) * u
     }
 
-    /// Radius.
     #[inline(always)]
     pub fn radius(&self, u: F) -> F {
         self.r0 + u * (F::of(2.0) * self.e0 + u * self.ar)
     }
 
-    /// Derivative of the radius.
     #[inline(always)]
     pub fn radius_derivative(&self, u: F) -> F {
         F::of(2.0) * (self.e0 + u * self.ar)
     }
 
-    /// Unit tangent; the one-sided limit where `P'` is zero at an end.
+    /// Unit tangent; the one-sided limit if `P'` is zero at an end.
     #[inline(always)]
     pub fn u_hat(&self, u: F) -> F::Vec3 {
         let d = self.d(u);
@@ -119,14 +115,14 @@ impl<F: Lanes> Curve<F> {
         choose_vec!(F, moves, d * (F::of(1.0) / speed), F::unit_or(limit, limit))
     }
 
-    /// The rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
+    /// Rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
     #[inline(always)]
     pub fn rotation_minimizing(&self, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
         let m = F::cross(self.n_hat, u_hat);
         (self.n_hat * self.alpha + m * self.beta, self.n_hat * self.beta - m * self.alpha)
     }
 
-    /// Derivative of the unit tangent, `(P'' - (P''.u_hat) u_hat) / |P'|`; zero where `P'` is.
+    /// Derivative of the unit tangent, `(P'' - (P''.u_hat) u_hat) / |P'|`; zero if `P'` is zero.
     #[inline(always)]
     pub fn u_hat_derivative(&self, u: F, u_hat: F::Vec3) -> F::Vec3 {
         let d = self.d(u);
@@ -137,9 +133,9 @@ impl<F: Lanes> Curve<F> {
 }
 
 impl Curve<f64> {
-    /// The piece over `[start, end]`, as a curve of its own whose parameter runs from 0 to 1.
+    /// Returns the piece over `[start, end]` as a curve whose parameter runs from 0 to 1.
     ///
-    /// The range may reach past `[0, 1]`: the polynomials go on.
+    /// The range may reach past `[0, 1]`, where the polynomials continue.
     #[must_use]
     pub fn subcurve(&self, start: f64, end: f64) -> Self {
         let h = end - start;
@@ -157,10 +153,11 @@ impl Curve<f64> {
         piece
     }
 
-    /// The box around `P(u) +- R(u)` in axes chord, in-plane, normal, from the exact extrema of each quadratic.
+    /// Computes the box around `P(u) +- R(u)` in axes chord, in-plane, normal, from the exact extrema of each
+    /// quadratic.
     pub fn tube_box(&self) -> TubeBox<f64> {
         let chord = f64::unit(self.b2 - self.b0).unwrap_or_else(|| self.u_hat(0.0));
-        // The normal is orthogonal to the chord up to rounding; make the box's axes orthonormal all the same.
+        // The normal is orthogonal to the chord only up to rounding.
         let across = self.n_hat.cross(chord);
         let across = f64::unit(across).unwrap_or_else(|| chord.any_orthonormal_vector());
         let axes = [chord, across, chord.cross(across)];
@@ -181,7 +178,8 @@ impl Curve<f64> {
         inflation * (self.d0.length() + self.d1.length() + r_max + self.b0.length())
     }
 
-    /// The same curve in f32, each field rounded once; the box grows by what f32 rounding can move a point.
+    /// Converts to f32. Each field is rounded once, and the box grows by the distance that f32 rounding can move a
+    /// point.
     pub fn to_f32(&self) -> Curve<f32> {
         let slack = self.box_slack(f64::from(f32::BOX_INFLATION));
         let bounds = TubeBox {
@@ -206,11 +204,11 @@ impl Curve<f64> {
     }
 }
 
-/// Smallest and largest value over `[0, 1]` of `p + u (2 d + u a)`.
+/// Returns the smallest and largest value over `[0, 1]` of `p + u (2 d + u a)`.
 pub fn quadratic_range(p: f64, d: f64, a: f64) -> (f64, f64) {
     let end = p + 2.0 * d + a;
     let (mut low, mut high) = (p.min(end), p.max(end));
-    // The derivative 2 (d + u a) has its zero at -d / a.
+    // The derivative 2 (d + u a) is zero at -d / a.
     if a != 0.0 && (0.0..=1.0).contains(&(-d / a)) {
         let extremum = p - d * d / a;
         (low, high) = (low.min(extremum), high.max(extremum));

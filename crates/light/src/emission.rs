@@ -1,8 +1,8 @@
-//! What leaves a light.
+//! Emission of a light.
 
 use crate::lanes::Lanes;
 
-/// Colour times intensity, neither below zero, linear RGB.
+/// Returns colour times intensity, linear RGB. Negative components and a negative intensity count as 0.
 #[inline(always)]
 pub fn emission<F: Lanes>(color: F::Vec3, intensity: F) -> F::Vec3 {
     let zero = F::of(0.0);

@@ -1,17 +1,17 @@
-//! The frame across a curve (light model, section 2): its constants, and `up` where that orients it.
+//! Frame of the cross-section (light model, section 2): constants of a segment, and the `up` mode.
 
 use glam::DVec3;
 
 use crate::Curve;
 use crate::lanes::{Lanes, Mask};
 
-/// Below this sine of the angle between the end tangents a segment's plane is rounding noise.
+/// Sine of the angle between the end tangents below which a segment's plane is rounding noise.
 pub const STRAIGHT_SINE: f64 = 1e-13;
 
-/// `(u_hat, v_hat)` at the end of a curve, for the next one to go on from.
+/// `(u_hat, v_hat)` at the end of a curve, carried over to the next one.
 pub type EndFrame = (DVec3, DVec3);
 
-/// Sets the frame's constants (light model, section 2) and returns what the next segment starts from.
+/// Sets the frame's constants (light model, section 2) and returns the frame at the end.
 pub fn set_frame(curve: &mut Curve<f64>, carried: Option<EndFrame>, up: DVec3) -> EndFrame {
     let u_hat = curve.u_hat(0.0);
     let v_hat = match carried {
@@ -30,13 +30,13 @@ pub fn set_frame(curve: &mut Curve<f64>, carried: Option<EndFrame>, up: DVec3) -
     (u_end, curve.rotation_minimizing(u_end).0)
 }
 
-/// `w_hat` from the unit vector `up`: its part across `u_hat`, or the least-aligned axis's where they are
-/// parallel.
+/// Returns `w_hat` from the unit vector `up`: its part across `u_hat`. If they are parallel, the least-aligned axis
+/// replaces `up`.
 #[inline(always)]
 pub fn perpendicular_up<F: Lanes>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
     let perp = across::<F>(up, u_hat);
     let leans = F::dot(perp, perp).ge(F::of(1e-12));
-    // Once more: what rounding left along `u_hat` is large against a small `perp`.
+    // Projected twice: the part along `u_hat` that rounding left is large against a small `perp`.
     let twice = across::<F>(F::unit_or(perp, perp), u_hat);
     let w_hat = F::unit_or(twice, twice);
     if leans.all() {
@@ -46,13 +46,13 @@ pub fn perpendicular_up<F: Lanes>(up: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
     F::select_vec(leans, w_hat, F::unit_or(axis, axis))
 }
 
-/// The part of `v` across the unit vector `u_hat`.
+/// Returns the part of `v` across the unit vector `u_hat`.
 #[inline(always)]
 fn across<F: Lanes>(v: F::Vec3, u_hat: F::Vec3) -> F::Vec3 {
     v - u_hat * F::dot(v, u_hat)
 }
 
-/// The coordinate axis that leans least towards `v`.
+/// Returns the coordinate axis with the smallest component along `v`.
 #[inline(always)]
 fn least_aligned_axis<F: Lanes>(v: F::Vec3) -> F::Vec3 {
     let [x, y, z] = F::coordinates(v).map(F::abs);
@@ -61,8 +61,8 @@ fn least_aligned_axis<F: Lanes>(v: F::Vec3) -> F::Vec3 {
     F::select_vec(is_x, F::vec(DVec3::X), y_or_z)
 }
 
-/// `v` turned by the smallest rotation that takes the unit vector `from` to `to`: nothing where the curve is
-/// C1, and the turn at a corner where two control points coincide.
+/// Turns `v` by the smallest rotation that takes the unit vector `from` to `to`. The rotation is the identity where the
+/// curve is C1. At a corner, where two control points coincide, it is the turn of the corner.
 fn minimal_rotation(from: DVec3, to: DVec3, v: DVec3) -> DVec3 {
     let (cos, axis) = (from.dot(to), from.cross(to));
     if cos <= -1.0 + 1e-12 {

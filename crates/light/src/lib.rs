@@ -1,9 +1,15 @@
-//! The BendyLight model: light that travels along a quadratic B-spline inside a tube of varying radius.
+//! The BendyLight model: light that travels along a quadratic B-spline inside a tube of varying radius, and straight
+//! lights beside it (spot, omni, directional).
 //!
-//! Pure functions over f64, f32 and many f32 side by side ([`Lanes`]); knows no scene, no files and no clock. Where this crate says "light
-//! model, section n", it means the numbered sections in `ARCHITECTURE.md`. The paper is Kerr, Pellacini and
-//! Denning, "BendyLights: Artistic Control of Direct Illumination by Curving Light Rays", 2010; symbols are
-//! its own.
+//! The crate has the parameter table, checked lights, splines, frames, tube coordinates, the solver and the irradiance.
+//! All are pure functions. They are generic over f64, f32 and many f32 side by side ([`Lanes`]). The crate knows no
+//! scene, file or clock.
+//!
+//! Begin with [`Light`] (a shape and its parameter values), [`CheckedLight`] (one that passed every check), [`Tube`]
+//! (evaluation of a BendyLight) and the module `parameters` (the table).
+//!
+//! "Light model, section n" means the numbered sections in `ARCHITECTURE.md`. The paper is Kerr, Pellacini and Denning,
+//! "BendyLights: Artistic Control of Direct Illumination by Curving Light Rays", 2010. Symbols are those of the paper.
 //!
 //! ```
 //! use light::{Light, Tube};

@@ -1,4 +1,4 @@
-//! What an artist sets: a light's shape and the values of its parameters.
+//! Lights as an artist sets them: a shape and the values of its parameters.
 
 use std::fmt;
 
@@ -8,10 +8,10 @@ use crate::parameter::choices;
 use crate::parameters::{NAME, ROTATION, SCALE, TRANSLATION, parameters_of};
 use crate::{Parameter, ParameterKey, ParameterOwner, Setting, Value, ValueType};
 
-/// Where a light stands: `world = translation + rotation * (scale * local)`.
+/// Placement of a light in the world: `world = translation + rotation * (scale * local)`.
 ///
-/// `turn` need not be of exactly unit length; it is normalised before use. `scale` is positive and the
-/// same in all directions, so that circles stay circles.
+/// `rotation` is normalised before use. `scale` is positive and the same in all directions, so that circles stay
+/// circles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     /// World position of the light's origin, its source.
@@ -29,76 +29,76 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// World position of a light-local one.
+    /// Converts a light-local position to world space.
     pub fn world_from_local(&self, local: DVec3) -> DVec3 {
         self.translation + self.rotation.normalize() * (local * self.scale)
     }
 }
 
-/// How the cross-section is oriented along the curve (light model, section 2).
+/// Orientation of the cross-section along the curve (light model, section 2).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FrameMode {
     /// No rotation about the tangent from one point of the curve to the next.
     #[default]
     RotationMinimizing,
-    /// `w_hat` leans towards `up` at every point, as the paper has it; flips where the tangent meets `up`.
+    /// `w_hat` leans towards `up` at every point, as in the paper. It flips where the tangent meets `up`.
     Up,
 }
 
-/// Which direction light arrives from (light model, section 3).
+/// Direction from which light arrives (light model, section 3).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DirectionMode {
-    /// The centre's tangent plus the spread: continuous everywhere.
+    /// Tangent of the centre plus the spread. It is continuous everywhere.
     #[default]
     Tube,
-    /// The exact tangent of the curve of constant (v, w): jumps at joints of a tapering tube.
+    /// Exact tangent of the curve of constant (v, w). It jumps at joints of a tapering tube.
     Path,
 }
 
-/// What happens past the last control point.
+/// Behaviour of a light past its last control point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum EndMode {
-    /// The light ends there.
+    /// Light ends.
     #[default]
     Cut,
-    /// It goes straight on: position, radius, colour and intensity go on linearly with their end
-    /// derivatives; radius, colour and intensity stop at zero.
+    /// Light continues straight on. Position, radius, colour and intensity continue linearly with their end
+    /// derivatives. Radius, colour and intensity stop at zero.
     Extend,
 }
 
-/// How irradiance falls with the distance `s` travelled, in world units.
+/// Decrease of irradiance with the distance `s` travelled, in world units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Decay {
-    /// It does not: the cinematic default.
+    /// No decrease: the cinematic default.
     #[default]
     None,
     /// `1 / s`.
     Linear,
-    /// `1 / s^2`, as a physical point source; intensity is then in candela.
+    /// `1 / s^2`, as a physical point source. Intensity is then in candela.
     InverseSquare,
 }
 
-/// By which curve a light falls off across; [`crate::CrossFalloff`] has the formulas.
+/// Curve of the falloff across a light. [`crate::CrossFalloff`] has the formulas.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ProfileCurve {
-    /// An S-curve: no edge is seen at either end.
+    /// S-curve without a visible edge at either end.
     #[default]
     Smooth,
-    /// Evenly with the distance from the axis.
+    /// Linear in the distance from the axis.
     Linear,
-    /// A power of how far the cosine has come from the inner angle's to the outer's.
+    /// Power of the cosine's progress from the outer angle to the inner angle.
     Power,
-    /// A power of the cosine from the axis on, cut at the cone's angle.
+    /// Power of the cosine, from the axis on, cut at the cone's angle.
     Cosine,
 }
 
-/// What the outline of a cross-section is.
+/// Outline of a cross-section.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CrossSection {
-    /// Of radius 1.
+    /// Circle of radius 1.
     #[default]
     Circle,
-    /// Between a rectangle and an ellipse.
+    /// Shape between a rectangle and an ellipse.
     Superellipse,
 }
 
@@ -118,52 +118,51 @@ choices!(Decay {
     InverseSquare: "inverseSquare", "Inverse square";
 });
 
-/// A control point of a BendyLight with all that it carries, light-local.
+/// Control point of a BendyLight with its values, light-local.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ControlPoint {
-    /// Of the centre curve.
+    /// Control point of the centre curve.
     pub position: DVec3,
-    /// Of the tube, 0 or more.
+    /// Radius of the tube, 0 or more.
     pub radius: f64,
-    /// Linear RGB.
     pub color: DVec3,
-    /// Candela with inverse-square decay.
+    /// In candela with inverse-square decay.
     pub intensity: f64,
 }
 
 impl ControlPoint {
-    /// White, of intensity 1.
+    /// Makes a white control point of intensity 1.
     pub fn new(position: DVec3, radius: f64) -> Self {
         Self { position, radius, color: DVec3::ONE, intensity: 1.0 }
     }
 }
 
-/// What a light is, besides its parameters.
+/// Shape of a light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightShape {
-    /// Light along straight lines in a cone: along local -Z from the origin, as in glTF and USD.
+    /// Straight rays in a cone along local -Z from the origin, as in glTF and USD.
     Spot,
-    /// Light along parallel lines from infinitely far away, along local -Z: the sun.
+    /// Parallel rays from infinitely far away, along local -Z: the sun.
     Directional,
-    /// Light along straight lines from the origin to all sides: a bulb.
+    /// Straight rays from the origin to all sides: a bulb.
     Omni,
-    /// Light along a quadratic B-spline (light model, section 1) through three control points or more; the first is the
+    /// Rays along a quadratic B-spline (light model, section 1) with three control points or more. The first is the
     /// source and lies at the origin.
     Bendy(Vec<ControlPoint>),
 }
 
-/// A light as it is written down: its shape, and a value for each parameter that the shape has.
+/// Light as it is written down: its shape, and a value for each parameter of the shape.
 ///
-/// [`crate::CheckedLight`] is one that can be evaluated.
+/// The values may be invalid. [`crate::CheckedLight`] is a light that can be evaluated.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     shape: LightShape,
-    /// In the order of the rows of its shape.
+    /// In the order of the shape's rows.
     values: Vec<Value>,
 }
 
 impl Light {
-    /// A light of that shape, every parameter at its default.
+    /// Makes a light of a shape with all parameters at their defaults.
     pub fn new(shape: LightShape) -> Self {
         let owner = shape.owner();
         let default = |row: &&Parameter| row.default(owner).unwrap_or(Value::Absent);
@@ -171,67 +170,64 @@ impl Light {
         Self { shape, values }
     }
 
-    /// A spotlight.
     pub fn spot() -> Self {
         Self::new(LightShape::Spot)
     }
 
-    /// A directional light.
     pub fn directional() -> Self {
         Self::new(LightShape::Directional)
     }
 
-    /// An omni light.
     pub fn omni() -> Self {
         Self::new(LightShape::Omni)
     }
 
-    /// A white BendyLight of intensity 1 through `points` with `radii`, as many as there are of both.
+    /// Makes a white BendyLight of intensity 1 from `points` and `radii`. The longer list is cut to the length of the
+    /// shorter.
     pub fn bendy(points: Vec<DVec3>, radii: Vec<f64>) -> Self {
         let points =
             points.into_iter().zip(radii).map(|(position, radius)| ControlPoint::new(position, radius));
         Self::new(LightShape::Bendy(points.collect()))
     }
 
-    /// What it is.
     pub fn shape(&self) -> &LightShape {
         &self.shape
     }
 
-    /// What has parameters here.
+    /// Owner of the shape's parameters in the table.
     pub fn owner(&self) -> ParameterOwner {
         self.shape.owner()
     }
 
-    /// Its control points; only a BendyLight has some.
+    /// Control points; empty unless this is a BendyLight.
     pub fn points(&self) -> &[ControlPoint] {
         if let LightShape::Bendy(points) = &self.shape { points } else { &[] }
     }
 
-    /// Its control points, to change; `None` for what is no BendyLight.
+    /// Control points for changes; `None` unless this is a BendyLight.
     pub fn points_mut(&mut self) -> Option<&mut Vec<ControlPoint>> {
         if let LightShape::Bendy(points) = &mut self.shape { Some(points) } else { None }
     }
 
-    /// Its parameters and their values, in the order of the table.
+    /// Parameters and their values, in the order of the table.
     pub fn values(&self) -> impl Iterator<Item = (&'static Parameter, &Value)> {
         parameters_of(self.owner()).iter().copied().zip(&self.values)
     }
 
-    /// The value of a parameter; `None` where its shape has no such one.
+    /// Value of a parameter; `None` if the shape does not have it.
     pub fn value(&self, parameter: &Parameter) -> Option<&Value> {
         self.values().find(|(row, _)| *row == parameter).map(|(_, value)| value)
     }
 
-    /// The value of a parameter. Where its shape has no such one, the default of those that have it.
+    /// Value of a parameter. If the shape does not have it, the default of the shapes that do.
     pub fn get<T: ValueType>(&self, key: ParameterKey<T>) -> T {
         let elsewhere = || key.owners.iter().find_map(|of| key.default(of.owner));
         let value = self.value(&key).and_then(T::from_value);
         value.or_else(|| T::from_value(&elsewhere()?)).expect("a key has the type of its row's values")
     }
 
-    /// Sets a parameter to a value of any size; [`crate::CheckedLight::new`] sees whether it makes a light. What its shape
-    /// does not have changes nothing.
+    /// Sets a parameter without a check of the value; [`crate::CheckedLight::new`] checks the light. A parameter that
+    /// the shape does not have is ignored.
     pub fn set(&mut self, Setting { parameter, value }: Setting) {
         let rows = parameters_of(self.owner());
         if let Some(index) = rows.iter().position(|row| *row == parameter) {
@@ -239,21 +235,21 @@ impl Light {
         }
     }
 
-    /// The same light with a parameter set.
+    /// Returns the light with a parameter set.
     #[must_use]
     pub fn with<T: ValueType>(mut self, key: ParameterKey<T>, value: T) -> Self {
         self.set(key.to(value));
         self
     }
 
-    /// The same light in another place.
+    /// Returns the light in another placement.
     #[must_use]
     pub fn with_transform(self, transform: Transform) -> Self {
         let Transform { translation, rotation, scale } = transform;
         self.with(TRANSLATION, translation).with(ROTATION, rotation).with(SCALE, scale)
     }
 
-    /// The same light with each control point changed; `change` is given its index.
+    /// Returns the light with each control point changed. `change` gets its index.
     #[must_use]
     pub fn map_points(mut self, mut change: impl FnMut(usize, &mut ControlPoint)) -> Self {
         for (index, point) in self.points_mut().into_iter().flatten().enumerate() {
@@ -262,20 +258,19 @@ impl Light {
         self
     }
 
-    /// Where it stands.
+    /// Placement in the world.
     pub fn transform(&self) -> Transform {
         let (translation, rotation, scale) = (self.get(TRANSLATION), self.get(ROTATION), self.get(SCALE));
         Transform { translation, rotation, scale }
     }
 
-    /// What people call it.
     pub fn name(&self) -> &str {
         if let Some(Value::Text(name)) = self.value(&NAME) { name } else { "" }
     }
 }
 
 impl LightShape {
-    /// What has parameters here.
+    /// Owner of the shape's parameters in the table.
     pub fn owner(&self) -> ParameterOwner {
         match self {
             Self::Spot => ParameterOwner::Spot,
@@ -286,7 +281,7 @@ impl LightShape {
     }
 }
 
-/// Identifies a light for as long as a session lives. Never used twice.
+/// Identifies a light for the life of its session. It is never reused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct LightId(pub u64);
 

@@ -1,19 +1,20 @@
-//! Where a point lies in a light, whatever the light's shape.
+//! Light coordinates of a point, for lights of every shape.
 
 use glam::DVec3;
 
-/// The place of a point in a light.
+/// Light coordinates of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightCoords {
-    /// Along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0 without).
+    /// Coordinate along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0
+    /// without).
     pub t: f64,
-    /// Across the light along `v_hat`: in radii where it has a cone, in halves of a directional light's width (0 without),
-    /// and on the face of a cube about an omni light, from -1 to 1.
+    /// Coordinate across the light along `v_hat`: in radii if it has a cone, in half widths of a directional light's
+    /// window (0 without), and on the face of a cube about an omni light, from -1 to 1.
     pub v: f64,
-    /// The same along `w_hat`. A cone's edge is where `v^2 + w^2 = 1`.
+    /// Coordinate across the light along `w_hat`, in the same units. The edge of a cone is at `v^2 + w^2 = 1`.
     pub w: f64,
-    /// Length of the way that light has come from its source, in world units; 0 where it comes from infinitely far away.
+    /// Length of the light path from the source, in world units; 0 if the light comes from infinitely far away.
     pub s: f64,
-    /// Unit vector in world space from the point to where its light comes from.
+    /// Unit vector in world space from the point towards the arriving light.
     pub direction: DVec3,
 }

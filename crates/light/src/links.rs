@@ -1,13 +1,15 @@
-//! Which nodes of a scene count for a light.
+//! Links: the nodes of a scene that a light affects.
 
-/// Most nodes that links name.
+/// Maximum number of nodes that links name.
 pub const MAX_LINKS: usize = 1024;
-/// Most bytes of all their paths.
+/// Maximum number of bytes of all their paths.
 pub const MAX_LINK_BYTES: usize = 1 << 16;
 
-/// Some nodes of a scene, by their paths (`scene::NodeTree` has them): those that `include` names, or all where it names
-/// none, without those that `exclude` names. A node stands for all that is under it. Of the entries that a node is or
-/// stands under the deepest decides, and of two that name the same node `exclude`.
+/// Selection of nodes of a scene by their paths (`scene::NodeTree` resolves them).
+///
+/// The nodes in `include` are selected, or all nodes if it is empty, without those in `exclude`. An entry covers a node
+/// and all its descendants. For each node the deepest entry decides. If both lists name the same node, `exclude`
+/// decides.
 ///
 /// Lists are sets: sorted, and without duplicates.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +19,7 @@ pub struct Links {
 }
 
 impl Links {
-    /// `None` where both lists are empty, which leaves all nodes.
+    /// Makes links; `None` if both lists are empty, which selects all nodes.
     pub fn new(mut include: Vec<String>, mut exclude: Vec<String>) -> Option<Self> {
         for paths in [&mut include, &mut exclude] {
             paths.sort_unstable();
@@ -26,17 +28,17 @@ impl Links {
         (!include.is_empty() || !exclude.is_empty()).then_some(Self { include, exclude })
     }
 
-    /// Paths of nodes that count; where there are none, all do.
+    /// Paths of selected nodes; if empty, all are selected.
     pub fn include(&self) -> &[String] {
         &self.include
     }
 
-    /// Paths of nodes that do not.
+    /// Paths of nodes that are not selected.
     pub fn exclude(&self) -> &[String] {
         &self.exclude
     }
 
-    /// How many nodes they name, and by how many bytes.
+    /// Returns the number of paths and their total length in bytes.
     pub(crate) fn size(&self) -> (usize, usize) {
         let paths = || self.include.iter().chain(&self.exclude);
         (paths().count(), paths().map(String::len).sum())

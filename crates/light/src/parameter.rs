@@ -1,7 +1,7 @@
-//! What can be set, a row each: a parameter apart from its value.
+//! Rows of the parameter table: a parameter apart from its value.
 //!
-//! A row says all that anybody needs to know of a parameter: commands, the undo of them, JSON and its schema, the document's
-//! hash, the page's fields and the renderer's caches follow from it. [`crate::parameters`] has the rows.
+//! Commands, their undo, JSON and its schema, the document's hash, the page's fields and the renderer's caches all
+//! follow from the row. [`crate::parameters`] has the rows.
 
 use std::convert::Infallible;
 use std::fmt;
@@ -12,69 +12,65 @@ use glam::{DQuat, DVec3};
 
 use crate::{LightError, Links, MAX_KNOTS, MAX_LINK_BYTES, MAX_LINKS, PeriodicCurve};
 
-/// Bytes that a name has at most.
+/// Maximum length of a name in bytes.
 pub const MAX_NAME_BYTES: usize = 256;
 
-/// Largest distance from the scene's middle of anything that is drawn, in world units: squares of it, and their
-/// products with intensities, stay within f32.
+/// Largest distance from the scene's centre of anything that is drawn, in world units. Its square, and products of that
+/// with intensities, stay within f32.
 pub const MAX_EXTENT: f64 = 1e15;
 
-/// A row of the table.
+/// Row of the table.
 #[derive(Clone, Copy)]
 pub struct Parameter {
-    /// The word for it in commands, files and logs, in camelCase.
+    /// Name in commands, files and logs, in camelCase.
     pub name: &'static str,
-    /// Where its value stands in its owner's JSON, fields within fields parted by dots. Of a control point, the list that
-    /// has one value for each.
+    /// Position of the value in its owner's JSON, with dots between nested fields. For a control point, the name of the
+    /// list that has one value for each.
     pub path: &'static str,
-    /// What has it.
+    /// Owners that have the parameter.
     pub owners: &'static [ParameterOf],
-    /// What its values are.
+    /// Type of its values.
     pub kind: ParameterKind,
-    /// Whether keyframes may drive it.
+    /// True if keyframes may drive it.
     pub animates: bool,
-    /// What another has to be for it to have an effect; `None` where it always has.
+    /// Condition on another parameter for it to have an effect; `None` if it always has one.
     pub needs: Option<ParameterNeeds>,
-    /// The heading that it stands under, for people.
+    /// Heading of its group, for people.
     pub group: &'static str,
-    /// Its name for people.
+    /// Name for people.
     pub label: &'static str,
-    /// A sentence about it, for people.
+    /// Sentence about it, for people.
     pub doc: &'static str,
 }
 
-/// One kind of thing that has a parameter.
+/// Owner of a parameter, with its default for that owner.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterOf {
-    /// What has it.
     pub owner: ParameterOwner,
-    /// The value where none is given; `None` where one has to be. Hashes leave out what has its default, so that a new
-    /// parameter changes no old hash: a default never changes.
+    /// Value if none is given; `None` if one is required. Hashes leave out values at their default, so that a new
+    /// parameter changes no earlier hash. A default never changes.
     pub default: Option<Value<&'static str>>,
-    /// What a change of it makes stale.
+    /// Caches that a change invalidates.
     pub touches: ParameterTouches,
 }
 
-/// What another parameter of the same owner has to be.
+/// Condition on another parameter of the same owner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterNeeds {
-    /// The other's name.
+    /// Name of the other parameter.
     pub parameter: &'static str,
-    /// Its value.
     pub value: ParameterNeeded,
 }
 
-/// Values of which one is needed.
+/// Accepted values of a condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterNeeded {
-    /// One of these.
     OneOf(&'static [Value<&'static str>]),
-    /// Any but these.
     NoneOf(&'static [Value<&'static str>]),
 }
 
 impl ParameterNeeded {
-    /// Whether this value will do.
+    /// Returns true if the value meets the condition.
     pub fn is_met_by(&self, value: &Value) -> bool {
         let has = |values: &[Value<&'static str>]| values.iter().any(|one| one.to_value() == *value);
         match self {
@@ -84,131 +80,117 @@ impl ParameterNeeded {
     }
 }
 
-/// What can have parameters. Hashes of lights begin with its number, so that none ever changes: new ones come last.
+/// Kinds of things that have parameters. Hashes of lights begin with this number, so numbers never change and new
+/// owners come last.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOwner {
-    /// A spotlight.
     Spot,
-    /// A BendyLight.
     Bendy,
-    /// A control point of a BendyLight.
+    /// Control point of a BendyLight.
     Point,
-    /// A camera.
     Camera,
-    /// A directional light.
     Directional,
-    /// An omni light.
     Omni,
 }
 
 impl ParameterOwner {
-    /// How many there are.
     pub(crate) const COUNT: usize = Self::Omni as usize + 1;
 
-    /// Every one, in the order of their numbers.
+    /// All owners, in the order of their numbers.
     pub(crate) const ALL: [Self; Self::COUNT] =
         [Self::Spot, Self::Bendy, Self::Point, Self::Camera, Self::Directional, Self::Omni];
 }
 
-/// What a change makes stale of what is kept of a light from picture to picture; each includes those before it.
+/// Cached data of a light that a change invalidates. Each value includes those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ParameterTouches {
-    /// Nothing: no picture shows it.
+    /// Nothing: no picture shows the parameter.
     Nothing,
-    /// By which factors it adds what it adds to the picture.
+    /// Weights of the light's layers in the picture.
     Weight,
-    /// What the light adds to the picture.
+    /// Layers of the light: its radiance in the picture.
     Radiance,
-    /// Its shadow map.
+    /// Shadow map of the light.
     ShadowMap,
-    /// Everything: the scene is another.
+    /// Everything: the change gives another scene.
     Scene,
 }
 
-/// What the values of a parameter are.
+/// Types of parameter values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterKind {
-    /// A number.
     Number(NumberRange),
-    /// Yes or no.
     Flag,
-    /// One of several words.
     Choice(&'static [ParameterChoice]),
-    /// Linear RGB.
     Color,
-    /// Three numbers.
     Vector {
-        /// What they count, if anything.
+        /// Unit, or empty.
         unit: &'static str,
-        /// What a step of a control changes one by.
+        /// Step of a control.
         step: f64,
     },
-    /// A unit quaternion `[x, y, z, w]`.
+    /// Unit quaternion `[x, y, z, w]`.
     Rotation,
-    /// Text of at most so many bytes of UTF-8.
+    /// Text in UTF-8.
     Text {
-        /// So many.
         max_bytes: usize,
     },
     /// Some nodes of the scene, or all of them.
     Links,
-    /// A number over an angle in degrees, or none.
+    /// Number over an angle in degrees, or none.
     PeriodicCurve {
-        /// The least that it may be anywhere.
+        /// Least number at any angle.
         min: f64,
-        /// The most.
+        /// Largest number at any angle.
         max: f64,
-        /// What a step of a control changes one by.
+        /// Step of a control.
         step: f64,
-        /// What it means that there is none, for people.
+        /// Meaning of an absent value, for people.
         absent: &'static str,
     },
-    /// How a camera projects, as a whole.
+    /// Projection of a camera, as a whole.
     Projection,
 }
 
-/// The numbers that a parameter may have, and how a control offers them.
+/// Range of a number, and its control.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberRange {
-    /// What it counts, if anything.
+    /// Unit, or empty.
     pub unit: &'static str,
-    /// What is refused below.
+    /// Lower bound.
     pub min: Bound<f64>,
-    /// What is refused above.
+    /// Upper bound.
     pub max: Bound<f64>,
-    /// The ends of a slider, where one makes sense.
+    /// Ends of a slider; `None` for no slider.
     pub slider: Option<[f64; 2]>,
-    /// What a step of a control changes it by.
+    /// Step of a control.
     pub step: f64,
-    /// How a slider is divided.
     pub scale: ParameterScale,
-    /// What it means that there is none, for people; `None` where there has to be one.
+    /// Meaning of an absent value, for people; `None` if a value is required.
     pub absent: Option<&'static str>,
 }
 
-/// How a slider is divided.
+/// Scale of a slider.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterScale {
-    /// Evenly.
     Linear,
-    /// Evenly in the logarithm.
     Logarithmic,
 }
 
-/// One of the words that a parameter may have.
+/// One of the words of a choice.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ParameterChoice {
-    /// As in files.
+    /// Name in files.
     pub name: &'static str,
-    /// For people.
+    /// Name for people.
     pub label: &'static str,
 }
 
-/// What holds values that vary in size: memory of their own, or the program, which has text but no lists.
+/// Storage of values that vary in size: owned, or static, which has text but no lists.
 pub trait ValueStorage {
-    /// Of [`ParameterKind::Links`].
+    /// Storage of [`ParameterKind::Links`].
     type Links;
-    /// Of [`ParameterKind::PeriodicCurve`].
+    /// Storage of [`ParameterKind::PeriodicCurve`].
     type PeriodicCurve;
 }
 
@@ -222,31 +204,32 @@ impl ValueStorage for &'static str {
     type PeriodicCurve = Infallible;
 }
 
-/// A value of any parameter; `S` holds text.
+/// Value of any parameter. `S` stores text.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value<S: ValueStorage = String> {
-    /// Of [`ParameterKind::Number`].
+    /// Value of [`ParameterKind::Number`].
     Number(f64),
-    /// Of [`ParameterKind::Number`] and [`ParameterKind::PeriodicCurve`], where it is optional and absent; of [`ParameterKind::Links`] all nodes.
+    /// Absent optional value of [`ParameterKind::Number`] or [`ParameterKind::PeriodicCurve`]; all nodes for
+    /// [`ParameterKind::Links`].
     Absent,
-    /// Of [`ParameterKind::Flag`].
+    /// Value of [`ParameterKind::Flag`].
     Flag(bool),
-    /// Of [`ParameterKind::Choice`]: the choice's name.
+    /// Value of [`ParameterKind::Choice`]: the choice's name.
     Choice(&'static str),
-    /// Of [`ParameterKind::Color`] and [`ParameterKind::Vector`].
+    /// Value of [`ParameterKind::Color`] or [`ParameterKind::Vector`].
     Vector(DVec3),
-    /// Of [`ParameterKind::Rotation`].
+    /// Value of [`ParameterKind::Rotation`].
     Rotation(DQuat),
-    /// Of [`ParameterKind::Text`].
+    /// Value of [`ParameterKind::Text`].
     Text(S),
-    /// Of [`ParameterKind::Links`].
+    /// Value of [`ParameterKind::Links`].
     Links(S::Links),
-    /// Of [`ParameterKind::PeriodicCurve`].
+    /// Value of [`ParameterKind::PeriodicCurve`].
     PeriodicCurve(S::PeriodicCurve),
 }
 
 impl Value<&'static str> {
-    /// The same with text of its own.
+    /// Converts to a value with owned text.
     pub fn to_value(self) -> Value {
         match self {
             Self::Number(number) => Value::Number(number),
@@ -261,30 +244,28 @@ impl Value<&'static str> {
     }
 }
 
-/// A parameter and a value for it.
+/// Parameter with a value for it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
-    /// What is set.
     pub parameter: &'static Parameter,
-    /// What it is set to.
     pub value: Value,
 }
 
 impl fmt::Debug for Parameter {
-    /// Its path alone: changes and commands carry whole rows.
+    /// Writes the path alone: changes and commands contain whole rows.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.path)
     }
 }
 
 impl PartialEq for Parameter {
-    /// Whether it is the same row; of one owner no two have one name.
+    /// Compares name and path, which are unique for an owner.
     fn eq(&self, other: &Self) -> bool {
         (self.name, self.path) == (other.name, other.path)
     }
 }
 
-/// A parameter whose values have the Rust type `T`.
+/// Parameter whose values have the Rust type `T`.
 #[derive(Debug)]
 pub struct ParameterKey<T> {
     row: &'static Parameter,
@@ -308,29 +289,27 @@ impl<T> Deref for ParameterKey<T> {
 }
 
 impl<T> ParameterKey<T> {
-    /// The values of `row` are of type `T`.
+    /// Makes a key. The values of `row` must have the type `T`.
     pub const fn new(row: &'static Parameter) -> Self {
         Self { row, of: PhantomData }
     }
 
-    /// The row itself.
     pub const fn row(self) -> &'static Parameter {
         self.row
     }
 }
 
 impl<T: ValueType> ParameterKey<T> {
-    /// This parameter, set to `value`.
+    /// Makes the setting of this parameter to `value`.
     pub fn to(self, value: T) -> Setting {
         Setting { parameter: self.row, value: value.into_value() }
     }
 }
 
-/// A Rust type that values have.
+/// Rust type of parameter values.
 pub trait ValueType: Sized {
-    /// The value.
     fn into_value(self) -> Value;
-    /// What a value is; `None` for a value of another type.
+    /// Converts a value; `None` if it has another type.
     fn from_value(value: &Value) -> Option<Self>;
 }
 
@@ -426,15 +405,15 @@ impl ValueType for Option<PeriodicCurve> {
     }
 }
 
-/// Gives an enum its words.
+/// Defines the words of an enum's variants.
 macro_rules! choices {
     ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
         impl $name {
-            /// The words for its variants.
+            /// Words of all variants.
             pub const CHOICES: &'static [$crate::parameter::ParameterChoice] =
                 &[$($crate::parameter::ParameterChoice { name: $word, label: $label }),+];
 
-            /// The word for it, as in files.
+            /// Word of the variant in files.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+
@@ -459,33 +438,33 @@ macro_rules! choices {
 pub(crate) use choices;
 
 impl Parameter {
-    /// Whether a picture shows it of others but not of `owner`.
+    /// Returns true if pictures show the parameter for other owners but not for `owner`.
     pub fn has_no_effect_on(&self, owner: ParameterOwner) -> bool {
         let of_owner = self.for_owner(owner).map(|of| of.touches);
         of_owner == Some(ParameterTouches::Nothing) && self.touches() != ParameterTouches::Nothing
     }
 
-    /// What a change of it makes stale, whatever has it.
+    /// Caches that a change invalidates for any owner: the maximum over all.
     pub fn touches(&self) -> ParameterTouches {
         self.owners.iter().map(|of| of.touches).max().unwrap_or(ParameterTouches::Nothing)
     }
 
-    /// How `owner` has it; `None` where it has no such parameter.
+    /// Entry of `owner`; `None` if it does not have the parameter.
     pub fn for_owner(&self, owner: ParameterOwner) -> Option<&ParameterOf> {
         self.owners.iter().find(|of| of.owner == owner)
     }
 
-    /// The value that `owner` has where none is given; `None` where one has to be, or it has no such parameter.
+    /// Default of `owner`; `None` if a value is required, or if it does not have the parameter.
     pub fn default(&self, owner: ParameterOwner) -> Option<Value> {
         Some(self.for_owner(owner)?.default?.to_value())
     }
 
-    /// Whether a value is of its type, in range or not.
+    /// Returns true if a value has the parameter's type, in range or not.
     pub fn accepts_type_of(&self, value: &Value) -> bool {
         !matches!(self.check(value), Err(LightError::WrongType { .. }))
     }
 
-    /// Refuses a value that no owner may have: of another type, not finite, out of range, too long.
+    /// Checks that a value has the right type, is finite, in range and not too long.
     pub fn check(&self, value: &Value) -> Result<(), LightError> {
         let field = self.path;
         match (&self.kind, value) {
@@ -525,7 +504,7 @@ impl Parameter {
                 if !rotation.is_finite() {
                     return Err(LightError::NotFinite(field));
                 }
-                // Rounding may leave a unit quaternion a little off; what is far off was meant as something else.
+                // Rounding may leave a unit quaternion slightly off. A larger deviation was meant as something else.
                 let length = rotation.length();
                 let unit = (0.5..=2.0).contains(&length);
                 if unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }
@@ -560,7 +539,7 @@ impl NumberRange {
         absent: None,
     };
 
-    /// Refuses a value of `field` that is not finite or out of range.
+    /// Checks that a value of `field` is finite and in range.
     fn check(&self, field: &'static str, value: f64) -> Result<(), LightError> {
         if !value.is_finite() {
             return Err(LightError::NotFinite(field));
@@ -571,7 +550,7 @@ impl NumberRange {
         Err(LightError::OutOfDomain { field, value, domain: self.domain() })
     }
 
-    /// The range, as the end of a sentence.
+    /// Describes the range, as the end of a sentence.
     fn domain(&self) -> String {
         use Bound::{Excluded, Included, Unbounded};
         let unit = |x: f64| if self.unit.is_empty() { x.to_string() } else { format!("{x} {}", self.unit) };
@@ -592,7 +571,7 @@ impl NumberRange {
 }
 
 impl fmt::Display for ParameterKind {
-    /// What is expected, as the end of a sentence.
+    /// Describes the expected type, as the end of a sentence.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Number(number) if number.absent.is_some() => f.write_str("a number or null"),

@@ -1,7 +1,7 @@
-//! The table: all that can be set on lights and control points.
+//! Parameter table of lights and control points.
 //!
-//! Names are UsdLux's where it has them, glTF's next. A new parameter is a row here, its formula in f64 and in WGSL, and a
-//! test of that; nothing else names it.
+//! Names are those of UsdLux if it has them, else of glTF. A new parameter takes a row here, its formula in f64 and in
+//! WGSL, and a test of the formula. Nothing else names it.
 
 use std::ops::Bound::{Excluded, Included, Unbounded};
 use std::sync::OnceLock;
@@ -16,7 +16,7 @@ use crate::{
     ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Links, PeriodicCurve, ProfileCurve,
 };
 
-/// Rows, each with a constant that knows the type of its values.
+/// Defines rows, each with a typed key.
 macro_rules! rows {
     ($list:ident: $($key:ident: $type:ty = $doc:literal, $parameter:expr;)+) => {
         $(
@@ -34,24 +34,24 @@ const fn of(owner: ParameterOwner, default: Value<&'static str>, touches: Parame
     ParameterOf { owner, default: Some(default), touches }
 }
 
-/// Lights of every shape, with the same default.
+/// Owners of a parameter of all lights, with the same default.
 const fn all_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 4] {
     let [spot, bendy, omni] = source_lights_default(default, touches);
     [spot, bendy, omni, of(Directional, default, touches)]
 }
 
-/// Lights that come from a point, with the same default.
+/// Owners of a parameter of lights with a source, with the same default.
 const fn source_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 3] {
     let [spot, bendy] = cone_lights_default(default, touches);
     [spot, bendy, of(Omni, default, touches)]
 }
 
-/// Lights that have a cone, with the same default.
+/// Owners of a parameter of lights with a cone, with the same default.
 const fn cone_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 2] {
     [of(Spot, default, touches), of(Bendy, default, touches)]
 }
 
-/// What most rows are.
+/// Defaults of most rows.
 const ROW: Parameter = Parameter {
     name: "",
     path: "",
@@ -76,7 +76,7 @@ const SUPERELLIPSE: ParameterNeeds =
     needs_one_of("crossSection", &[Value::Choice(CrossSection::Superellipse.name())]);
 const SHADOWS: ParameterNeeds = needs_one_of("shadowEnable", &[Value::Flag(true)]);
 
-/// A factor of light.
+/// Range of a factor of light.
 const FACTOR: NumberRange = NumberRange {
     min: Included(0.0),
     max: Included(1e6),
@@ -85,7 +85,7 @@ const FACTOR: NumberRange = NumberRange {
     ..NumberRange::ANY
 };
 
-/// A length along light's way.
+/// Range of a length along a light path.
 const LENGTH: NumberRange = NumberRange {
     unit: "world units",
     min: Included(0.0),
@@ -95,11 +95,11 @@ const LENGTH: NumberRange = NumberRange {
     ..NumberRange::ANY
 };
 
-/// A half extent of a cross-section, in radii.
+/// Range of a half extent of a cross-section, in radii.
 const HALF_EXTENT: NumberRange =
     NumberRange { min: Excluded(0.0), max: Included(1.0), slider: Some([0.01, 1.0]), ..NumberRange::ANY };
 
-/// A side of a directional light's window.
+/// Kind of a side of a directional light's window.
 const fn window(absent: &'static str) -> ParameterKind {
     ParameterKind::Number(NumberRange {
         unit: "world units",
@@ -587,7 +587,7 @@ static TABLE: OnceLock<Table> = OnceLock::new();
 
 struct Table {
     rows: Vec<&'static Parameter>,
-    /// Those of each owner, in the order of [`ParameterOwner`].
+    /// Rows of each owner, in the order of [`ParameterOwner`].
     by_owner: [Vec<&'static Parameter>; ParameterOwner::COUNT],
 }
 
@@ -600,29 +600,29 @@ impl Table {
     }
 }
 
-/// Adds rows to those of lights, before anything has looked at the table; false where something has. For whoever tries a
-/// parameter out, tests above all.
+/// Adds rows to those of lights. Returns false if the table is already in use. For experiments with a parameter, mainly
+/// in tests.
 pub fn add_parameters(more: &[&'static Parameter]) -> bool {
     TABLE.set(Table::new(more)).is_ok()
 }
 
-/// The rows of lights and control points.
+/// All rows of lights and control points.
 pub fn parameters() -> &'static [&'static Parameter] {
     &TABLE.get_or_init(|| Table::new(&[])).rows
 }
 
-/// The rows that an owner has, in order.
+/// Rows of an owner, in order.
 pub fn parameters_of(owner: ParameterOwner) -> &'static [&'static Parameter] {
     &TABLE.get_or_init(|| Table::new(&[])).by_owner[owner as usize]
 }
 
-/// The row of that name that an owner has.
+/// Finds the row of an owner by its name.
 pub fn parameter_of(owner: ParameterOwner, name: &str) -> Option<&'static Parameter> {
     parameters_of(owner).iter().copied().find(|row| row.name == name)
 }
 
 impl ControlPoint {
-    /// The value of a parameter of control points; `None` where it is of something else.
+    /// Value of a parameter of control points; `None` for other parameters.
     pub fn value(&self, parameter: &Parameter) -> Option<Value> {
         Some(match parameter.name {
             "position" => Value::Vector(self.position),
@@ -633,7 +633,7 @@ impl ControlPoint {
         })
     }
 
-    /// Sets what is of control points; what is not changes nothing.
+    /// Sets a parameter of control points. Other parameters are ignored.
     pub fn set(&mut self, Setting { parameter, value }: &Setting) {
         match (parameter.name, value) {
             ("position", Value::Vector(position)) => self.position = *position,

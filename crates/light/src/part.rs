@@ -1,9 +1,9 @@
-//! The part of a light that passes a place, as a light of its own.
+//! Part of a light near a scene, as a light of its own.
 //!
-//! Single precision holds a place in a light to some 1e-7 of the light's length. Where a light is 10,000 times as long as
-//! the scene that it lights, that is a thousandth of the scene: shadows and profile turn to noise. So what single
-//! precision is given is only the part of the light that can matter to the scene, cut out in double precision by
-//! blossoming, with tube space moved to the scene and its unit to the part's length.
+//! Single precision holds a position in a light to about 1e-7 of the light's length. If a light is 10,000 times as long
+//! as the scene, that is a thousandth of the scene: shadows and profile turn to noise. So single precision gets only
+//! the part of the light that can matter to the scene. It is cut out in double precision by blossoming. Its tube space
+//! has the origin at the scene and the part's length as its unit.
 
 use glam::DVec3;
 
@@ -11,41 +11,41 @@ use crate::arc::arc_length;
 use crate::build::Placement;
 use crate::{Curve, Segment, Tube, TubeLocation, TubePoint};
 
-/// Largest span of t of a part's segment: a light is left whole where four bits or fewer would be won.
+/// Largest span of t of a part's segment. A larger part would win four bits or fewer, so the light stays whole.
 const WIDEST_SPAN: f64 = 1.0 / 16.0;
-/// A part is found to within this share of the box.
+/// Precision of the search for a part, as a share of the box.
 const LEAF: f64 = 0.25;
-/// Halvings of a segment after which what is left is as good as a point.
+/// Maximum number of halvings of a segment in the search. The rest counts as a point.
 const MAX_HALVINGS: u32 = 40;
-/// What is left after them.
+/// Span of t after those halvings.
 const LEAST_SPAN: f64 = 1.0 / (1_u64 << MAX_HALVINGS) as f64;
-/// What boxes are enlarged by: far more than single precision loses.
+/// Relative growth of boxes: far more than single precision loses.
 const MARGIN: f64 = 0.01;
 
-/// A part of a light, or all of it: its segments are equal spans of the light's t.
+/// Part of a light, or all of it. Its segments are equal spans of the light's t.
 #[derive(Clone, Debug)]
 pub struct LightPart {
-    /// The part. Ends where it was cut, and has no extension.
+    /// Tube of the part. It ends where it was cut, and has no extension.
     pub tube: Tube<f64>,
-    /// The light's t where the part's is 0.
+    /// Parameter t of the light at the start of the part.
     pub t_start: f64,
-    /// The light's t per t of the part: a power of two.
+    /// Span of the light's t per t of the part: a power of two.
     pub t_span: f64,
     /// Index of the light's last segment, the extension included.
     last: usize,
 }
 
-/// A box of any orientation in tube space.
+/// Box of any orientation in tube space.
 struct OrientedBox {
     center: DVec3,
     half_axes: [DVec3; 3],
 }
 
 impl Tube<f64> {
-    /// The part of the light that any point within `half_extent` of a world position can lie in.
+    /// Returns the part of the light that can contain any point within `half_extent` of a world position.
     ///
-    /// For each such point it has the same roots as the light, with the same radius, frame, colour and decay. All of the
-    /// light where it is not much longer than the box, or does not reach it.
+    /// For each such point the part has the same roots as the light, with the same radius, frame, colour and decay. The
+    /// result is the whole light if that is not much longer than the box, or does not reach it.
     pub fn part_near(&self, center_in_world: DVec3, half_extent: DVec3) -> LightPart {
         let region = OrientedBox::new(&self.placement, center_in_world, half_extent);
         let range = self.range_near(&region).filter(|(start, end)| end - start <= WIDEST_SPAN);
@@ -53,7 +53,8 @@ impl Tube<f64> {
         let Some((start, end)) = range else {
             return LightPart { tube: self.clone(), t_start: 0.0, t_span: 1.0, last };
         };
-        // A power of two, and whole multiples of it: what two segments share at a joint stays equal to the last bit.
+        // A power of two, and whole multiples of it, so that values shared by two segments at a joint stay equal to the
+        // last bit.
         let span = power_of_two_above((end - start).max(LEAST_SPAN));
         let (first, past) = ((start / span).floor(), (end / span).ceil().max((start / span).floor() + 1.0));
         let pieces: Vec<_> =
@@ -71,7 +72,7 @@ impl Tube<f64> {
         LightPart { tube, t_start: first * span, t_span: span, last }
     }
 
-    /// [`Self::part_near`] for the box around some world positions.
+    /// Returns [`Self::part_near`] for the box around some world positions.
     pub fn part_near_points(&self, points_in_world: &[DVec3]) -> LightPart {
         let (low, high) =
             points_in_world.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), &point| {
@@ -80,7 +81,7 @@ impl Tube<f64> {
         self.part_near(low / 2.0 + high / 2.0, high / 2.0 - low / 2.0)
     }
 
-    /// The smallest and largest t that a root of a point of the region can have, or nothing where there is none.
+    /// Returns the smallest and largest t of possible roots of points of the region; `None` if there are none.
     fn range_near(&self, region: &OrientedBox) -> Option<(f64, f64)> {
         let ranges = self.segments.iter().enumerate().filter_map(|(i, segment)| {
             let t = |u: f64| i as f64 + u;
@@ -94,13 +95,13 @@ impl Tube<f64> {
         ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// The piece of `span` that starts at `t`, whole in one segment, with all that a segment has.
+    /// Returns the piece of `span` that starts at `t`. It lies in one segment.
     fn piece_at(&self, t: f64, span: f64) -> Segment<f64> {
         let index = (t.floor() as usize).min(self.segments.len() - 1);
         let whole = &self.segments[index];
         let (start, end) = (t - index as f64, t + span - index as f64);
         let mut curve = whole.curve.subcurve(start, end);
-        // What both sides of a joint have is theirs to the last bit.
+        // Both segments at a joint share this point to the last bit.
         if end == 1.0 && index < self.n {
             curve.b2 = whole.curve.b2;
         }
@@ -114,7 +115,7 @@ impl Tube<f64> {
 }
 
 impl LightPart {
-    /// What the light has where the part has `location`.
+    /// Converts a location in the part to a location in the light.
     pub fn to_whole_light(&self, location: &TubeLocation) -> TubeLocation {
         let point = location.point.as_ref().map(|point| {
             let start = self.t_start + self.t_span * point.segment as f64;
@@ -128,7 +129,7 @@ impl LightPart {
 
 impl OrientedBox {
     fn new(placement: &Placement, center_in_world: DVec3, half_extent: DVec3) -> Self {
-        // A box without extent still has the rounding of its place.
+        // A box without extent still has the rounding of its position.
         let least = 1e-12 * (center_in_world - placement.translation).length();
         let half = half_extent * (1.0 + MARGIN) + least;
         let axis = |axis: DVec3| placement.rotation.transpose() * axis / placement.world_per_tube;
@@ -142,12 +143,12 @@ impl OrientedBox {
         self.half_axes.iter().map(|axis| axis.length()).sum()
     }
 
-    /// How far the region reaches from its centre along `axis`, times the axis's length.
+    /// Half extent of the region along `axis`, times the length of `axis`.
     fn half_extent_along(&self, axis: DVec3) -> f64 {
         self.half_axes.iter().map(|half| half.dot(axis).abs()).sum()
     }
 
-    /// The range of u that roots can have on a part of a curve.
+    /// Range of u of possible roots on a part of a curve.
     fn u_range_on(&self, curve: &Curve<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
         let piece = curve.subcurve(start, end);
         if !self.may_be_perpendicular_to(&piece) || !self.intersects_tube_box(&piece) {
@@ -164,8 +165,8 @@ impl OrientedBox {
         }
     }
 
-    /// Whether `f(u) = -(q - P(u)) . d(u)` can be zero on the piece for any point q of the region: its four Bernstein
-    /// coefficients, each linear in q, bound it.
+    /// Returns true if `f(u) = -(q - P(u)) . d(u)` can be zero on the piece for a point q of the region. The four
+    /// Bernstein coefficients of f, each linear in q, bound it.
     fn may_be_perpendicular_to(&self, piece: &Curve<f64>) -> bool {
         let (from_start, from_end) = (self.center - piece.b0, self.center - piece.b2);
         let (d0, d1, a) = (piece.d0, piece.d1, piece.a);
@@ -188,7 +189,7 @@ impl OrientedBox {
         })
     }
 
-    /// The same on the extension, which is straight and has no end.
+    /// Range of u of possible roots on the extension, which is straight and has no end.
     fn u_range_on_extension(&self, extension: &Curve<f64>) -> Option<(f64, f64)> {
         let d = extension.d0;
         let along = (self.center - extension.b0).dot(d);
@@ -198,7 +199,7 @@ impl OrientedBox {
     }
 }
 
-/// The control values over `[start, end]` of a quadratic with the control values `c` over `[0, 1]`.
+/// Returns the control values over `[start, end]` of a quadratic with the control values `c` over `[0, 1]`.
 fn blossomed<T>(c: [T; 3], start: f64, end: f64) -> [T; 3]
 where
     T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -209,7 +210,7 @@ where
     [at(start, start), at(start, end), at(end, end)]
 }
 
-/// A segment in a tube space with another origin and unit; the unit is a power of two.
+/// Moves a segment to a tube space with another origin and unit. The unit is a power of two.
 fn rebased(segment: &Segment<f64>, origin: DVec3, unit: f64) -> Segment<f64> {
     let curve = &segment.curve;
     let mut moved = Curve {
@@ -227,7 +228,7 @@ fn rebased(segment: &Segment<f64>, origin: DVec3, unit: f64) -> Segment<f64> {
     Segment { curve: moved, arc_start: segment.arc_start / unit, ..*segment }
 }
 
-/// The least power of two that is `x` or more.
+/// Least power of two that is at least `x`.
 fn power_of_two_above(x: f64) -> f64 {
     libm::ldexp(1.0, libm::ceil(libm::log2(x)) as i32)
 }

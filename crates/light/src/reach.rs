@@ -1,52 +1,50 @@
-//! How far from a scene lights may be, and how large and small, for single precision to hold both.
+//! Limits of distance and size within which single precision holds both scene and light.
 
 use glam::DVec3;
 use thiserror::Error;
 
 use crate::{CheckedLight, LightRays, MAX_EXTENT};
 
-/// The box of a scene, against which its lights are measured.
+/// Bounding box of a scene, against which lights are measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SceneBounds {
-    /// Middle of the box, in the world.
+    /// Centre of the box, in the world.
     pub center: DVec3,
-    /// The box reaches from minus to plus this about the middle.
+    /// Half the size. The box reaches from minus to plus this about the centre.
     pub half_extent: DVec3,
 }
 
-/// A light that cannot be drawn.
+/// Light that cannot be drawn with a scene.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum UndrawableLight {
-    /// It reaches too far away.
+    /// Light that reaches too far from the scene.
     #[error(
         "light `{name}` reaches {distance:.3e} units from the scene's middle, but at most {MAX_EXTENT:e} can be \
          drawn: bring it nearer, or make it smaller"
     )]
     TooFar {
-        /// Which.
         name: String,
-        /// How far, in world units.
+        /// In world units.
         distance: f64,
     },
-    /// It is too small for how far the scene reaches from it.
+    /// Light that is too small for its distance to the far end of the scene.
     #[error(
         "the scene reaches {sizes:.3e} times the size of light `{name}` from it, but at most {MAX_EXTENT:e} times can \
          be drawn: make the light larger, or bring it nearer"
     )]
     TooSmall {
-        /// Which.
         name: String,
-        /// How far, in sizes of the light.
+        /// Distance in sizes of the light.
         sizes: f64,
     },
 }
 
 impl SceneBounds {
-    /// Refuses a light that cannot be drawn with this scene.
+    /// Checks that a light can be drawn with this scene.
     pub fn check(&self, light: &CheckedLight) -> Result<(), UndrawableLight> {
         let name = || light.light().name().to_owned();
         let far = |distance: f64| {
-            // Also true of NaN.
+            // Negated so that NaN is refused too.
             if distance <= MAX_EXTENT {
                 Ok(())
             } else {
@@ -62,7 +60,7 @@ impl SceneBounds {
             LightRays::Bent(tube) => tube,
             LightRays::Cone(_) | LightRays::Omni(_) => return far(across(transform.translation)),
             LightRays::Parallel(parallel) => {
-                // It comes from infinitely far away: only its window stands anywhere, and only across the light.
+                // The source is infinitely far away. Only the window has a position, and only across the light.
                 let distance = parallel.offset_in_window(self.center).length() + self.half_extent.length();
                 far(distance)?;
                 return parallel.half_size.into_iter().flatten().try_for_each(|half| small(distance / half));
@@ -75,7 +73,7 @@ impl SceneBounds {
         small(across(tube.placement.translation) / tube.placement.world_per_tube.min(1.0))
     }
 
-    /// Which of `lights` a picture leaves out, and why.
+    /// Returns the errors of those of `lights` that a picture leaves out.
     pub fn undrawable_of<'a>(
         &self,
         lights: impl IntoIterator<Item = &'a CheckedLight>,

@@ -1,4 +1,4 @@
-//! Numbers of one lane, in two widths.
+//! Number types with one lane, in two precisions.
 
 use std::fmt::Debug;
 
@@ -8,24 +8,24 @@ use crate::lanes::Lanes;
 
 /// `f32` or `f64`.
 pub trait Real: Lanes<Mask = bool, Vec3: PartialEq> + PartialOrd + Debug {
-    /// Two roots closer in t than this are one root, seen from both sides of a joint.
+    /// Distance in t below which two roots are one, seen from both sides of a joint.
     const JOINT_MERGE: Self;
     /// Relative growth of a segment's box that keeps rounding from pruning a true root.
     const BOX_INFLATION: Self;
 
-    /// The same value as `f64`, exactly.
+    /// Converts to `f64`, exactly.
     fn f64(self) -> f64;
-    /// The same vector as `f64`, exactly.
+    /// Converts to an `f64` vector, exactly.
     fn vec_f64(v: Self::Vec3) -> DVec3;
 
-    /// Unit vector along `v`, or `None` where `v` is zero.
+    /// Unit vector along `v`; `None` if `v` is zero.
     fn unit(v: Self::Vec3) -> Option<Self::Vec3> {
         let length = Self::length(v);
         (length > Self::of(0.0)).then(|| v * (Self::of(1.0) / length))
     }
 }
 
-/// What both widths spell alike.
+/// Implementations that are written alike for both precisions.
 macro_rules! one_lane {
     ($number:ident, $vector:ident) => {
         type Vec3 = $vector;
@@ -92,7 +92,7 @@ impl Lanes for f64 {
         v
     }
     fn cbrt_above(self) -> Self {
-        // Correct to a unit in the last place; the margin keeps it a bound.
+        // The cube root is correct to a unit in the last place. The margin keeps it a bound.
         libm::cbrt(self) * 1.06
     }
     fn pow(self, exponent: f64) -> Self {
@@ -130,7 +130,8 @@ impl Lanes for f32 {
     }
     #[inline(always)]
     fn cbrt_above(self) -> Self {
-        // A third of the exponent, by the bits: within 6 % below, so 1.06 times it is above (as in solve.wgsl).
+        // Divides the exponent by three in the bits. That is at most 6 % too low, so 1.06 times it is an upper bound
+        // (as in solve.wgsl).
         f32::from_bits(self.to_bits() / 3 + 709_921_077) * 1.06
     }
     fn pow(self, exponent: f64) -> Self {

@@ -1,4 +1,4 @@
-//! What caches go by: names for a light's values.
+//! Cache keys: digests of a light's values.
 
 use std::fmt;
 
@@ -6,25 +6,25 @@ use sha2::{Digest as _, Sha256};
 
 use crate::{Light, Parameter, ParameterOwner, ParameterTouches, Value};
 
-/// SHA-256 over some of a light's values: equal where they are.
+/// SHA-256 over some of a light's values. Equal values give equal digests.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LightDigest(pub [u8; 32]);
 
-/// Names for what is kept of a light from picture to picture: another name wherever a change has touched it
-/// ([`ParameterTouches`]), and the earlier one where that is undone.
+/// Keys of the data that caches keep of a light. A change gives new keys to everything that it touches
+/// ([`ParameterTouches`]), and an undo restores the earlier keys.
 ///
-/// They are made of the values themselves. A count of changes would give one number to two contents, where a drag and an
-/// edit both go on from one document.
+/// The keys are digests of the values themselves. A counter of changes would give one number to two contents: a drag
+/// and an edit can both start from one document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revisions {
-    /// Of what its shadow map depends on, besides the scene.
+    /// Digest of the values that the shadow map depends on, besides the scene.
     pub shadow_map: LightDigest,
-    /// Of what reaches the eye by it depends on, the shadow map included, but for factors of all of it
-    /// ([`LightProfile::lobe_weights`](crate::LightProfile::lobe_weights)).
+    /// Digest of the values that the radiance towards the eye depends on, the shadow map included, but not of the
+    /// factors of all of it ([`LightProfile::lobe_weights`](crate::LightProfile::lobe_weights)).
     pub radiance: LightDigest,
-    /// Of what the picture depends on: those factors too.
+    /// Digest of the values that the picture depends on, those factors included.
     pub picture: LightDigest,
-    /// Of everything.
+    /// Digest of all values.
     pub content: LightDigest,
 }
 
@@ -46,8 +46,11 @@ impl fmt::Debug for LightDigest {
     }
 }
 
-/// Over the shape, by the number that [`ParameterOwner`] has for it, and the values of parameters that touch `least` or more. What has its default is left out, so that a
-/// parameter that comes later changes no digest of before; -0 counts as 0. What has a length says it first.
+/// Computes the digest of the shape, by its number in [`ParameterOwner`], and of the values of parameters that touch
+/// `least` or more.
+///
+/// Values at their default are left out, so that a new parameter changes no earlier digest. -0 counts as 0. The length
+/// of a value of variable length comes first.
 fn digest(light: &Light, least: ParameterTouches) -> LightDigest {
     let owner = light.owner();
     let mut walk = DigestWriter(Sha256::new());
@@ -94,7 +97,7 @@ impl DigestWriter {
 
     fn reals(&mut self, reals: &[f64]) {
         for real in reals {
-            // Adding 0 makes -0 to 0 and leaves all else.
+            // Adding 0 turns -0 into 0 and changes no other number.
             self.0.update((real + 0.0).to_bits().to_le_bytes());
         }
     }
@@ -102,7 +105,7 @@ impl DigestWriter {
     fn value(&mut self, value: &Value) {
         match value {
             Value::Number(number) => self.reals(&[*number]),
-            // No number that a light may have.
+            // NaN is not a valid value of any parameter.
             Value::Absent => self.reals(&[f64::NAN]),
             Value::Flag(flag) => self.0.update([u8::from(*flag)]),
             Value::Choice(name) => self.text(name),

@@ -1,25 +1,24 @@
-//! A curve and what it carries.
+//! Segments: a curve with its colour and intensity.
 
 use glam::DVec3;
 
 use crate::lanes::Lanes;
 use crate::{Curve, emission};
 
-/// One quadratic segment of a light: its curve, and the Bezier control values of what varies along it.
+/// Quadratic segment of a light: its curve, and the Bezier control values of colour and intensity.
 #[derive(Clone, Copy, Debug)]
 pub struct Segment<F: Lanes> {
     /// Position, radius and frame.
     pub curve: Curve<F>,
-    /// Colour, linear RGB.
+    /// Linear RGB.
     pub color: [F::Vec3; 3],
-    /// Intensity.
     pub intensity: [F; 3],
     /// Arc length of the centre curve from the source to this segment's start, in tube units.
     pub arc_start: F,
 }
 
 impl<F: Lanes> Segment<F> {
-    /// What leaves the light at `u`: colour times intensity, linear RGB.
+    /// Emission at `u`: colour times intensity, linear RGB.
     #[inline(always)]
     pub fn emission(&self, u: F) -> F::Vec3 {
         let w = F::of(1.0) - u;
@@ -32,7 +31,7 @@ impl<F: Lanes> Segment<F> {
 }
 
 impl Segment<f64> {
-    /// The same segment in f32, each field rounded once.
+    /// Converts to f32. Each field is rounded once.
     pub fn to_f32(&self) -> Segment<f32> {
         Segment {
             curve: self.curve.to_f32(),

@@ -1,38 +1,36 @@
-//! The tube cut across into pieces that turn little, for whoever maps surfaces into it (shadow maps, bent
-//! rays).
+//! Slabs: pieces of a tube, cut across, that turn little. Shadow maps and bent rays map surfaces into them.
 
 use crate::{Curve, EndMode, Tube, TubeBox};
 
-/// A piece of one segment.
+/// Piece of one segment.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeSlab {
-    /// Its curve, whose parameter runs from 0 to 1.
+    /// Curve of the piece, whose parameter runs from 0 to 1.
     pub slab_curve: Curve<f64>,
-    /// Global t where the piece starts.
+    /// Global t at the start of the piece.
     pub t_start: f64,
     /// Global t per unit of the piece's parameter.
     pub t_span: f64,
 }
 
-/// Largest turn of the tangent in a slab. With it, a point of the tube's slab lies between the slab's two end
+/// Cosine of the largest turn of the tangent in a slab. With it, a point of the slab lies between the slab's two end
 /// planes.
 const MAX_TURN_COS: f64 = 0.965_925_826_289_068_3;
-/// Largest ratio of the speeds at a slab's ends: the parameter is then nearly even over the slab.
+/// Largest ratio of the speeds at a slab's ends. Below it the parameter is nearly even over the slab.
 const MAX_SPEED_RATIO: f64 = 1.4;
-/// Slabs of one segment, at most `2^MAX_HALVINGS`; only a cusp asks for more.
+/// Maximum number of halvings of a segment, for `2^MAX_HALVINGS` slabs. Only a cusp needs so many.
 const MAX_HALVINGS: usize = 6;
-/// Halvings of a slab beyond those, so that its box stays this side of the evolute: half the turn adds `1 - cos` of it to
-/// `R kappa`, a quarter as much each time.
+/// Further halvings of a slab, which keep its box on this side of the evolute. Half the turn adds `1 - cos` of it to
+/// `R kappa`, so each halving reduces the excess to a quarter.
 const MAX_TIGHT_HALVINGS: usize = 4;
-/// Of what is left between the rim and the evolute, the box may have this share.
+/// Maximum share of the distance from the rim to the evolute that the box may take.
 const MAX_EVOLUTE_SHARE: f64 = 0.75;
-/// Places of a slab where the evolute is looked for.
+/// Number of intervals of a slab at whose ends the evolute is tested.
 const EVOLUTE_SAMPLES: u32 = 4;
 
-/// Cuts a light's tube into slabs in ascending t. An extended light is cut at `t_max`; otherwise that has no
-/// effect.
+/// Cuts a light's tube into slabs in ascending t. An extended light is cut at `t_max`; for others that has no effect.
 ///
-/// Neighbours overlap by `overlap` in their own parameter, so that what is mapped piece by piece has no seams.
+/// Adjacent slabs overlap by `overlap` in their own parameter, so that surfaces mapped slab by slab have no seams.
 pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<TubeSlab> {
     let mut out = Vec::new();
     for (i, segment) in tube.segments.iter().enumerate() {
@@ -45,7 +43,7 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<TubeSlab> {
                     tube.end_mode() == EndMode::Cut && i + 1 == tube.n && end == 1.0,
                 );
                 let margin = overlap * (end - start);
-                // Past a cusp, where control points coincide, the polynomial runs back: there slabs only meet.
+                // Past a cusp, where control points coincide, the polynomial runs back. There slabs do not overlap.
                 let runs_on = |u: f64| curve.d(u).dot(curve.d(f64::midpoint(start, end))) > 0.0;
                 let start = if first || !runs_on(start - margin) { start } else { start - margin };
                 let end = if last || !runs_on(end + margin) { end } else { end + margin };
@@ -57,8 +55,8 @@ pub fn slabs(tube: &Tube<f64>, t_max: f64, overlap: f64) -> Vec<TubeSlab> {
     out
 }
 
-/// Halves a range of a segment until it turns little, runs evenly, and has a box within which each point is nearest to the curve
-/// in one place.
+/// Halves a range of a segment until it turns little, has nearly even speed, and has a box in which each point has one
+/// nearest point of the curve.
 fn split_range(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut impl FnMut(f64, f64)) {
     let (start, end) = range;
     let (d0, d1) = (curve.d(start), curve.d(end));
@@ -74,8 +72,9 @@ fn split_range(curve: &Curve<f64>, range: (f64, f64), depth: usize, emit: &mut i
     }
 }
 
-/// Whether the box of a piece reaches farther into its bend than the tube, by more than [`MAX_EVOLUTE_SHARE`] of the way to the evolute:
-/// past that, points are nearest to the curve elsewhere.
+/// Returns true if the box of a piece extends past the rim of the tube towards the centre of the bend, by more than
+/// [`MAX_EVOLUTE_SHARE`] of the distance to the evolute. Past the evolute points are nearest to another part of the
+/// curve.
 fn reaches_evolute(piece: &Curve<f64>) -> bool {
     let TubeBox { center, axes, half } = &piece.bounds;
     let places = (0..=EVOLUTE_SAMPLES).map(|k| f64::from(k) / f64::from(EVOLUTE_SAMPLES));
@@ -85,7 +84,7 @@ fn reaches_evolute(piece: &Curve<f64>) -> bool {
         let bend = piece.u_hat_derivative(u, u_hat) / (2.0 * piece.d(u).length());
         let inward = bend.dot(axes[1]);
         let side = center.dot(axes[1]) + half[1].copysign(inward) - piece.position(u).dot(axes[1]);
-        // The box's side lies `side / (N . axis)` along N.
+        // The side of the box lies `side / (N . axis)` along N.
         let r_kappa = piece.radius(u).max(0.0) * bend.length();
         inward != 0.0 && side * bend.length_squared() / inward > r_kappa + MAX_EVOLUTE_SHARE * (1.0 - r_kappa)
     })

@@ -1,11 +1,12 @@
-//! Where the curve is square to a point: the roots of `f(u) = (P(u) - q) . d(u)` on its increasing pieces.
+//! Nearest points of a curve: the roots of `f(u) = (P(u) - q) . d(u)` on its increasing pieces.
 //!
-//! Light model, section 5. `f = c3 u^3 + c2 u^2 + c1 u + c0` is half the derivative of the squared distance, so
-//! an increasing root is a nearest point of the curve. Its leading coefficient `|a|^2` is zero for a straight
-//! segment and tiny for a nearly straight one, where every closed form fails. Instead: split `[0, 1]` where
-//! `f'` changes sign, expand `f` about the split (all coefficients then have one sign, so Newton from an
-//! upper bound is monotone and needs no bracketing), and finish with one step formed from the geometry, which
-//! the rounding of the coefficients does not touch.
+//! Light model, section 5. `f = c3 u^3 + c2 u^2 + c1 u + c0` is half the derivative of the squared distance, so an
+//! increasing root is a nearest point of the curve. The leading coefficient `|a|^2` is zero for a straight segment and
+//! tiny for a nearly straight one, where every closed form fails.
+//!
+//! The solver splits `[0, 1]` where `f'` changes sign and expands `f` about the split. All coefficients then have one
+//! sign, so Newton's method from an upper bound is monotone and needs no bracketing. A last step is formed from the
+//! geometry, so the rounding of the coefficients does not affect it.
 //!
 //! Accuracy: `|du| <= 16 eps cond` for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 (|d0| + |d1|)`; see
 //! [`crate::Tube`].
@@ -13,22 +14,19 @@
 use crate::lanes::{Lanes, Mask, choose};
 use crate::{Curve, Real};
 
-/// At most one root on the left increasing piece and one on the right, of one point in each lane. What a root is where there
-/// is none means nothing.
+/// Roots of one point in each lane: at most one on the left increasing piece and one on the right. A root whose mask is
+/// false has no meaning.
 #[derive(Clone, Copy, Debug)]
 pub struct Roots<F: Lanes> {
-    /// The root on the left piece.
     pub left: F,
-    /// The root on the right piece, not before the other.
+    /// Root on the right piece, not less than the left one.
     pub right: F,
-    /// Whether there is one on the left.
     pub has_left: F::Mask,
-    /// Whether there is one on the right.
     pub has_right: F::Mask,
 }
 
 impl<F: Lanes> Roots<F> {
-    /// No root at all.
+    /// Roots with both masks false.
     #[inline(always)]
     pub fn none() -> Self {
         let (none, never) = (F::of(0.0), F::Mask::of(false));
@@ -37,7 +35,7 @@ impl<F: Lanes> Roots<F> {
 }
 
 impl<F: Real> Roots<F> {
-    /// Those that there are, in ascending order.
+    /// Existing roots in ascending order.
     pub fn found(self) -> impl Iterator<Item = F> {
         let Self { left, right, has_left, has_right } = self;
         [has_left.then_some(left), has_right.then_some(right)].into_iter().flatten()
@@ -58,7 +56,7 @@ fn mask_equal<M: Mask>(a: M, b: M) -> M {
     (a & b) | !(a | b)
 }
 
-/// The coefficients of `f` that give its slope and half its curvature anywhere.
+/// Coefficients of `f` that give its slope and half its curvature.
 #[derive(Clone, Copy)]
 struct Cubic<F> {
     c1: F,
@@ -77,10 +75,11 @@ impl<F: Lanes> Cubic<F> {
     }
 }
 
-/// The smallest `t >= 0` with `a t^3 + h t^2 + g t = f`, limited to `t_max`; all four are zero or more.
+/// Returns the smallest `t >= 0` with `a t^3 + h t^2 + g t = f`, limited to `t_max`. All four coefficients are zero or
+/// more.
 ///
-/// Starts at the least of the bounds that each term alone gives; the polynomial is convex, so Newton descends
-/// to the root.
+/// The start is the least of the bounds that each term alone gives. The polynomial is convex, so Newton's method
+/// descends to the root.
 #[inline(always)]
 fn climb<F: Lanes>(f: F, g: F, h: F, a: F, t_max: F) -> F {
     let mut t = t_max;
@@ -95,12 +94,12 @@ fn climb<F: Lanes>(f: F, g: F, h: F, a: F, t_max: F) -> F {
     t
 }
 
-/// One Newton step on `f` formed from `r = q - P(u)` itself; taken only where it is a correction.
+/// Takes one Newton step on `f`, formed from `r = q - P(u)` itself, if the step is a small correction.
 #[inline(always)]
 fn polish<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
     let (r, d) = (curve.offset(q, u), curve.d(u));
     let (n, slope) = (F::dot(r, d), F::of(2.0) * F::dot(d, d) - F::dot(r, curve.a));
-    // |step| <= 2^-6, asked without dividing; and so short that the slope changes by less than half, for near a cusp
+    // Tested without a division: |step| <= 2^-6. The step must also change the slope by less than half: near a cusp
     // both n and the slope may be rounding noise.
     let half_curvature = F::of(3.0) * F::dot(curve.a, d);
     let short = n.abs().le(slope * F::of(0.015_625))
@@ -116,17 +115,17 @@ fn f_at<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F) -> F {
     -F::dot(curve.offset(q, u), curve.d(u))
 }
 
-/// The value that a piece's split point has: the caller's at an end, the cubic's inside.
+/// Value at a piece's split point: the caller's at an end, the cubic's inside.
 #[inline(always)]
 fn at_split<F: Lanes>(u: F, start: F, end: F, inside: F) -> F {
     F::select(u.equals(F::of(0.0)), start, F::select(u.equals(F::of(1.0)), end, inside))
 }
 
-/// The increasing roots of `f` on `[0, 1]`.
+/// Finds the increasing roots of `f` on `[0, 1]`.
 ///
-/// `f0` and `f1` are `f` at the ends, computed by the caller from the geometry, once a joint: both segments
-/// that meet there then agree on the side a point lies on. Where `f` vanishes with `P'` at an end, the sign
-/// comes from the one-sided tangent.
+/// `f0` and `f1` are `f` at the ends. The caller computes them from the geometry, once for each joint, so that both
+/// segments at the joint agree on the side on which a point lies. If `f` vanishes with `P'` at an end, the sign comes
+/// from the one-sided tangent.
 #[inline(always)]
 pub fn increasing_roots<F: Lanes>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
     let (zero, one) = (F::of(0.0), F::of(1.0));
@@ -141,15 +140,15 @@ pub fn increasing_roots<F: Lanes>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) ->
     let e1 = choose!(F, F::dot(curve.d1, curve.d1).gt(zero), f1, F::dot(q - curve.b2, a));
     let (cl, ch) = splits(&cubic);
 
-    // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
+    // Computed from the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
     // larger than all of `f` between them.
     let fl = at_split(cl, f0, f1, f_at(curve, q, cl));
     let fh = at_split(ch, f0, f1, f_at(curve, q, ch).least(fl));
     let sl = at_split(cl, e0, e1, fl);
     let sh = at_split(ch, e0, e1, fh);
 
-    // A piece without length counts only where f rises: a point exactly on the plane across an end has f = 0 there, and may
-    // be farthest from it.
+    // A piece without length counts only if f increases: a point exactly on the plane across an end has f = 0 there,
+    // and may be farthest from it.
     let mut roots = Roots::<F>::none();
     roots.has_left = e0.le(zero) & zero.le(sl) & (cl.gt(zero) | cubic.slope(cl).ge(zero));
     if roots.has_left.any() {
@@ -166,7 +165,7 @@ pub fn increasing_roots<F: Lanes>(curve: &Curve<F>, q: F::Vec3, f0: F, f1: F) ->
     roots
 }
 
-/// Where `f'` changes sign, or twice the inflection where it never does; held to `[0, 1]`.
+/// Returns the points where `f'` changes sign, or the inflection twice if it never does, clamped to `[0, 1]`.
 #[inline(always)]
 fn splits<F: Lanes>(cubic: &Cubic<F>) -> (F, F) {
     let (zero, one, three) = (F::of(0.0), F::of(1.0), F::of(3.0));

@@ -1,14 +1,14 @@
-//! Where a tube folds: the largest `R kappa` of a curve.
+//! Folds of a tube: the largest `R kappa` of a curve.
 
 use crate::Curve;
 
-/// The largest value of `R(u) kappa(u)` over `[0, 1]`; the tube is an embedding near its curve where this is
-/// below 1.
+/// Returns the largest value of `R(u) kappa(u)` over `[0, 1]`. The tube is an embedding near its curve if this is below
+/// 1.
 ///
-/// `kappa = |d0 x d1| / (2 |d|^3)`. Candidates are the ends and the roots of `R' g - 1.5 R g'` with `g = |d|^2`
-/// (light model, section 3), a cubic. It is isolated between the zeros of its derivative and bisected to
-/// rounding level; the value at the maximum is flat in `u`, so that costs no accuracy. Infinite where a bent
-/// tube's speed vanishes.
+/// `kappa = |d0 x d1| / (2 |d|^3)`. Candidates are the ends and the roots of `R' g - 1.5 R g'` with `g = |d|^2` (light
+/// model, section 3), a cubic. Its roots are isolated between the zeros of its derivative and bisected to rounding
+/// level. `R kappa` is flat at its maximum, so this costs no accuracy. The result is infinite if the speed of a bent
+/// tube vanishes.
 pub fn r_kappa_max(curve: &Curve<f64>) -> f64 {
     let cross = curve.d0.cross(curve.d1).length();
     if cross <= 1e-15 * curve.d0.length() * curve.d1.length() {
@@ -31,7 +31,7 @@ pub fn r_kappa_max(curve: &Curve<f64>) -> f64 {
     candidates.into_iter().chain([0.0, 1.0]).map(r_kappa).fold(0.0, f64::max)
 }
 
-/// Roots in `[0, 1]` of the cubic with these ascending coefficients, by bisection between the zeros of its
+/// Returns the roots in `[0, 1]` of the cubic with these ascending coefficients, by bisection between the zeros of its
 /// derivative.
 fn roots_in_unit_interval(c: &[f64; 4]) -> Vec<f64> {
     let value = |u: f64| ((c[3] * u + c[2]) * u + c[1]) * u + c[0];
@@ -50,7 +50,7 @@ fn roots_in_unit_interval(c: &[f64; 4]) -> Vec<f64> {
         .filter(|k| (value(k[0]) <= 0.0) != (value(k[1]) <= 0.0))
         .map(|k| {
             let (mut low, mut high) = (k[0], k[1]);
-            // Where the lower end is moved to the value has that sign too.
+            // The lower end keeps this sign as it moves.
             let below = value(low) <= 0.0;
             for _ in 0..60 {
                 let middle = f64::midpoint(low, high);

@@ -1,23 +1,23 @@
-//! What an artist should know of a light that is usable all the same.
+//! Warnings about lights that are usable.
 
 use std::f64::consts::TAU;
 use std::fmt;
 
 use crate::Tube;
 
-/// Something about a valid light that may surprise.
+/// Property of a valid light that may surprise an artist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightWarning {
-    /// The curve has a corner, where two control points coincide: no point in the wedge outside it is lit.
+    /// Corner of the curve, where two control points coincide: no light reaches the wedge outside it.
     Corner {
         /// Global t of the joint.
         t: f64,
     },
-    /// Distant parts of the tube overlap: a point in both is lit by the one with the smaller `|r| / R`.
+    /// Overlap of distant parts of the tube: a point in both is lit by the one with the smaller `|r| / R`.
     Overlap {
-        /// Global t of a place in one part.
+        /// Global t of a point in one part.
         t: f64,
-        /// Global t of the same place in the other.
+        /// Global t of the same point in the other part.
         other_t: f64,
     },
 }
@@ -36,14 +36,14 @@ impl fmt::Display for LightWarning {
     }
 }
 
-/// Places tried along a segment, and around it.
+/// Number of tested points along a segment.
 const ALONG: usize = 16;
-/// See [`ALONG`].
+/// Number of tested points around the axis.
 const AROUND: usize = 12;
 
 impl Tube<f64> {
-    /// What should be known of this light. Overlaps are looked for at the rim of the tube and on its axis, on
-    /// a grid: one narrower than a sixteenth of a segment may go unseen. At most one overlap is reported.
+    /// Returns warnings about the light. Overlaps are searched on a grid, at the rim of the tube and on its axis: one
+    /// narrower than a sixteenth of a segment may be missed. At most one overlap is reported.
     pub fn warnings(&self) -> Vec<LightWarning> {
         let corners = self.segments.windows(2).enumerate().filter_map(|(i, pair)| {
             let cos = pair[0].curve.u_hat(1.0).dot(pair[1].curve.u_hat(0.0));
@@ -59,7 +59,7 @@ impl Tube<f64> {
             let (v_hat, w_hat) = self.cross_section(curve, curve.u_hat(u));
             (0..=AROUND).find_map(|around| {
                 let (sin, cos) = libm::sincos(TAU * around as f64 / AROUND as f64);
-                // The last one is the axis; the others stay clear of the rim's own rounding.
+                // The last point is on the axis. The others avoid the rounding at the rim.
                 let rho = if around == AROUND { 0.0 } else { 0.999 * curve.radius(u) };
                 let q = curve.position(u) + (v_hat * cos + w_hat * sin) * rho;
                 let t = i as f64 + u;

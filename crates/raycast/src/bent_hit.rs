@@ -1,36 +1,36 @@
-//! A path against the scene.
+//! Intersection of a bent path with the scene.
 
 use glam::DVec3;
 
 use crate::hierarchy::ThickLine;
 use crate::{Aabb64, BentPath, Bvh, Chord, Triangle};
 
-/// Where a path meets a triangle.
+/// Intersection of a path with a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct BentHit {
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
-    /// Parameter of the light there.
+    /// Parameter t of the light at the point.
     pub t: f64,
     /// Position in scene space.
     pub position: DVec3,
-    /// Weights of the triangle's corners at the point.
+    /// Barycentric weights of the triangle's corners at the point.
     pub barycentrics: DVec3,
 }
 
-/// Length of u below which a path that touches a plane without crossing it is taken to miss it.
+/// Length in u below which a path that touches a plane without crossing it counts as a miss.
 const MIN_CROSSING_U: f64 = 1e-9;
 
-/// Steps that a segment takes to be cut into chords, and a chord to be looked at, as one takes a box.
+/// Cost in steps of a segment to subdivide and of a chord to test. A box costs one step.
 const STEPS_OF_SEGMENT: u64 = 10;
 const STEPS_OF_CHORD: u64 = 10;
 
 impl Bvh {
-    /// The first triangle from the source on that the path meets before `t_end` and that `accept` takes,
-    /// both sides alike: what shadows all that comes later.
+    /// Finds the first triangle from the source on that the path meets before `t_end` and that `accept` takes. Both
+    /// sides of triangles count. The hit shadows everything further along the path.
     ///
-    /// Accuracy: the hit lies on the path and on the triangle's plane, t to some ulps over the cosine
-    /// between them. A path that touches a plane for less than 1e-9 of a segment may be taken to miss it.
+    /// Accuracy: the hit lies on the path and on the triangle's plane. The error of t is some ulps over the cosine
+    /// between them. A path that touches a plane for less than 1e-9 of a segment may count as a miss.
     pub fn first_bent_hit(
         &self,
         path: &BentPath,
@@ -40,7 +40,7 @@ impl Bvh {
         self.first_bent_hit_budgeted(path, t_end, |_| true, accept)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`]: segments and chords besides boxes and triangles.
+    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`]. Segments and chords cost steps too.
     pub fn first_bent_hit_budgeted(
         &self,
         path: &BentPath,
@@ -51,7 +51,7 @@ impl Bvh {
         self.first_bent_hit_in_bounds(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
     }
 
-    /// The same, of what lies in `reach`.
+    /// Does the same for triangles within `bounds`.
     pub(crate) fn first_bent_hit_in_bounds(
         &self,
         path: &BentPath,
@@ -73,7 +73,7 @@ impl Bvh {
         best
     }
 
-    /// Whether the path meets any triangle before `t_end` that `accept` takes.
+    /// Returns true if the path meets any triangle before `t_end` that `accept` takes.
     pub fn has_bent_hit(&self, path: &BentPath, t_end: f64, accept: impl Fn(&BentHit) -> bool) -> bool {
         let Some(bounds) = self.hierarchy.bounds() else { return false };
         let mut blocked = false;
@@ -104,7 +104,7 @@ impl Bvh {
                 best.is_none_or(|best| (hit.t, hit.triangle) < (best.t, best.triangle)) && accept(hit)
             };
             if let Some(hit) = intersect_chord(path, chord, triangle, &self.triangles[triangle], accepted) {
-                // Nothing nearer begins further on: the chord strays from the path at equal u.
+                // No nearer hit starts beyond this share: chord and path are compared at equal u.
                 limit = (hit.t - chord.segment as f64 - start) / (end - start);
                 best = Some(hit);
             }
@@ -114,11 +114,10 @@ impl Bvh {
     }
 }
 
-/// The first accepted point of `chord`'s path on the triangle.
+/// Finds the first accepted point of `chord`'s path on the triangle.
 ///
-/// `g(u) = N . (C(u) - corner)` changes sign where the path crosses the plane, and `|g''| <= |N| bend`. That
-/// decides by the values at two ends whether there is no crossing between them, or one, or whether to look
-/// closer.
+/// `g(u) = N . (C(u) - corner)` changes sign where the path crosses the plane, and `|g''| <= |N| bend`. With this bound
+/// the values at two ends decide between no crossing, one crossing and further subdivision.
 fn intersect_chord(
     path: &BentPath,
     chord: &Chord,
@@ -144,13 +143,13 @@ fn intersect_chord(
     })
 }
 
-/// The plane of a triangle that a path may cross.
+/// Plane of a triangle that a path may cross.
 struct Plane<'a> {
     path: &'a BentPath<'a>,
     segment: usize,
     normal: DVec3,
     corner: DVec3,
-    /// What rounding may make of a height of zero.
+    /// Largest height that rounding gives a point of the plane.
     rounding: f64,
 }
 
@@ -159,8 +158,8 @@ impl Plane<'_> {
         self.normal.dot(self.path.position_at(self.segment, u) - self.corner)
     }
 
-    /// What `take` makes of the first crossing that it takes, between two parameters with their heights;
-    /// `bent` bounds the second derivative of the height.
+    /// Returns the first value that `take` gives for a crossing between two parameters with their heights. `bend`
+    /// bounds the second derivative of the height.
     fn first_crossing<T>(
         &self,
         [low, high]: [(f64, f64); 2],
@@ -169,13 +168,13 @@ impl Plane<'_> {
     ) -> Option<T> {
         let ((u0, g0), (u1, g1)) = (low, high);
         let h = u1 - u0;
-        // An endless straight piece has no bend: 0 times its length squared is 0.
+        // An infinite straight piece has no bend: 0 times its length squared is 0.
         let stray = if bend == 0.0 { 0.0 } else { bend * h * h };
         let crosses = (g0 <= 0.0) != (g1 <= 0.0);
         if !crosses && g0.abs().min(g1.abs()) > stray / 8.0 {
             return None;
         }
-        // The slope differs from its mean by less than `stray / h`: one that cannot vanish crosses once.
+        // The slope differs from its mean by less than `stray / h`. If it cannot vanish, there is one crossing.
         let steady = (g1 - g0).abs() > stray;
         if crosses && (steady || h < MIN_CROSSING_U) {
             return take(self.crossing(low, high));
@@ -183,8 +182,8 @@ impl Plane<'_> {
         if steady || h < MIN_CROSSING_U {
             return None;
         }
-        // A path that lies in the plane would be looked at without end; it does not cross. It is told by five places:
-        // no path crosses a plane that often in a chord.
+        // A path in the plane does not cross it and would be subdivided without end. Five points detect it: no path
+        // crosses a plane that often in a chord.
         let level = |share: f64| self.height(u0 + share * h).abs() <= self.rounding;
         if g0.abs().max(g1.abs()) <= self.rounding && [0.25, 0.5, 0.75].into_iter().all(level) {
             return None;
@@ -195,7 +194,7 @@ impl Plane<'_> {
             .or_else(|| self.first_crossing([middle, high], bend, take))
     }
 
-    /// The crossing between two parameters whose heights have different signs, by false position with the
+    /// Finds the crossing between two parameters whose heights have different signs, by false position with the
     /// Illinois rule: superlinear, and never outside the bracket.
     fn crossing(&self, low: (f64, f64), high: (f64, f64)) -> f64 {
         let (mut a, mut b) = (low, high);

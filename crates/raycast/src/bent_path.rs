@@ -1,85 +1,81 @@
-//! The way light takes: a curve of constant (v, w), cut into chords.
+//! Light paths of a BendyLight: curves of constant (v, w), cut into chords.
 
 use glam::DVec3;
 use light::{Curve, FrameMode, Tube};
 
 use crate::{Aabb64, Bvh};
 
-/// How far a chord may stray from its path, as a share of the chord's length.
+/// Maximum error of a chord as a share of its length.
 ///
-/// Chosen by what it costs: boxes grow by it, and a hierarchy's leaves are seldom thirty times smaller than a
-/// chord; half of it takes 1.4 times as many chords. Hits are found on the path itself, so no result
-/// depends on it.
+/// The value is chosen for speed: boxes grow by the error, and a hierarchy's leaves are seldom thirty times smaller
+/// than a chord. Half of it takes 1.4 times as many chords. Hits are found on the path itself, so no result depends on
+/// it.
 const CHORD_ERROR: f64 = 1.0 / 32.0;
 
-/// How far a chord that comes near the scene may stray, as a share of the scene's size.
+/// Maximum error of a chord near the scene, as a share of the scene's size.
 ///
-/// As much as the rule above allows a chord of a quarter of the scene: so of a light a million scenes long, what passes
-/// the scene is cut about as finely as of one of the scene's own size.
+/// It is the error that `CHORD_ERROR` allows a chord of a quarter of the scene. So the part near the scene of a light a
+/// million scenes long is cut about as finely as a light of the scene's own size.
 const ERROR_IN_SCENE: f64 = CHORD_ERROR / 4.0;
 
-/// Halvings after which a chord stands for its path all the same: where the curve stops (`P' = 0`) no
-/// bound on its turning exists, but a piece of 2^-24 of a segment is as good as a point.
+/// Maximum number of halvings of a chord. Where the curve stops (`P' = 0`) the turn has no bound, but a piece of 2^-24
+/// of a segment is as good as a point.
 pub(crate) const MAX_HALVINGS: u32 = 24;
 
-/// A curve of constant (v, w) in a light: `C(t) = P + R (v v_hat + w w_hat)` (light model, section 3).
+/// Curve of constant (v, w) in a light: `C(t) = P + R (v v_hat + w w_hat)` (light model, section 3).
 #[derive(Clone, Copy, Debug)]
 pub struct BentPath<'a> {
-    /// The light.
     pub tube: &'a Tube<f64>,
-    /// Place across the tube along `v_hat`, in radii.
+    /// Coordinate across the tube along `v_hat`, in radii.
     pub v: f64,
-    /// Place across the tube along `w_hat`, in radii.
+    /// Coordinate across the tube along `w_hat`, in radii.
     pub w: f64,
-    /// Position of the light's source in scene space.
     source: DVec3,
 }
 
 impl Bvh {
-    /// The path of constant (v, w), both in radii, through this scene.
+    /// Makes the path of constant (v, w), both in radii, through this scene.
     pub fn bent_path<'a>(&self, tube: &'a Tube<f64>, v: f64, w: f64) -> BentPath<'a> {
         BentPath::new(tube, v, w, self.posed.origin_in_world)
     }
 }
 
-/// A piece of a path and the straight line between its ends.
+/// Piece of a path, and the straight line between its ends.
 #[derive(Clone, Copy, Debug)]
 pub struct Chord {
-    /// Index of the light's segment.
     pub segment: usize,
-    /// Parameters in that segment of the two ends.
+    /// Parameters of the two ends in that segment.
     pub u: [f64; 2],
-    /// Positions of the two ends, in scene space.
     pub ends: [DVec3; 2],
-    /// Bound of `|C''|` over the piece, by u, in world lengths.
+    /// Bound of `|C''|` over the piece, in u, in world lengths.
     pub second_derivative_bound: f64,
 }
 
 impl Chord {
-    /// Whether all of its path surely lies outside of `reach`.
+    /// Returns true if all of the path is certainly outside of `bounds`.
     fn misses(&self, bounds: &Aabb64) -> bool {
         let [from, to] = self.ends;
-        // With the rounding of positions, some ulps of the largest coordinate.
+        // Rounding of positions is some ulps of the largest coordinate.
         let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
         let reach = DVec3::splat(self.error() + slack);
         (from.min(to) - reach).cmpgt(bounds.max).any() || (from.max(to) + reach).cmplt(bounds.min).any()
     }
 
-    /// Bound of the distance between the line and the path, at equal u: `|C''| h^2 / 8`.
+    /// Bound of the distance between the line and the path at equal u: `|C''| h^2 / 8`.
     pub fn error(&self) -> f64 {
         let h = self.u[1] - self.u[0];
-        // A straight piece may be endless in u, and 0 times that is no bound.
+        // A straight piece may be infinite in u, and 0 times infinity is no bound.
         if self.second_derivative_bound == 0.0 { 0.0 } else { self.second_derivative_bound * h * h / 8.0 }
     }
 
-    /// Of the straight line.
+    /// Length of the straight line.
     pub(crate) fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
 }
 
 impl<'a> BentPath<'a> {
-    /// The path of constant (v, w), both in radii, in a scene space that begins at `origin`.
+    /// Makes the path of constant (v, w), both in radii, in a scene space with its origin at `origin_in_world`.
     pub fn new(tube: &'a Tube<f64>, v: f64, w: f64, origin_in_world: DVec3) -> Self {
         Self { tube, v, w, source: tube.placement.translation - origin_in_world }
     }
@@ -93,8 +89,8 @@ impl<'a> BentPath<'a> {
         self.source + placement.rotation * (in_tube * placement.world_per_tube)
     }
 
-    /// Calls `visit` with chords from the source to `t_end`, in order, until it returns `true`: those that may come
-    /// into `reach`. Each strays from the path by at most 1/32 of its length, and 1/128 of the size of `reach`.
+    /// Calls `visit` with chords from the source to `t_end`, in order, until it returns `true`. Chords that miss
+    /// `bounds` are left out. The error of each is at most 1/32 of its length, and 1/128 of the size of `bounds`.
     pub fn for_each_chord(&self, t_end: f64, bounds: &Aabb64, mut visit: impl FnMut(&Chord) -> bool) {
         for segment in 0..self.tube.segments.len() {
             let start = segment as f64;
@@ -135,7 +131,7 @@ impl<'a> BentPath<'a> {
             || self.subdivide(segment, [middle, u[1]], [at_middle, ends[1]], halvings + 1, bounds, visit)
     }
 
-    /// The chord between two parameters of a segment.
+    /// Makes the chord between two parameters of a segment.
     pub(crate) fn chord(&self, segment: usize, u: [f64; 2]) -> Chord {
         Chord {
             segment,
@@ -145,11 +141,11 @@ impl<'a> BentPath<'a> {
         }
     }
 
-    /// Bound of `|C''|` over a piece, by u, in world lengths.
+    /// Bound of `|C''|` over a piece, in u, in world lengths.
     ///
     /// With `e = v v_hat + w w_hat`, `rho = |e|`, `C'' = P'' + R'' e + 2 R' e' + R e''`. The tangent turns by
-    /// `omega = |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that
-    /// twists by `tau` has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
+    /// `omega = |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that twists
+    /// by `tau` has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
     fn second_derivative_bound(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
         let s = &self.tube.segments[segment].curve;
         let rho = libm::hypot(self.v, self.w);
@@ -173,12 +169,12 @@ impl<'a> BentPath<'a> {
     }
 }
 
-/// Bounds of how the tangent turns over a piece, by u.
+/// Bounds of the tangent's turn over a piece, in u.
 #[derive(Clone, Copy)]
 struct Turn {
-    /// Of `|u_hat'|`.
+    /// Bound of `|u_hat'|`.
     omega: f64,
-    /// Of the derivative of that.
+    /// Bound of the derivative of `|u_hat'|`.
     change: f64,
 }
 
@@ -196,19 +192,19 @@ impl Turn {
     }
 }
 
-/// Bounds of how the frame "up" twists about the tangent over a piece, by u.
+/// Bounds of the twist of the "up" frame about the tangent over a piece, in u.
 struct Twist {
     tau: f64,
     change: f64,
 }
 
 impl Twist {
-    /// From `tau = c (u_hat' . v_hat) / s`, `c = up . u_hat`, `s = |up - c u_hat|`: `|c'| <= s omega` and
+    /// Bounds `tau = c (u_hat' . v_hat) / s`, `c = up . u_hat`, `s = |up - c u_hat|`: `|c'| <= s omega` and
     /// `|s'| <= omega`.
     fn of(up: DVec3, curve: &Curve<f64>, [start, end]: [f64; 2], turn: Turn) -> Self {
         let u_hat = curve.u_hat(f64::midpoint(start, end));
         let sine = (up - u_hat * up.dot(u_hat)).length() - turn.omega * (end - start) / 2.0;
-        // Where the tangent may meet `up` the frame flips, and nothing bounds that.
+        // The frame flips where the tangent meets `up`, and nothing bounds that.
         let sine = sine.max(1e-9);
         let tau = turn.omega / sine;
         let change =
@@ -226,7 +222,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ThickLine;
 
-    /// A wavy field of 2 n^2 triangles, 10 units wide.
+    /// Wavy field of 2 n^2 triangles, 10 units wide.
     fn field(n: u32) -> Scene {
         let corner = |k: u32| {
             let (x, z) = ((k % (n + 1)) as f32 / n as f32, (k / (n + 1)) as f32 / n as f32);
@@ -257,7 +253,7 @@ mod tests {
         }
     }
 
-    /// A light `size` units long that bends by a right angle in the middle of the field, 3 units wide there.
+    /// Light `size` units long that bends by a right angle at the centre of the field and is 3 units wide there.
     fn light_of(size: f64) -> Tube<f64> {
         let direction = DVec3::new(0.6, -0.64, 0.48);
         let aside = direction.any_orthonormal_vector();
@@ -267,7 +263,7 @@ mod tests {
         Tube::new(&light.with(TRANSLATION, -middle)).expect("a light")
     }
 
-    /// Triangles that a path's chords touch the boxes of, the mean over paths all over the light.
+    /// Mean number of triangles whose boxes a path's chords touch, over paths all over the light.
     fn triangles_tested_per_path(bvh: &Bvh, tube: &Tube<f64>, bounds: &Aabb64) -> f64 {
         let mut asked = 0;
         for k in 0..64 {
@@ -288,7 +284,7 @@ mod tests {
         f64::from(asked) / 64.0
     }
 
-    /// What a light asks of a scene depends on how the light passes it, not on how long the light is.
+    /// The cost of a light depends on its part in the scene, not on its length.
     #[test]
     fn a_long_light_asks_few_triangles() {
         let scene = field(64);
@@ -298,18 +294,18 @@ mod tests {
         for size in [1e3, 1e4, 1e6, 1e9] {
             let tube = light_of(size);
             let asked = triangles_tested_per_path(&bvh, &tube, &bounds);
-            // The planted fault: chords that are cut by their own length alone.
+            // Planted fault: chords that are cut by their own length alone.
             let uncut = triangles_tested_per_path(&bvh, &tube, &Aabb64::INFINITE);
             println!(
                 "{size:e} units: {asked:.0} triangles a path, cut by length alone {uncut:.0}; 30 units: {ordinary:.0}"
             );
-            // Halving takes a quarter off the error, so of two lights one may have chords four times as thick.
+            // Halving reduces the error to a quarter, so one light may have chords four times as thick as another.
             assert!(asked <= 4.0 * ordinary, "{size:e}: {asked} triangles a path");
             assert!(size < 1e4 || uncut > 8.0 * asked, "{size:e}: {uncut}");
         }
     }
 
-    /// No hit depends on how a path was cut.
+    /// No hit depends on the cuts of a path.
     #[test]
     fn hits_do_not_depend_on_the_cut() {
         let scene = field(16);
@@ -327,7 +323,7 @@ mod tests {
                 hits += usize::from(cut.is_some());
                 match (cut, whole) {
                     (None, None) => {}
-                    // Positions round by some ulps of the light's size, and grazing paths leave them far along.
+                    // Positions round by some ulps of the light's size, and a grazing path amplifies that along itself.
                     (Some((a, at)), Some((b, there)))
                         if a == b && at.distance(there) < 1e-9 + 1e-13 * size => {}
                     _ => panic!("{size:e} {k}: {cut:?} {whole:?}"),

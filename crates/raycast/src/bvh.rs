@@ -1,4 +1,4 @@
-//! A posed scene, ready for rays.
+//! Triangles of a posed scene, prepared for rays.
 
 use std::sync::Arc;
 
@@ -7,18 +7,17 @@ use scene::PosedScene;
 use crate::Triangle;
 use crate::hierarchy::TriangleHierarchy;
 
-/// Every triangle of a posed scene under a bounding-volume hierarchy.
+/// Triangles of a posed scene under a bounding-volume hierarchy.
 #[derive(Debug)]
 pub struct Bvh {
-    /// The scene.
     pub posed: Arc<PosedScene>,
-    /// Its triangles, primitive by primitive.
+    /// Triangles, primitive by primitive.
     pub triangles: Vec<Triangle>,
     pub(crate) hierarchy: TriangleHierarchy,
 }
 
 impl Bvh {
-    /// Builds the hierarchy.
+    /// Builds the hierarchy of a scene.
     pub fn new(posed: Arc<PosedScene>) -> Self {
         let mut all = Vec::with_capacity(posed.triangle_count());
         all.extend((0..posed.primitives.len()).flat_map(|index| triangles_of_primitive(&posed, index)));

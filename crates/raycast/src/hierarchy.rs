@@ -1,6 +1,5 @@
-//! The bounding-volume hierarchy: boxes in f32, rounded outwards, so that f64 is only spent on triangles.
-//!
-//! Boxes need to be safe, not exact.
+//! Traversal of the bounding-volume hierarchy. Its boxes are in f32, rounded outwards, so that f64 is spent on
+//! triangles only. Boxes have to be safe, not exact.
 
 use std::fmt;
 
@@ -17,7 +16,7 @@ impl fmt::Debug for TriangleHierarchy {
     }
 }
 
-/// A straight line with a thickness: all points within `radius` of it.
+/// Straight line with a thickness: all points within `radius` of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ThickLine {
     pub from: DVec3,
@@ -25,7 +24,7 @@ pub(crate) struct ThickLine {
     pub radius: f64,
 }
 
-/// Steps that a node takes: one for its boxes, six for each of its triangles.
+/// Cost of a node in steps: one for its boxes, six for each of its triangles.
 fn node_cost_steps(node: &HierarchyNode) -> u64 {
     1 + if node.is_leaf() { 6 * u64::from(node.count) } else { 0 }
 }
@@ -35,13 +34,13 @@ impl TriangleHierarchy {
         Self(hierarchy::Hierarchy::new(triangles.iter().map(outward_box)))
     }
 
-    /// The box around everything; `None` where there is nothing.
+    /// Box around all triangles; `None` if there are none.
     pub fn bounds(&self) -> Option<Aabb64> {
         let hierarchy::Aabb { min, max } = self.0.nodes.first()?.bounds;
         Some(Aabb64 { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
-    /// A distance from `point` that nothing lies beyond.
+    /// Distance from `point` beyond which there are no triangles.
     pub fn max_distance_from(&self, point: DVec3) -> f64 {
         self.0.nodes.first().map_or(0.0, |root| {
             let hierarchy::Aabb { min, max } = root.bounds;
@@ -49,8 +48,8 @@ impl TriangleHierarchy {
         })
     }
 
-    /// Calls `meet` with every triangle whose box comes as near to `point` as `meet` returned last, `within` at
-    /// first; ends where `spend` refuses the steps that come next.
+    /// Calls `meet` with every triangle whose box is within the distance that `meet` last returned from `point`, at
+    /// first `within`. Stops if `spend` refuses the next steps.
     pub fn visit_near_point(
         &self,
         point: DVec3,
@@ -81,8 +80,8 @@ impl TriangleHierarchy {
         }
     }
 
-    /// Calls `meet` with every triangle whose box the line may touch before the share of its way that `meet`
-    /// returned last: nearer boxes first. Ends where `spend` refuses the steps that come next.
+    /// Calls `meet` with every triangle whose box the line may touch before the share of its length that `meet` last
+    /// returned, nearer boxes first. Stops if `spend` refuses the next steps.
     pub fn visit_along_line(
         &self,
         line: ThickLine,
@@ -123,7 +122,7 @@ impl TriangleHierarchy {
     }
 }
 
-/// A line, ready to be cut with boxes.
+/// Line prepared for intersection with boxes.
 struct PreparedLine {
     from: DVec3,
     step: DVec3,
@@ -133,12 +132,12 @@ struct PreparedLine {
 
 impl PreparedLine {
     fn new(ThickLine { from, to, radius }: ThickLine) -> Self {
-        // Rounding of what follows, some ulps of the largest coordinate.
+        // Rounding of the following computation is some ulps of the largest coordinate.
         let slack = 1e-14 * (from.abs().max_element() + to.abs().max_element());
         Self { from, step: to - from, inverse: (to - from).recip(), radius: radius + slack }
     }
 
-    /// Share of the way at which the line enters the box, or `None` where it passes by.
+    /// Share of the length at which the line enters the box; `None` if it misses.
     fn entry_share(&self, bounds: hierarchy::Aabb) -> Option<f64> {
         let low = bounds.min.as_dvec3() - self.from - self.radius;
         let high = bounds.max.as_dvec3() - self.from + self.radius;
@@ -159,7 +158,7 @@ impl PreparedLine {
     }
 }
 
-/// The triangle's box, each side rounded outwards.
+/// Box of a triangle, with each side rounded outwards.
 fn outward_box(triangle: &Triangle) -> hierarchy::Aabb {
     let [a, b, c] = triangle.corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));

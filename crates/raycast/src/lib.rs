@@ -1,12 +1,16 @@
-//! Rays against a posed scene, in f64: straight ones for cameras and picks, bent ones for visibility.
+//! Rays against a posed scene, in f64: straight rays for cameras and picks, bent rays for visibility.
 //!
-//! A [`Bvh`] holds every triangle of a [`scene::PosedScene`] under a bounding-volume hierarchy. All positions are in scene
-//! space: world axes, origin at the centre of the scene's bounds, so that no digit is lost wherever the scene stands. [`Bvh::first_hit`] follows a straight ray. [`Bvh::first_bent_hit`] follows light:
-//! the curve of constant (v, w) of a BendyLight from its source ([`BentPath`]), which no hierarchy knows; it is
-//! cut into chords with a bound on how far each strays from the curve, and what a chord may touch is met with
-//! the curve itself. [`Bvh::first_obstacle`] says what stands first in the way of a light of any shape.
+//! A [`Bvh`] holds every triangle of a [`scene::PosedScene`] under a bounding-volume hierarchy. All positions are in
+//! scene space: world axes, origin at the centre of the scene's bounds, so that numbers keep their precision wherever
+//! the scene stands. The crate knows no device, no picture and no document. The same input gives the same bits on every
+//! machine.
 //!
-//! The same input gives the same bits on every machine.
+//! Begin with [`Bvh::first_hit`] (straight rays), [`Bvh::first_bent_hit`] (light paths) and [`Bvh::first_obstacle`]
+//! (the first caster between a point and a light of any shape).
+//!
+//! A light path of a BendyLight is the curve of constant (v, w) from its source ([`BentPath`]). A hierarchy cannot be
+//! traversed along a curve, so the path is cut into chords with a bound of their error. Triangles that a chord may
+//! touch are intersected with the curve itself.
 
 mod bent_hit;
 mod bent_path;

@@ -1,23 +1,22 @@
-//! The surface nearest to a point.
+//! Search for the surface nearest to a point.
 
 use glam::DVec3;
 
 use crate::Bvh;
 
-/// A point of a surface.
+/// Point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfacePoint {
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
-    /// Position in scene space.
     pub position: DVec3,
-    /// Weights of the triangle's corners there.
+    /// Barycentric weights of the triangle's corners at the point.
     pub barycentrics: DVec3,
 }
 
 impl Bvh {
-    /// The point of the scene's surfaces nearest to `point`, a position in scene space, that lies at most `within`
-    /// from it and that `accept` takes; of two at the same distance the one of the lower index.
+    /// Finds the point of the scene's surfaces nearest to `point`, a position in scene space, at most `within` from it,
+    /// that `accept` takes. Of two at the same distance the one with the lower index counts.
     pub fn nearest(
         &self,
         point: DVec3,
@@ -27,7 +26,7 @@ impl Bvh {
         self.nearest_budgeted(point, within, |_| true, accept)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`].
+    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`].
     pub fn nearest_budgeted(
         &self,
         point: DVec3,

@@ -1,52 +1,51 @@
-//! What stands in a light's way, from its source on.
+//! First caster on a light path, from the source on.
 
 use glam::DVec3;
 
 use crate::{BentHit, BentPath, Bvh, LinkedNodes};
 
-/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the way to the
-/// source: the surface itself, and what lies on it. Rounding places a point to 1e-15 of that.
+/// Distance from a surface within which nothing shadows it, as a share of the light's size or of the distance to the
+/// source. It excludes the surface itself and surfaces in contact. Rounding moves a point by 1e-15 of that.
 pub const CONTACT_TOLERANCE: f64 = 1e-9;
 
-/// How light comes to a point.
+/// Path of light to a point.
 #[derive(Clone, Copy, Debug)]
 pub enum LightPath<'a> {
-    /// Along a curve of constant (v, w), on which the point lies at `t`.
+    /// Curve of constant (v, w) through the point.
     Bent {
-        /// The curve.
         path: BentPath<'a>,
-        /// Parameter of the light at the point.
+        /// Parameter t of the light at the point.
         t: f64,
     },
-    /// Straight, from a source.
+    /// Straight path from a source.
     FromPoint {
         /// In scene space.
         source: DVec3,
-        /// The triangle on which the point lies, which a straight way meets nowhere else.
+        /// Triangle of the point. A straight path meets it nowhere else.
         own_triangle: usize,
     },
-    /// Straight, from outside of the scene.
+    /// Straight path from outside of the scene.
     FromDirection {
-        /// Unit vector to where it comes from.
+        /// Unit vector towards the light.
         to_light: DVec3,
-        /// As above.
+        /// Triangle of the point.
         own_triangle: usize,
     },
 }
 
-/// The first that light meets on its way.
+/// First caster on a light path.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacle {
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
-    /// Position in scene space.
     pub position: DVec3,
-    /// How far along the way from where it begins: the light's parameter on a bent one, else world units.
+    /// Distance along the path from its start: the light's parameter t on a bent path, else world units.
     pub t: f64,
 }
 
 impl Bvh {
-    /// The first from the source on that stops light on its way to `point`, in scene space, of what throws shadows by `linked`.
+    /// Finds the first caster from the source on that blocks light to `point`, in scene space, among the nodes that
+    /// cast shadows by `linked`.
     pub fn first_obstacle(&self, way: &LightPath, point: DVec3, linked: &LinkedNodes) -> Option<Obstacle> {
         match way {
             LightPath::Bent { path, t } => {
@@ -62,23 +61,25 @@ impl Bvh {
         }
     }
 
-    /// Whether anything does, on a bent way on which the point lies at `t`.
+    /// Returns true if a caster blocks a bent path on which the point is at `t`.
     pub fn is_path_blocked(&self, path: &BentPath, t: f64, point: DVec3, linked: &LinkedNodes) -> bool {
         self.has_bent_hit(path, t, self.blocking_hits(path, point, linked))
     }
 
-    /// Where light that comes from `toward`, a unit vector, is still outside of the scene on its way to a point of it.
+    /// Returns a point outside of the scene on the path of light that comes to `point` from the direction `to_light`, a
+    /// unit vector.
     pub fn point_outside_scene(&self, point: DVec3, to_light: DVec3) -> DVec3 {
         point + to_light * (2.0 * self.posed.half_extent.length())
     }
 
-    /// Whether a place of a triangle throws a shadow.
+    /// Returns true if a point of a triangle casts a shadow.
     pub fn casts_shadow_at(&self, linked: &LinkedNodes, triangle: usize, weights: DVec3) -> bool {
         let triangle = &self.triangles[triangle];
         linked.casts_shadow(triangle.node) && self.passes_alpha_test(triangle, weights)
     }
 
-    /// Which hits stop light on a bent way to a point. Its own triangle may be one: a bent path can cross it elsewhere too.
+    /// Returns a test for hits that block light on a bent path to a point. The point's own triangle may block it: a
+    /// bent path can cross it elsewhere too.
     fn blocking_hits(
         &self,
         path: &BentPath,
@@ -109,7 +110,7 @@ impl Bvh {
     }
 }
 
-/// What a position may be off by, generously.
+/// Generous bound of the rounding error of a position.
 pub fn rounding_error(position: DVec3) -> f64 {
     64.0 * f64::EPSILON * position.abs().max_element()
 }

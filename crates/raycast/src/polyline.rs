@@ -1,35 +1,35 @@
-//! A path as straight pieces, to be drawn.
+//! Polylines of light paths, for display.
 
 use glam::DVec3;
 
 use crate::bent_path::MAX_HALVINGS;
 use crate::{BentPath, Chord};
 
-/// How far a polyline may stray from its path, as a share of its length: where it fills a picture of 4,000 pixels it strays by
-/// less than one.
+/// Maximum error of a polyline as a share of the path's length: less than a pixel if the path fills a picture of 4,000
+/// pixels.
 ///
-/// `n` even pieces of a curve that turns by `theta` stray by `L theta / (8 n^2)`, so a half circle takes about 40.
+/// The error of `n` even pieces of a curve that turns by `theta` is `L theta / (8 n^2)`, so a half circle takes about
+/// 40.
 const MAX_ERROR_SHARE: f64 = 1.0 / 4096.0;
 
-/// What halving a piece once more may change of its length, as a share of it.
+/// Relative change of a piece's length at which halving stops.
 const LENGTH_ERROR: f64 = 1e-7;
 
-/// A path as straight pieces.
+/// Path as straight pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
-    /// Points of the path in scene space, in order.
     pub points: Vec<DVec3>,
-    /// No point of the path is farther than this from the pieces, in world units.
+    /// Bound of the distance of the path from the pieces, in world units.
     pub max_error: f64,
-    /// Length of the path itself, in world units: to a millionth or so.
+    /// Length of the path itself, in world units, to about a millionth.
     pub length: f64,
 }
 
 impl BentPath<'_> {
-    /// Points from the source to `t_end`, so many that the pieces between them stray by less than 1/4096 of their length; but
-    /// at most `most`, of which there are at least two a segment.
+    /// Makes a polyline from the source to `t_end`. It has as many points as an error below 1/4096 of the length needs,
+    /// but at most `most`, and at least two for each segment.
     ///
-    /// The piece that strays most is halved until none strays too far, each by its own bound `|C''| h^2 / 8`.
+    /// The piece with the largest bound `|C''| h^2 / 8` is halved until all bounds are small enough.
     pub fn polyline(&self, t_end: f64, most: usize) -> Polyline {
         let mut chords: Vec<Chord> = (0..self.tube.segments.len())
             .filter_map(|segment| {
@@ -58,8 +58,7 @@ impl BentPath<'_> {
         Polyline { points: points.collect(), max_error: stray, length }
     }
 
-    /// Length of the path between two parameters of a segment: as that of two halves, each halved again until that makes no
-    /// difference.
+    /// Length of the path between two parameters of a segment, by halving until that makes no difference.
     fn arc_length_between(&self, segment: usize, [start, end]: [f64; 2], halvings: u32) -> f64 {
         let middle = f64::midpoint(start, end);
         let (whole, halves) =
@@ -71,7 +70,7 @@ impl BentPath<'_> {
         halves.iter().map(|half| self.arc_length_between(segment, *half, halvings + 1)).sum()
     }
 
-    /// The same by Richardson's extrapolation: halving takes three quarters off the error of the straight length.
+    /// Length by Richardson's extrapolation: halving removes three quarters of the error of the straight length.
     fn extrapolated_length(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
         let [from, middle, to] =
             [start, f64::midpoint(start, end), end].map(|u| self.position_at(segment, u));
@@ -79,8 +78,8 @@ impl BentPath<'_> {
     }
 }
 
-/// Bound of how far a path strays from its chord. Where the curve stops there is none, but a piece of 2^-24 of a segment is
-/// as good as a point.
+/// Bound of the distance between a path and its chord. Where the curve stops there is none, but a piece of 2^-24 of a
+/// segment is as good as a point.
 fn chord_error_bound(chord: &Chord) -> f64 {
     let shortest = 1.0 / f64::from(1 << MAX_HALVINGS);
     let error = chord.error();

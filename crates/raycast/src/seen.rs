@@ -1,11 +1,11 @@
-//! What a camera sees: a point of a surface.
+//! Surface points that a camera sees.
 
 use glam::DVec3;
 use scene::ViewRay;
 
 use crate::{Bvh, Hit};
 
-/// A point of a surface, seen from somewhere.
+/// Surface point that a camera sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SeenPoint {
     /// Position in scene space: world axes, about [`scene::PosedScene::origin_in_world`].
@@ -16,46 +16,46 @@ pub struct SeenPoint {
     pub geometric_normal: DVec3,
     /// Unit shading normal, interpolated between the vertices, on the viewer's side of the triangle.
     pub normal: DVec3,
-    /// How far along `normal` its shadow is looked for from `position`, in world units: 0 or more. See
+    /// Offset along `normal` from `position` to the point whose shadow counts, in world units, 0 or more. See
     /// [`Self::shadow_position`].
     pub terminator_offset: f64,
-    /// Unit vector towards the viewer.
     pub to_eye: DVec3,
-    /// Index of the node in the scene.
     pub node: usize,
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
-    /// Weights of the triangle's corners.
+    /// Barycentric weights of the triangle's corners.
     pub barycentrics: DVec3,
 }
 
 impl SeenPoint {
-    /// Where light has to arrive in scene space: in front of the triangle by what the smooth surface that the vertex normals
-    /// stand for is curved over it, so that facets do not shadow each other where light grazes.
+    /// Point in scene space at which visibility of the light is evaluated. It lies in front of the triangle by the
+    /// height of the smooth surface that the vertex normals describe, so that facets do not shadow each other at
+    /// grazing light.
     ///
     /// `P + h n`, `h = sum b_i |(p_i - P) . (n_i - m)|` over the corners `p_i` with their normals `n_i` and the point's
     /// weights `b_i`, `m = sum b_i n_i` and n its direction. After Hanika, "Hacking the Shadow Terminator" (Ray Tracing
-    /// Gems II, chapter 4), whose offset this is where the surface bulges: on a ball twice its height over the facet. He
-    /// moves nothing where it is hollow, and then a saddle, as at the neck of a vase, keeps its teeth; and he has no m,
-    /// which takes out what all normals lean alike, as those of leaves may.
+    /// Gems II, chapter 4). Where the surface is convex, this is his offset: on a ball twice its height over the facet.
+    /// Two things differ. He offsets nothing where the surface is concave, and then a saddle, as at the neck of a vase,
+    /// keeps its jagged terminator. And he has no m, which removes the lean that all normals share, as those of leaves
+    /// may.
     pub fn shadow_position(&self) -> DVec3 {
         self.position + self.normal * self.terminator_offset
     }
 
-    /// Unit vector to where light comes from that a mirror here would send to the viewer.
+    /// Unit vector towards a light whose mirror reflection here reaches the viewer.
     pub fn mirror_direction(&self) -> DVec3 {
         self.normal * (2.0 * self.normal.dot(self.to_eye)) - self.to_eye
     }
 }
 
 impl Bvh {
-    /// The first surface on a ray of a camera. Back faces are seen where the material is double-sided; holes of an alpha-tested
-    /// one are not there. `None` where there is only background.
+    /// Finds the first surface on a ray of a camera. Back faces count if the material is double-sided. Cut-out parts of
+    /// an alpha-tested material do not count. `None` for the background.
     pub fn visible_point(&self, ray: &ViewRay) -> Option<SeenPoint> {
         self.visible_point_budgeted(ray, |_| true)
     }
 
-    /// The same by steps that are counted, as of [`Self::first_hit_budgeted`].
+    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`].
     pub fn visible_point_budgeted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<SeenPoint> {
         let hit = self.first_hit_budgeted(ray.origin, ray.direction, ray.depth_range, spend, |hit| {
             let triangle = &self.triangles[hit.triangle];
@@ -85,8 +85,8 @@ impl Bvh {
         }
     }
 
-    /// The smooth surface that the vertex normals of a triangle stand for, at a position on it with those weights of its corners:
-    /// its unit normal on the triangle's front, and [`SeenPoint::terminator_offset`].
+    /// Evaluates the smooth surface that the vertex normals of a triangle describe, at a position with those
+    /// barycentric weights. Returns its unit normal on the triangle's front and [`SeenPoint::terminator_offset`].
     pub fn smooth_surface_at(&self, triangle: usize, weights: DVec3, position: DVec3) -> (DVec3, f64) {
         let triangle = &self.triangles[triangle];
         let primitive = self.primitive(triangle);
@@ -96,7 +96,7 @@ impl Bvh {
             (normal_matrix * local).normalize_or_zero()
         });
         let mean: DVec3 = (0..3).map(|k| normals[k] * weights[k]).sum();
-        // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
+        // If the vertex normals cancel, there is nothing to interpolate: the face's own normal replaces them.
         let normal =
             if mean.length_squared() > 1e-12 { mean.normalize() } else { triangle.normal().normalize() };
         let bulge = |k: usize| (triangle.corners[k] - position).dot(normals[k] - mean).abs();

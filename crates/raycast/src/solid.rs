@@ -1,4 +1,4 @@
-//! Holes in surfaces.
+//! Alpha test of surfaces.
 
 use glam::{DVec2, DVec3};
 use scene::{Image, Material, Primitive, TextureRef};
@@ -6,17 +6,16 @@ use scene::{Image, Material, Primitive, TextureRef};
 use crate::{Bvh, Triangle};
 
 impl Bvh {
-    /// The geometry that a triangle is of.
+    /// Geometry of a triangle.
     pub fn primitive(&self, triangle: &Triangle) -> &Primitive {
         self.posed.geometry(&self.posed.primitives[triangle.primitive])
     }
 
-    /// The material of a triangle.
     pub fn material(&self, triangle: &Triangle) -> &Material {
         &self.posed.scene.materials[self.primitive(triangle).material]
     }
 
-    /// Texture coordinates at a point of a triangle, by the weights of its corners.
+    /// Texture coordinates at a point of a triangle, by its barycentric weights.
     pub fn uv(&self, triangle: &Triangle, weights: DVec3) -> DVec2 {
         let uvs = &self.primitive(triangle).uvs;
         if uvs.is_empty() {
@@ -25,8 +24,8 @@ impl Bvh {
         (0..3).map(|k| uvs[triangle.vertices[k] as usize].as_dvec2() * weights[k]).sum()
     }
 
-    /// Whether an alpha-tested material is there at a point of one of its triangles; in full detail, since light that passes has
-    /// no pixels.
+    /// Returns true if a point of a triangle passes its material's alpha test. The texture is read in full detail,
+    /// since a light path has no pixels.
     pub fn passes_alpha_test(&self, triangle: &Triangle, weights: DVec3) -> bool {
         let material = self.material(triangle);
         let Some(cutoff) = material.alpha_cutoff else { return true };

@@ -5,24 +5,24 @@ use glam::DVec3;
 use crate::hierarchy::ThickLine;
 use crate::{Bvh, Triangle};
 
-/// Where a straight ray meets a triangle.
+/// Intersection of a straight ray with a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Hit {
     /// Index in [`Bvh::triangles`].
     pub triangle: usize,
     /// Distance along the ray, in lengths of its direction.
     pub distance: f64,
-    /// Weights of the triangle's corners at the point.
+    /// Barycentric weights of the triangle's corners at the point.
     pub barycentrics: DVec3,
 }
 
 impl Bvh {
-    /// The nearest triangle that the ray meets from `near` to `far` (lengths of the direction; `far` may be
-    /// infinite) and that `accept` takes, both sides alike; of two at the same distance the one with the
-    /// lower index.
+    /// Finds the nearest triangle that the ray meets from `near` to `far` (in lengths of the direction; `far` may be
+    /// infinite) and that `accept` takes. Both sides of triangles count. Of two at the same distance the one with the
+    /// lower index counts.
     ///
-    /// Accuracy: the distance is within some ulps of the largest coordinate, over the cosine between ray
-    /// and normal. Neighbours overlap by 1e-12 of their size, so no ray slips between them.
+    /// Accuracy: the error of the distance is some ulps of the largest coordinate, over the cosine between ray and
+    /// normal. Adjacent triangles overlap by 1e-12 of their size, so no ray slips between them.
     pub fn first_hit(
         &self,
         origin: DVec3,
@@ -33,8 +33,8 @@ impl Bvh {
         self.first_hit_budgeted(origin, direction, range, |_| true, accept)
     }
 
-    /// The same by steps that are counted: `spend` is asked before some are taken, boxes and triangles that the ray comes near
-    /// to. Where it refuses, the search ends and what it gives means nothing.
+    /// Does the same with a count of steps. `spend` is called before steps are taken, for boxes and triangles near the
+    /// ray. If it refuses, the search stops and its result has no meaning.
     pub fn first_hit_budgeted(
         &self,
         origin: DVec3,
@@ -67,7 +67,7 @@ impl Bvh {
 
 fn intersect_ray(triangle: &Triangle, index: usize, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let normal = triangle.normal();
-    // Zero for a ray in the plane and for a triangle without area: neither counts.
+    // Zero for a ray in the plane and for a triangle without area. Neither is a hit.
     let closing = normal.dot(direction);
     let distance = normal.dot(triangle.corners[0] - origin) / closing;
     let weights = triangle.barycentrics_at(origin + direction * distance)?;

@@ -1,43 +1,42 @@
-//! A triangle at its place.
+//! Triangles in scene space.
 
 use glam::DVec3;
 
-/// A triangle in scene space, and where it comes from.
+/// Triangle in scene space, with its origin in the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct Triangle {
-    /// Positions; counter-clockwise seen from the front, on mirrored nodes too.
+    /// Positions, counter-clockwise seen from the front, also on mirrored nodes.
     pub corners: [DVec3; 3],
-    /// Index of the node that carries it.
     pub node: usize,
     /// Index of its primitive in [`scene::PosedScene::primitives`].
     pub primitive: usize,
-    /// Its three vertices in that primitive, in the order of `corners`.
+    /// Indices of its three vertices in that primitive, in the order of `corners`.
     pub vertices: [u32; 3],
 }
 
-/// How far outside its edges a triangle is still hit, as a share of its height over the edge: neighbours
-/// overlap by that, so that rounding, 2e-16 times some tens, opens no crack between them.
+/// Distance outside an edge within which a triangle is still hit, as a share of its height over the edge. Adjacent
+/// triangles overlap by that, so that rounding, 2e-16 times some tens, opens no crack between them.
 const OVERLAP: f64 = 1e-12;
 
 impl Triangle {
-    /// Normal towards the front, twice the area long; zero where the triangle has none.
+    /// Normal towards the front, with twice the area as its length; zero for a triangle without area.
     pub fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a)
     }
 
-    /// Weights of the corners at a point of the triangle's plane, or `None` outside the triangle.
+    /// Barycentric weights of the corners at a point of the triangle's plane; `None` outside the triangle.
     pub fn barycentrics_at(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let (normal, at) = (self.normal(), point - a);
         let area2 = normal.length_squared();
         let (beta, gamma) = (at.cross(c - a).dot(normal) / area2, (b - a).cross(at).dot(normal) / area2);
         let weights = DVec3::new(1.0 - beta - gamma, beta, gamma);
-        // Also false where there is no area and all is NaN.
+        // Also false for a triangle without area, for which all is NaN.
         (weights.min_element() >= -OVERLAP).then_some(weights)
     }
 
-    /// Weights of the corners at the triangle's point that is nearest to `point`; `None` without an area.
+    /// Barycentric weights of the triangle's point nearest to `point`; `None` for a triangle without area.
     pub fn nearest_barycentrics(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let normal = self.normal();
@@ -56,7 +55,7 @@ impl Triangle {
         nearest.filter(|_| normal != DVec3::ZERO)
     }
 
-    /// Position at the weights of the corners.
+    /// Position at barycentric weights.
     pub fn position_at(&self, weights: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
         a * weights.x + b * weights.y + c * weights.z

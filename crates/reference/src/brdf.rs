@@ -1,4 +1,4 @@
-//! How a surface reflects (glTF 2.0, appendix B).
+//! BRDF of surfaces (glTF 2.0, appendix B).
 
 use std::f64::consts::PI;
 
@@ -6,22 +6,23 @@ use glam::DVec3;
 
 use crate::ShadedPoint;
 
-/// Least GGX alpha: a point light mirrored in a perfectly smooth surface would have infinite radiance. Part of
-/// what a material means here, on every backend.
+/// Minimum GGX alpha. At 0 the mirror image of a point light would have infinite radiance. Every backend uses
+/// this value, as part of the meaning of a material.
 const MIN_ALPHA: f64 = 0.002;
 
-/// `f(l, v) max(0, n.l)`: the share of unit irradiance across `toward` that leaves towards the eye, linear RGB
-/// (Real-Time Rendering, eqs 7.20 and 7.21), with factors of what is scattered and what is mirrored.
+/// Computes `f(l, v) max(0, n.l)`: the radiance towards the viewer per unit irradiance perpendicular to
+/// `to_light`, linear RGB (Real-Time Rendering, eqs 7.20 and 7.21). The factors scale the diffuse and the
+/// specular lobe.
 ///
-/// Lambert under GGX (Walter et al. 2007) with height-correlated Smith visibility (Heitz 2014) and Schlick's
-/// Fresnel term.
+/// The diffuse lobe is Lambert's. The specular lobe is GGX (Walter et al. 2007) with height-correlated Smith
+/// visibility (Heitz 2014) and Schlick's Fresnel term.
 pub fn evaluate_brdf(surface: &ShadedPoint, to_light: DVec3, [scattered, mirrored]: [f64; 2]) -> DVec3 {
     let n = surface.normal;
     let n_l = n.dot(to_light);
     if n_l <= 0.0 {
         return DVec3::ZERO;
     }
-    // Shading normals at a silhouette may lean away from the viewer.
+    // At a silhouette the shading normal may face away from the viewer.
     let n_v = n.dot(surface.to_eye).max(1e-4);
     let half_sum = to_light + surface.to_eye;
     let h = half_sum / half_sum.length_squared().max(1e-12).sqrt();
@@ -29,7 +30,7 @@ pub fn evaluate_brdf(surface: &ShadedPoint, to_light: DVec3, [scattered, mirrore
 
     let alpha = (surface.roughness * surface.roughness).max(MIN_ALPHA);
     let a2 = alpha * alpha;
-    // 1 - (n.h)^2 as |n x h|^2, which does not cancel at the peak.
+    // Computes 1 - (n.h)^2 as |n x h|^2, which does not cancel at the peak.
     let sin2 = n.cross(h).length_squared().min(1.0);
     let slope = sin2 + a2 * (1.0 - sin2);
     let distribution = if n.dot(h) > 0.0 { a2 / (PI * slope * slope) } else { 0.0 };

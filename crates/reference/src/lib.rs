@@ -1,8 +1,13 @@
-//! The picture as it should be: every pixel in f64, every shadow by following light along its curve.
+//! Reference renderer in f64, and probes of pixels. Tests and benchmarks measure errors against its pictures.
 //!
-//! Takes the same scenes, lights and views as the GPU renderer and shares the light model with it, but no line
-//! of rendering: no rasteriser, no G-buffer, no shadow map, no tolerance. It is slow, and it is what tests and
-//! benchmarks measure errors against.
+//! It takes the same scenes, lights and views as the GPU renderer, and shares the light model with it, but no
+//! code that makes a pixel: no rasterizer, no G-buffer and no shadow map. It traces every shadow along the
+//! light path, bent or straight. It is slow. Its only tolerance keeps a surface from shadowing itself.
+//!
+//! The crate knows nothing of `render`, of files and of JSON.
+//!
+//! Begin with `Reference`, then `picture.rs` for whole pictures, `probe.rs` for single points and
+//! `visibility.rs` for shadows.
 //!
 //! ```
 //! use reference::Reference;

@@ -1,4 +1,4 @@
-//! A light with what of a scene counts for it.
+//! Lights with their links, resolved for a scene.
 
 use light::CheckedLight;
 use raycast::LinkedNodes;
@@ -6,7 +6,7 @@ use scene::PosedScene;
 
 use crate::ReferenceLight;
 
-/// A light with the nodes that count for it.
+/// Light, with the nodes that it lights and those that cast its shadows.
 #[derive(Clone, Debug)]
 pub struct LinkedReferenceLight {
     source: ReferenceLight,
@@ -14,12 +14,12 @@ pub struct LinkedReferenceLight {
 }
 
 impl LinkedReferenceLight {
-    /// A checked light over a scene.
+    /// Resolves the links of a light in a scene.
     pub fn new(posed: &PosedScene, light: &CheckedLight) -> Self {
         Self { source: ReferenceLight::new(light), linked: LinkedNodes::new(posed, light) }
     }
 
-    /// The light, and the nodes.
+    /// Returns the light and its nodes.
     pub(crate) fn parts(&self) -> (&ReferenceLight, &LinkedNodes) {
         (&self.source, &self.linked)
     }

@@ -1,14 +1,14 @@
-//! The surface that a position was read from.
+//! Nearest point of a surface.
 
 use glam::DVec3;
 
 use crate::Reference;
 
 impl Reference {
-    /// The point of a surface that lies nearest to `point_in_world` and at most `within` world units away, in the
-    /// world; holes of alpha-tested materials are no surface.
+    /// Returns the world position on a surface that is nearest to `point_in_world`, or `None` if none is within
+    /// `within` world units. Holes of alpha-tested materials are not part of the surface.
     ///
-    /// A position that was rounded lies above or below the surface it was read from, which then shadows it.
+    /// A rounded position lies slightly above or below its surface, which then would shadow it.
     pub fn surface_near(&self, point_in_world: DVec3, within: f64) -> Option<DVec3> {
         let origin = self.bvh.posed.origin_in_world;
         let solid = |found: &raycast::SurfacePoint| {

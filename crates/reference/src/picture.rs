@@ -8,20 +8,19 @@ use scene::{Aov, View};
 use crate::samples::sample_in_pixel;
 use crate::{LinkedReferenceLight, Reference, ReferenceError, ShadedPoint, evaluate_brdf};
 
-/// Raw values, linear, with the meaning that [`Aov`] states.
+/// Picture of linear values, with the meaning that [`Aov`] states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReferencePicture {
-    /// Pixels.
+    /// Width in pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height in pixels.
     pub height: u32,
-    /// Rows from the top, `width * height` of them.
+    /// Pixels in rows from the top, `width * height` of them.
     pub pixels: Vec<[f64; 4]>,
 }
 
 impl Reference {
-    /// The picture of `view` under `lights`, on all cores. `row_done` is called once for each row, from any
-    /// thread.
+    /// Renders `view` under `lights` on all cores. Calls `row_done` once for each row, from any thread.
     pub fn render(
         &self,
         view: &View,
@@ -60,7 +59,7 @@ impl Reference {
         sum
     }
 
-    /// What a surface shows; `None` outside the light that is asked for.
+    /// Returns the AOV's value at a surface, or `None` outside the light that the AOV belongs to.
     fn value(
         &self,
         view: &View,
@@ -88,7 +87,8 @@ impl Reference {
         Some(value.extend(1.0).to_array())
     }
 
-    /// Radiance towards the eye under `sources` and `fill` times the scene's fill, linear RGB.
+    /// Computes the radiance towards the viewer under `sources`, plus `fill` times the scene's fill light,
+    /// linear RGB.
     pub fn radiance(&self, sources: &[LinkedReferenceLight], fill: f64, surface: &ShadedPoint) -> DVec3 {
         let lit: DVec3 = sources
             .iter()
@@ -97,7 +97,7 @@ impl Reference {
                 let filter = source.parts().0.light_profile();
                 let lobes = [filter.diffuse, filter.specular];
                 let radiance = evaluate_brdf(surface, light.coords.direction, lobes) * light.irradiance;
-                // A shadow is only looked for where it could be seen.
+                // The shadow is traced only if it can have an effect.
                 let lit = radiance != DVec3::ZERO && self.is_lit(source.parts(), surface, &light);
                 radiance * filter.arriving(if lit { 1.0 } else { 0.0 })
             })
@@ -105,8 +105,9 @@ impl Reference {
         lit + self.fill(surface) * fill
     }
 
-    /// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
-    /// Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray.
+    /// Computes the radiance of the fill light: a hemisphere that changes from `ground` to `sky` with the
+    /// height of a direction. Dielectrics reflect the light around the normal, metals that around the reflected
+    /// ray.
     pub(crate) fn fill(&self, surface: &ShadedPoint) -> DVec3 {
         let fill = &self.bvh.posed.scene.fill;
         let hemisphere = |toward: DVec3| fill.ground.lerp(fill.sky, toward.y * 0.5 + 0.5);
@@ -117,7 +118,7 @@ impl Reference {
     }
 }
 
-/// The lights that the view needs: all, the one it is of, or none.
+/// Returns the lights that the view needs: all, the AOV's light, or none.
 fn required_lights<'a>(
     view: &View,
     lights: &'a [LightInstance],

@@ -1,4 +1,4 @@
-//! Why a pixel is lit or not: what each light does at the surface that is seen through one point of a picture.
+//! Probes: the reasons that one pixel is lit or not, light by light.
 
 use std::collections::BTreeSet;
 
@@ -10,115 +10,116 @@ use scene::View;
 
 use crate::{LightSample, Reference, ReferenceError, ReferenceLight, ShadedPoint, evaluate_brdf};
 
-/// Most points of a path that is drawn.
+/// Maximum number of points of a light path's polyline.
 const MAX_PATH_POINTS: usize = 256;
 
-/// Rec. 709's luminance of linear RGB: what shares are shares of.
+/// Weights of linear RGB for Rec. 709 luminance. Shares of lights are shares of luminance.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// What one point of a picture shows.
+/// Result of a probe at one point of a picture.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    /// What is seen there; `None` where there is only background.
+    /// Visible surface; `None` if there is only background.
     pub seen: Option<ProbedSurface>,
-    /// One a light, in their order; none where nothing is seen.
+    /// One entry per light, in order. Empty if no surface is visible.
     pub lights: Vec<LightProbe>,
 }
 
-/// A surface that is seen.
+/// Surface at the probed point.
 #[derive(Clone, Copy, Debug)]
 pub struct ProbedSurface {
     /// Index of the node in the scene.
     pub node: usize,
     /// Index of the material in the scene.
     pub material: usize,
-    /// Position in the world.
+    /// World position.
     pub position: DVec3,
-    /// Unit shading normal, towards the viewer.
+    /// Unit shading normal, on the viewer's side.
     pub normal: DVec3,
     /// Distance along the view axis, in world units.
     pub depth: f64,
-    /// Radiance of the scene's fill towards the eye, linear RGB.
+    /// Radiance of the scene's fill light towards the viewer, linear RGB.
     pub fill: DVec3,
 }
 
-/// What a light does at a surface.
+/// Contribution of a light at a surface.
 #[derive(Clone, Debug)]
 pub struct LightProbe {
-    /// What is asked about.
     pub light: LightInstance,
-    /// Whether it lights the surface, or why not.
     pub state: LightState,
-    /// Where the surface lies in it; `None` outside.
+    /// Light coordinates of the surface; `None` outside the light.
     pub place: Option<ProbedPlace>,
-    /// On a surface square to the light, linear RGB, were nothing in the way; 0 where it does not shine on the surface at all.
+    /// Unshadowed irradiance on a surface perpendicular to the light, linear RGB. It is 0 if the light does not
+    /// shine on the surface at all.
     pub irradiance: DVec3,
-    /// What it adds to the radiance towards the eye, linear RGB.
+    /// Radiance that the light adds towards the viewer, linear RGB.
     pub radiance: DVec3,
-    /// Share of that in the luminance that all lights together give, 0 to 1; all 0 where there is none.
+    /// Share of that radiance in the luminance of all lights together, 0 to 1. All shares are 0 if that
+    /// luminance is 0.
     pub share: f64,
-    /// The way of its light to the surface: points in the world, from the source on, and from outside of the scene where the
-    /// source is infinitely far away. The pieces between them stray from it by less than 1/4096 of its length, or there are 256
-    /// points. Empty outside.
+    /// Light path to the surface, as a polyline in world space. It starts at the source, or outside the scene
+    /// if the source is infinitely far away. It deviates from the path by less than 1/4096 of its length,
+    /// unless it has 256 points. Empty outside the light.
     pub path: Vec<DVec3>,
 }
 
-/// Whether a light lights a surface, or the first reason that it does not, in the order below but for `Lit`.
+/// State of a light at a surface: `Lit`, or the first reason that it is not, in the order of the variants.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightState {
-    /// Its light arrives.
+    /// The light arrives.
     Lit,
-    /// It shines nowhere.
+    /// The light emits nothing.
     Disabled(DisabledBy),
-    /// The node is not among those that it lights.
+    /// The light's links exclude the node.
     Unlinked,
-    /// The surface lies outside of its tube, its cone or its sides, or past its range.
+    /// The surface lies outside the light's tube, cone or window, or beyond its range.
     Outside,
-    /// Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
+    /// The light has faded to zero: beyond a cutoff, outside its outline, or at the edge of its profile.
     Faded,
-    /// The surface turns its back to where its light comes from.
+    /// The surface faces away from the light.
     FacingAway,
-    /// Something stands in its way.
+    /// An occluder lies on the light path.
     Shadowed(ProbedCaster),
 }
 
-/// Why a light shines nowhere.
+/// Reason that a light emits nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DisabledBy {
-    /// It is not among those that are shown alone.
+    /// The view shows only other lights.
     Muted,
-    /// It is turned off.
+    /// The light is off.
     Off,
-    /// Its intensity or its colour is 0, or what surfaces scatter and mirror of it.
+    /// The intensity or the color is 0, or the light adds to neither diffuse nor specular reflection.
     Dark,
 }
 
-/// The first that light meets on its way to a surface.
+/// First occluder on a light path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbedCaster {
     /// Index of the node in the scene.
     pub node: usize,
-    /// Where, in the world.
+    /// World position.
     pub position: DVec3,
 }
 
-/// Where a surface lies in a light.
+/// Position of a surface in a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ProbedPlace {
-    /// Along the light and across it, and where its light comes from.
+    /// Coordinates along and across the light, and the direction towards it.
     pub coords: LightCoords,
-    /// Radius of the tube or the cone there, in world units; `None` of lights that have none.
+    /// Radius of the tube or cone there, in world units; `None` for other lights.
     pub radius: Option<f64>,
-    /// Length of the light's way from its source, in world units; `None` where it comes from infinitely far away.
+    /// Length of the light path from the source, in world units; `None` if the source is infinitely far away.
     pub path_length: Option<f64>,
 }
 
 impl Reference {
-    /// What is seen through `pixel` of `view`'s picture, in pixels from its top left corner ((0.5, 0.5) is the centre of the
-    /// first pixel), and what each of `lights` does there, of which `muted` are not shown.
+    /// Probes the surface at `pixel` of `view`'s picture, in pixels from the top left corner: (0.5, 0.5) is the
+    /// centre of the first pixel. The result has an entry for each of `lights`. The view does not show those in
+    /// `muted`.
     ///
-    /// It is what [`Reference::radiance`] is made of: the sum over lights is that with no fill, to some ulps. Takes a ray for
-    /// the eye and one or two a light, bent as it is.
+    /// The sum over the lights equals [`Reference::radiance`] without fill light, to some ulps. A probe costs
+    /// one ray for the viewer, and one or two rays per light, along its path.
     pub fn probe(
         &self,
         view: &View,
@@ -155,7 +156,7 @@ impl Reference {
     fn probe_light(&self, light: &LightInstance, is_muted: bool, surface: &ShadedPoint) -> LightProbe {
         let (source, linked) =
             (ReferenceLight::new(&light.light), LinkedNodes::new(&self.bvh.posed, &light.light));
-        // Where it lies, linked or not.
+        // The coordinates do not depend on links.
         let sample = self.sample_unshadowed((&source, &LinkedNodes::default()), surface);
         let state = self.state(light, is_muted, (&source, &linked), surface, sample.as_ref());
         let (mut irradiance, mut radiance) = (DVec3::ZERO, DVec3::ZERO);
@@ -212,14 +213,14 @@ impl Reference {
             return LightState::Lit;
         }
         let found = self.first_occluder((source, linked), surface, sample);
-        // What only rounding puts into the way lies on the surface itself.
+        // An occluder that exists only by rounding lies on the surface itself.
         let (node, position) = found.map_or((surface.node, surface.position), |obstacle| {
             (self.bvh.triangles[obstacle.triangle].node, obstacle.position)
         });
         LightState::Shadowed(ProbedCaster { node, position: self.in_world(position) })
     }
 
-    /// Where a point lies in a light, and the way of its light there.
+    /// Returns the light coordinates of a point, and the light path to it.
     fn light_path(&self, rays: &LightRays, point: DVec3, sample: &LightSample) -> (ProbedPlace, Vec<DVec3>) {
         let place = sample.coords;
         let straight = |from: DVec3| vec![self.in_world(from), self.in_world(point)];
@@ -265,14 +266,14 @@ impl Reference {
     }
 }
 
-/// Gives each light its share.
+/// Computes the share of each light.
 fn share_out(lights: &mut [LightProbe]) {
     let luminance = |light: &LightProbe| light.radiance.dot(LUMINANCE).min(f64::MAX);
     let largest = lights.iter().map(luminance).fold(0.0, f64::max);
     if largest == 0.0 {
         return;
     }
-    // By the largest, so that their sum is a number whatever they are.
+    // Divides by the largest luminance, so that the sum cannot overflow.
     let all: f64 = lights.iter().map(|light| luminance(light) / largest).sum();
     for light in lights {
         light.share = luminance(light) / largest / all;

@@ -1,4 +1,4 @@
-//! A scene made ready to be looked at.
+//! Scene prepared for the reference renderer.
 
 use std::sync::Arc;
 
@@ -7,23 +7,23 @@ use scene::PosedScene;
 
 use crate::texture::Textures;
 
-/// A posed scene of which pictures are made.
+/// Posed scene, prepared for rays.
 #[derive(Debug)]
 pub struct Reference {
-    /// The scene and its triangles.
+    /// Scene and its triangles.
     pub bvh: Arc<Bvh>,
     pub(crate) textures: Textures,
 }
 
 impl Reference {
-    /// Prepares a scene for rays.
+    /// Prepares a scene for whole pictures.
     pub fn new(posed: Arc<PosedScene>) -> Self {
         let textures = Textures::new(Arc::clone(&posed.scene));
         Self { bvh: Arc::new(Bvh::new(posed)), textures }
     }
 
-    /// Of a scene that is prepared for rays, to look at single points: it keeps nothing of textures, whose levels in f64 take
-    /// ten times their pictures' bytes.
+    /// Uses a prepared scene for single points. It does not cache mip levels, which take ten times the bytes of
+    /// the pictures in f64.
     pub fn for_point_queries(bvh: Arc<Bvh>) -> Self {
         let textures = Textures::uncached(Arc::clone(&bvh.posed.scene));
         Self { bvh, textures }

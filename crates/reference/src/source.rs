@@ -1,37 +1,33 @@
-//! Lights, and what they do at a point: everything but their shadows.
+//! Lights at a point, without shadows.
 
 use glam::{DVec2, DVec3};
 use light::{CheckedLight, Cone, LightCoords, LightProfile, LightRays, Omni, Parallel, Tube};
 
-/// A checked light, ready to be asked.
+/// Light that is ready for sampling.
 #[derive(Clone, Debug)]
 pub enum ReferenceLight {
-    /// Light along a spline.
     Bendy(Tube<f64>),
-    /// Light along straight lines, in a cone.
     Spot(Cone),
-    /// Light along parallel lines.
     Directional(Parallel),
-    /// Light from a point to all sides.
     Omni(Omni),
 }
 
-/// What a light does at a surface.
+/// Sample of a light at a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
-    /// Where it lies in the light.
+    /// Light coordinates of the surface.
     pub coords: LightCoords,
-    /// Unit vector in world space from the surface back along the path that the light takes; it is what
-    /// visibility follows, and differs from `place.direction` by what a light's `direction` leaves out.
+    /// Unit vector in world space from the surface back along the light path, which visibility follows. It
+    /// differs from `coords.direction` by the terms that a light's `direction` parameter leaves out.
     pub along_path: DVec3,
-    /// On a surface square to the light, linear RGB, without the shadow.
+    /// Unshadowed irradiance on a surface perpendicular to the light, linear RGB.
     pub irradiance: DVec3,
-    /// Whether nothing is in the way.
+    /// True if no occluder lies on the light path.
     pub is_visible: bool,
 }
 
 impl ReferenceLight {
-    /// What becomes of its light on the way.
+    /// Returns the falloff, lobes and shadow of the light.
     pub fn light_profile(&self) -> &LightProfile {
         match self {
             Self::Bendy(tube) => &tube.light_profile,
@@ -41,7 +37,7 @@ impl ReferenceLight {
         }
     }
 
-    /// Prepares a light.
+    /// Prepares a light for sampling.
     pub fn new(light: &CheckedLight) -> Self {
         match light.rays() {
             LightRays::Bent(tube) => Self::Bendy(tube.clone()),
@@ -52,30 +48,30 @@ impl ReferenceLight {
     }
 }
 
-/// A spotlight with its source at `source`, at `point`, or `None` outside its cone.
+/// Samples a spotlight with its source at `source`. Returns `None` outside its cone.
 pub(crate) fn sample_cone(cone: &Cone, source: DVec3, point: DVec3) -> Option<LightSample> {
     let place = cone.locate(point - source)?;
     let irradiance = cone.irradiance(&place);
     Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
-/// An omni light with its source at `source`, at `point`, or `None` past its range.
+/// Samples an omni light with its source at `source`. Returns `None` beyond its range.
 pub(crate) fn sample_omni(omni: &Omni, source: DVec3, point: DVec3) -> Option<LightSample> {
     let place = omni.locate(point - source)?;
     let irradiance = omni.irradiance(&place);
     Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
-/// A directional light at `point`, or `None` outside its window.
+/// Samples a directional light. Returns `None` outside its window.
 pub(crate) fn sample_parallel(parallel: &Parallel, point: DVec3) -> Option<LightSample> {
     let place = parallel.locate(point)?;
     let irradiance = parallel.irradiance(&place);
     Some(LightSample { coords: place, along_path: place.direction, irradiance, is_visible: true })
 }
 
-/// A BendyLight with its source at `source`, at `point`, or `None` outside its tube.
+/// Samples a BendyLight with its source at `source`. Returns `None` outside its tube.
 pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Option<LightSample> {
-    // As Placement::tube_from_world, but about a near origin.
+    // Like `Placement::tube_from_world`, but relative to a near origin.
     let in_tube = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
     let root = tube.nearest_root(in_tube)?;
     Some(LightSample {
@@ -86,11 +82,11 @@ pub(crate) fn sample_tube(tube: &Tube<f64>, source: DVec3, point: DVec3) -> Opti
     })
 }
 
-/// Where `point` lies, a little beside the place of `sample`, inside of the tube or past its rim: `t`, and (v, w) in
-/// radii.
+/// Returns the coordinates of `point`, which lies near the point of `sample`, inside the tube or beyond its
+/// rim: `t`, and (v, w) in radii.
 ///
-/// Newton's method on `(q - P) . P'` from that place: a few steps, each squaring an error that starts as the bend of the
-/// curve over the distance.
+/// Newton's method on `(q - P) . P'` starts at the sample's `t`. Each step squares the error, which starts as
+/// the curvature over the distance.
 pub(crate) fn coords_near(
     tube: &Tube<f64>,
     source: DVec3,
@@ -100,7 +96,7 @@ pub(crate) fn coords_near(
     const STEPS: usize = 8;
     let q = tube.placement.rotation.transpose() * (point - source) / tube.placement.world_per_tube;
     let last = tube.segments.len() - 1;
-    // The extension past the last segment has no end.
+    // The extension past the last segment is infinite.
     let end = if last == tube.n { f64::INFINITY } else { tube.n as f64 };
     let piece = |t: f64| {
         let index = (t as usize).min(last);

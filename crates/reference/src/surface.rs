@@ -1,4 +1,4 @@
-//! What a camera sees: a point of a surface and its material there.
+//! Surface at a point of a picture, with its material.
 
 use std::ops::Deref;
 
@@ -9,16 +9,14 @@ use scene::{Material, View, ViewRay};
 use crate::Reference;
 use crate::texture::Footprint;
 
-/// A point of a surface, seen from somewhere, with its material.
+/// Visible point of a surface, with its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShadedPoint {
-    /// The point.
     pub seen: SeenPoint,
-    /// Linear, 0 to 1.
+    /// Linear RGB, 0 to 1.
     pub base_color: DVec3,
-    /// 0 to 1.
     pub metallic: f64,
-    /// Perceptual, 0 to 1: the GGX alpha is its square.
+    /// Perceptual roughness, 0 to 1. The GGX alpha is its square.
     pub roughness: f64,
 }
 
@@ -31,10 +29,10 @@ impl Deref for ShadedPoint {
 }
 
 impl Reference {
-    /// What `view`'s camera sees through a point of the picture, in pixels from its top left corner: (0.5,
-    /// 0.5) is the centre of the first pixel. `None` where there is only background.
+    /// Returns the surface that `view`'s camera sees at a point of the picture, in pixels from the top left
+    /// corner: (0.5, 0.5) is the centre of the first pixel. Returns `None` if there is only background.
     ///
-    /// Back faces are seen where the material is double-sided; holes of an alpha-tested one are not there.
+    /// Back faces are visible if the material is double-sided. Holes of an alpha-tested material are not.
     pub fn surface(&self, view: &View, pixel: DVec2) -> Option<ShadedPoint> {
         let seen = self.bvh.visible_point(&self.ray(view, pixel))?;
         let triangle = &self.bvh.triangles[seen.triangle];
@@ -74,8 +72,8 @@ impl Reference {
         material.base_color.as_dvec4() * color * texel
     }
 
-    /// What a pixel covers of a texture: how uv changes over the triangle's plane to the next pixel in x and
-    /// y.
+    /// Computes the footprint of a pixel in a texture: the change of uv over the triangle's plane to the next
+    /// pixel in x and in y.
     fn footprint(&self, view: &View, pixel: DVec2, triangle: &Triangle, weights: DVec3) -> Footprint {
         let uv = self.bvh.uv(triangle, weights);
         let step = |by: DVec2| {

@@ -1,4 +1,4 @@
-//! Textures in f64: bilinear in a level, linear between levels, as the GPU is asked to filter them.
+//! Textures in f64: bilinear within a level and linear between levels, like the filter of the GPU.
 
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
@@ -6,10 +6,10 @@ use std::sync::{Arc, OnceLock};
 use glam::{DVec2, DVec4};
 use scene::{Image, Scene, TextureRef, Wrap};
 
-/// The part of a texture that a pixel covers.
+/// Part of a texture that a pixel covers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Footprint {
-    /// Its middle.
+    /// Coordinates of the centre.
     pub uv: DVec2,
     /// Change of uv to the next pixel on the right.
     pub dx: DVec2,
@@ -17,20 +17,21 @@ pub(crate) struct Footprint {
     pub dy: DVec2,
 }
 
-/// A mip level in linear light.
+/// Mip level with linear colors.
 struct Level {
     width: usize,
     height: usize,
     texels: Vec<DVec4>,
 }
 
-/// Mip levels by their image, and whether they are sRGB.
+/// Mip levels by index of the image; the flag is true for sRGB images.
 type Chains = HashMap<(usize, bool), OnceLock<Vec<Level>>>;
 
-/// The pictures of a scene.
+/// Textures of a scene.
 pub(crate) struct Textures {
     scene: Arc<Scene>,
-    /// Their mip levels, decoded as sRGB or as data when first asked for; `None` where each is made for its few texels alone.
+    /// Cached mip levels, which are computed at first use. `None` if nothing is cached, and each level is
+    /// computed only at the needed texels.
     chains: Option<Chains>,
 }
 
@@ -41,17 +42,17 @@ impl Textures {
         Self { scene, chains: Some(chains) }
     }
 
-    /// The same, keeping nothing: for a few points.
+    /// Returns textures without a cache, for a few points.
     pub fn uncached(scene: Arc<Scene>) -> Self {
         Self { scene, chains: None }
     }
 
-    /// A colour: sRGB decoded to linear, alpha as it is.
+    /// Samples a color texture: RGB decoded from sRGB to linear, alpha unchanged.
     pub fn srgb(&self, texture: TextureRef, footprint: &Footprint) -> DVec4 {
         self.sample(texture, footprint, true)
     }
 
-    /// Data: all channels as they are.
+    /// Samples a data texture: all channels unchanged.
     pub fn linear(&self, texture: TextureRef, footprint: &Footprint) -> DVec4 {
         self.sample(texture, footprint, false)
     }
@@ -80,7 +81,7 @@ impl Textures {
     }
 }
 
-/// What [`nearest`] or [`bilinear`] would give of a level, by the texels of full size that it is made of.
+/// Computes the result of [`nearest`] or [`bilinear`] in a level from the full-size texels that it averages.
 fn sample_uncached(
     image: &Image,
     table: &[f64],
@@ -115,8 +116,8 @@ fn sample_uncached(
     sum
 }
 
-/// The texels of full size along a side that a texel of a level is made of, and the share of it that each fills: what halving
-/// again and again comes to.
+/// Returns the full-size texels along a side that a texel of a level averages, with the weight of each. The
+/// weights are those of repeated halving.
 fn full_size(texel: usize, full: usize, level: usize) -> Vec<(usize, f64)> {
     let mut shares = vec![(texel, 1.0)];
     for finer in (0..level).rev() {
@@ -154,7 +155,7 @@ fn texel(level: &Level, texture: TextureRef, x: f64, y: f64) -> DVec4 {
     level.texels[row * level.width + column]
 }
 
-/// What each byte of a colour stands for, as sRGB or as data.
+/// Returns the value of each byte, decoded as sRGB or as data.
 fn decoded(srgb: bool) -> Vec<f64> {
     let decode = |byte: u8| {
         let c = f64::from(byte) / 255.0;
@@ -167,7 +168,7 @@ fn decoded(srgb: bool) -> Vec<f64> {
     (0..=255).map(decode).collect()
 }
 
-/// All levels from the full size down to one texel, each the area average of the one before.
+/// Returns all levels from the full size down to one texel. Each is the area average of the one before.
 fn mips(image: &Image, srgb: bool) -> Vec<Level> {
     let table = decoded(srgb);
     let texels = image.rgba8.as_chunks::<4>().0.iter().map(|&[r, g, b, a]| {
@@ -180,7 +181,7 @@ fn mips(image: &Image, srgb: bool) -> Vec<Level> {
     std::iter::successors(Some(first), next).collect()
 }
 
-/// Half the size, rounded down, at least 1.
+/// Halves a level. Its size is rounded down, to at least 1.
 fn halved(level: &Level) -> Level {
     let (width, height) = ((level.width / 2).max(1), (level.height / 2).max(1));
     let mut texels = Vec::with_capacity(width * height);
@@ -199,7 +200,7 @@ fn halved(level: &Level) -> Level {
     Level { width, height, texels }
 }
 
-/// The texels among `full` that texel `index` of `half` covers, and the share of it that each fills.
+/// Returns the texels among `full` that texel `index` of `half` covers, with the weight of each.
 fn covered(index: usize, full: usize, half: usize) -> Vec<(usize, f64)> {
     let scale = full as f64 / half as f64;
     let (low, high) = (index as f64 * scale, (index + 1) as f64 * scale);

@@ -1,4 +1,4 @@
-//! Shadows, by following light from its source to the surface.
+//! Shadows, by tracing light paths from the source to the surface.
 
 use glam::DVec3;
 use light::{Parallel, Tube, TubePoint};
@@ -8,12 +8,13 @@ use crate::source::{coords_near, sample_cone, sample_omni, sample_parallel, samp
 use crate::{LightSample, LinkedNodes, Reference, ReferenceLight, ShadedPoint};
 
 impl Reference {
-    /// What a light for which all nodes count does at a surface, its shadow included; `None` outside the light.
+    /// Samples a light at a surface, including its shadow, with no links. Returns `None` outside the light.
     pub fn sample(&self, source: &ReferenceLight, surface: &ShadedPoint) -> Option<LightSample> {
         self.sample_linked((source, &LinkedNodes::default()), surface)
     }
 
-    /// What a light does at a surface, its shadow included; `None` outside the light, and on what it does not light.
+    /// Samples a light at a surface, including its shadow. Returns `None` outside the light, and on nodes that
+    /// its links exclude.
     pub(crate) fn sample_linked(
         &self,
         light: (&ReferenceLight, &LinkedNodes),
@@ -24,7 +25,7 @@ impl Reference {
         Some(sample)
     }
 
-    /// The same without looking for a shadow: `visible` says yes.
+    /// Samples a light at a surface without tracing its shadow. `is_visible` is true.
     pub(crate) fn sample_unshadowed(
         &self,
         (source, linked): (&ReferenceLight, &LinkedNodes),
@@ -48,13 +49,14 @@ impl Reference {
         position_in_world - self.bvh.posed.origin_in_world
     }
 
-    /// The light with its window's middle in scene space.
+    /// Returns the light with the centre of its window in scene space.
     fn in_scene_space(&self, parallel: &Parallel) -> Parallel {
         Parallel { translation: self.in_scene(parallel.translation), ..parallel.clone() }
     }
 
-    /// Whether nothing is in the way of the light that `sample` says arrives at the surface, as a smooth one
-    /// ([`ShadedPoint::shadow_position`]). Light that arrives from behind that, or through the surface's own triangle, meets the other side.
+    /// Returns true if no occluder blocks the light that arrives at the surface as `sample` says. The surface
+    /// counts as smooth ([`ShadedPoint::shadow_position`]). Light from behind it, or through the surface's own
+    /// triangle, lights the other side.
     pub(crate) fn is_lit(
         &self,
         light: (&ReferenceLight, &LinkedNodes),
@@ -67,7 +69,8 @@ impl Reference {
                 && self.has_line_of_sight(light, surface, sample)
     }
 
-    /// Whether light that can be shadowed arrives from behind the surface, as a smooth one or through its own triangle.
+    /// Returns true if light that can be shadowed arrives from behind the smooth surface, or through the
+    /// surface's own triangle.
     pub(crate) fn is_back_facing(
         &self,
         linked: &LinkedNodes,
@@ -79,7 +82,7 @@ impl Reference {
         surface.normal.dot(sample.along_path) <= 0.0 || is_in_its_own_way()
     }
 
-    /// Whether nothing else is in the way.
+    /// Returns true if no other surface blocks the light.
     pub(crate) fn has_line_of_sight(
         &self,
         (source, linked): (&ReferenceLight, &LinkedNodes),
@@ -105,7 +108,7 @@ impl Reference {
         }
     }
 
-    /// The first from the source on that is in the way.
+    /// Returns the first occluder from the source on.
     pub(crate) fn first_occluder(
         &self,
         (source, linked): (&ReferenceLight, &LinkedNodes),
@@ -131,7 +134,7 @@ impl Reference {
         self.bvh.first_obstacle(&way, point, linked)
     }
 
-    /// Whether light from behind the surface's triangle comes through it.
+    /// Returns true if light from behind the surface's triangle passes through it.
     fn is_self_shadowed(&self, surface: &ShadedPoint, sample: &LightSample) -> bool {
         let arriving = surface.geometric_normal.dot(sample.along_path);
         if arriving > 0.0 {
@@ -140,12 +143,12 @@ impl Reference {
         let height = surface.terminator_offset * surface.normal.dot(surface.geometric_normal);
         let through = surface.shadow_position() + sample.along_path * (height / -arriving);
         let triangle = &self.bvh.triangles[surface.triangle];
-        // Seen edge on, light comes through nowhere; at no height it comes through the point itself.
+        // At a grazing angle light passes through no point. At height 0 it passes through the point itself.
         height <= 0.0 || triangle.barycentrics_at(through).is_some()
     }
 
-    /// The node that shadows a point, given where it lies in the light: the first on the light's way from its
-    /// source, of those that count for it. `None` where nothing is in the way.
+    /// Returns the node that shadows a point, given its coordinates in the light: the first along the light
+    /// path, among those that cast its shadows. Returns `None` if nothing blocks the light.
     pub fn occluding_node(
         &self,
         (tube, linked): (&Tube<f64>, &LinkedNodes),
@@ -158,7 +161,7 @@ impl Reference {
         Some(self.bvh.triangles[obstacle.triangle].node)
     }
 
-    /// Whether nothing that counts lies on the straight way from a surface to another point.
+    /// Returns true if no caster lies on the straight line from a surface to another point.
     fn has_line_of_sight_to(&self, surface: &ShadedPoint, there: DVec3, linked: &LinkedNodes) -> bool {
         let point = surface.shadow_position();
         let way = there - point;
@@ -166,14 +169,16 @@ impl Reference {
         self.is_ray_unblocked(surface, way, [near, 1.0], linked)
     }
 
-    /// Whether nothing lies on the straight way from a surface out of the scene, along the unit vector `towards`.
+    /// Returns true if no caster lies on the straight line from a surface out of the scene, along the unit
+    /// vector `towards`.
     fn has_line_of_sight_along(&self, surface: &ShadedPoint, towards: DVec3, linked: &LinkedNodes) -> bool {
         let near = CONTACT_TOLERANCE * self.bvh.posed.half_extent.length()
             + rounding_error(surface.shadow_position());
         self.is_ray_unblocked(surface, towards, [near, f64::INFINITY], linked)
     }
 
-    /// Whether nothing but the surface's own triangle lies from `near` to `far` lengths of `way` from it.
+    /// Returns true if no triangle but the surface's own lies between `near` and `far` lengths of `way` from
+    /// it.
     fn is_ray_unblocked(
         &self,
         surface: &ShadedPoint,

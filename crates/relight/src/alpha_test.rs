@@ -1,4 +1,4 @@
-//! Alpha tests: where triangles have holes. The twin of `alpha_test.wgsl`: pictures are asked at full size, bilinearly.
+//! Alpha tests of triangles, like `alpha_test.wgsl`: textures are sampled at full size, bilinearly.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -6,7 +6,7 @@
 
 #[cfg(test)]
 impl AlphaTest {
-    /// Of a picture of one texel, for tests to make theirs of.
+    /// Test on a texture of one texel, as a base for tests.
     pub(crate) const OF_ONE_TEXEL: Self = Self {
         first_triangle: 0,
         first_index: 0,
@@ -26,84 +26,80 @@ mod tests;
 
 use glam::{Vec2, Vec3};
 
-/// What becomes of a picture beyond its edges.
+/// Texture lookup beyond the edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TexelWrap {
-    /// It begins again.
     #[default]
     Repeat,
-    /// It begins again, every other time turned over.
+    /// Repeats the texture, every other time mirrored.
     MirroredRepeat,
-    /// Its edge goes on.
     ClampToEdge,
 }
 
-/// The alpha test of one material's triangles, and the picture it looks at.
+/// Alpha test of one material's triangles, with its texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaTest {
-    /// Among the triangles with an alpha test, the first that has this one.
+    /// First triangle with this test, counted among the triangles with an alpha test.
     pub first_triangle: u32,
-    /// Where the corners of that one begin in the scene's indices.
+    /// Position of that triangle's first corner in the scene's indices.
     pub first_index: u32,
-    /// What there is less of is a hole; 0 has none.
+    /// Least alpha that is solid; 0 makes no holes.
     pub cutoff: f32,
-    /// The material's share of what is compared; corners and texels have the others.
+    /// The material's factor of alpha. Corners and texels have the others.
     pub factor: f32,
-    /// Of the picture's first texel.
+    /// Index of the texture's first texel in `AlphaTests::texels`.
     pub offset: u32,
     /// Texels along u.
     pub width: u32,
     /// Texels along v.
     pub height: u32,
-    /// Along u.
     pub wrap_u: TexelWrap,
-    /// Along v.
     pub wrap_v: TexelWrap,
-    /// Texels are not blended.
+    /// True if texels are not blended.
     pub nearest: bool,
 }
 
 /// All alpha tests of a scene.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AlphaTests<'a> {
-    /// By their triangles.
+    /// Sorted by first triangle.
     pub tests: &'a [AlphaTest],
-    /// Alpha of all pictures; 255 is 1.
+    /// Alpha of all textures; 255 is 1.
     pub texels: &'a [u8],
 }
 
 impl AlphaTests<'_> {
-    /// Which test a triangle has: the last that begins at or before it. Triangles are counted from the first that has a
-    /// test.
+    /// Returns the index of a triangle's test: the last test that begins at or before the triangle. Triangles count
+    /// from the first that has a test.
     pub fn test_of(&self, triangle: u32) -> usize {
         self.tests.partition_point(|test| test.first_triangle <= triangle).saturating_sub(1)
     }
 
-    /// Which of the scene's triangles one of those with a test is.
+    /// Returns the scene's index of a triangle with a test.
     pub(crate) fn scene_triangle(&self, triangle: u32) -> u32 {
         let test = &self.tests[self.test_of(triangle)];
         test.first_index / 3 + (triangle - test.first_triangle)
     }
 
-    /// Whether light that meets a triangle at a point finds a hole there. `corners` are (u, v, alpha), `weights` the corners'
-    /// shares of the point.
+    /// True if a triangle has a hole at a point. `corners` are (u, v, alpha), and `weights` the barycentrics of the
+    /// point.
     pub fn has_hole(&self, triangle: u32, corners: [Vec3; 3], weights: Vec3) -> bool {
         let here = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
         self.is_hole(self.test_of(triangle), here)
     }
 
-    /// Whether there is a hole by a test where (u, v, alpha) are `here`.
+    /// True if a test makes a hole at (u, v, alpha) `here`.
     #[inline(always)]
     pub fn is_hole(&self, test: usize, here: Vec3) -> bool {
         let test = &self.tests[test];
         test.factor * here.z * self.texel_alpha(test, here.truncate()) < test.cutoff
     }
 
-    /// The picture's alpha at `uv`.
+    /// Samples the texture's alpha at `uv`.
     #[inline(always)]
     pub fn texel_alpha(&self, test: &AlphaTest, uv: Vec2) -> f32 {
         let at = uv * Vec2::new(test.width as f32, test.height as f32);
-        // The standard library's floors: others are calls to code without vectors, or as slow.
+        // Uses the floor of the standard library. Others call code without vectors, or are as slow.
         let column = |x: f32| wrapped(x, test.width as usize, test.wrap_u);
         let row = |y: f32| wrapped(y, test.height as usize, test.wrap_v);
         if test.nearest {
@@ -125,7 +121,7 @@ impl AlphaTests<'_> {
     }
 }
 
-/// The texel that a whole number along one axis stands for.
+/// Returns the texel for an integer coordinate along one axis.
 #[inline(always)]
 fn wrapped(x: f32, size: usize, wrap: TexelWrap) -> usize {
     let size = size as f32;

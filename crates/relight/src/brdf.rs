@@ -1,4 +1,4 @@
-//! What surfaces reflect: glTF 2.0 appendix B, as `brdf.wgsl` has it. Lambert under GGX (Walter et al. 2007) with the
+//! BRDF of surfaces: glTF 2.0 appendix B, as in `brdf.wgsl`. Lambert under GGX (Walter et al. 2007) with the
 //! height-correlated Smith visibility (Heitz 2014) and Schlick's Fresnel term.
 
 use std::f32::consts::FRAC_1_PI;
@@ -8,7 +8,7 @@ use light::Lanes;
 use crate::lanes::{F32s, Vec3s};
 use crate::surfaces::SurfaceLanes;
 
-/// A highlight's least width; why, `brdf.wgsl` says.
+/// Least width of a highlight. `brdf.wgsl` has the reason.
 const MIN_ALPHA: f32 = 0.002;
 
 /// f(l, v) max(0, n.l) by its lobes.
@@ -18,7 +18,7 @@ pub(crate) struct Lobes {
     pub specular: Vec3s,
 }
 
-/// What reaches the eye of unit irradiance perpendicular to `to_light`: scattered, and mirrored. 0 from behind.
+/// Computes the radiance to the eye for unit irradiance orthogonal to `to_light`, diffuse and specular; 0 from behind.
 #[inline(always)]
 pub(crate) fn evaluate_brdf(surface: &SurfaceLanes, to_light: Vec3s) -> Lobes {
     let (zero, one, half) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(0.5));

@@ -1,4 +1,4 @@
-//! Layers times factors, or sums of some, added up in their order: for a screen, or to samples of pixels.
+//! Weighted sums of light layers, added in order, for a screen or into the samples of pixels.
 
 use rayon::prelude::*;
 
@@ -10,47 +10,44 @@ use crate::simd::{self, SimdTask};
 use crate::surfaces::{BLOCK_SIDE, PixelBlock};
 use crate::{Cancelled, CasterScene, Surfaces, Workers};
 
-/// Blocks that a thread adds up at once.
+/// Blocks that a worker adds at once.
 const BLOCKS_PER_CHUNK: usize = 256;
 
-/// A layer and the factors of what it scatters and mirrors: linear RGB.
+/// Layer with the linear RGB factors of its diffuse and specular part.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerTerm<'a> {
-    /// Of the same surfaces as its neighbours.
+    /// Layer of the same surfaces as the other terms.
     pub layer: &'a LightLayer,
-    /// Factor of what is scattered.
     pub diffuse: [f32; 3],
-    /// Factor of what is mirrored.
     pub specular: [f32; 3],
 }
 
-/// What adds up to a picture, or to a sum, of the same surfaces; nothing where there is none.
+/// Terms of a picture or of a sum, all of the same surfaces. No terms add up to black.
 #[derive(Clone, Copy, Debug)]
 pub enum LayerTerms<'a> {
-    /// Layers with their factors.
     Layers(&'a [LayerTerm<'a>]),
-    /// Sums as they are.
+    /// Sums, each with factor 1.
     Sums(&'a [&'a LayerSum]),
 }
 
-/// Linear radiance of each block of surfaces that some lights add up to.
+/// Linear radiance of each block of surfaces under some lights together.
 #[derive(Clone, Debug, Default)]
 pub struct LayerSum(Vec<Vec3s>);
 
 impl LayerSum {
-    /// Of how many blocks of surfaces it is.
+    /// Number of blocks of surfaces.
     pub fn block_count(&self) -> usize {
         self.0.len()
     }
 
-    /// Bytes of the sum of so many blocks of surfaces.
+    /// Computes the size in bytes of a sum over so many blocks of surfaces.
     pub fn bytes(block_count: usize) -> u64 {
         (block_count * size_of::<Vec3s>()) as u64
     }
 }
 
 impl LayerTerms<'_> {
-    /// What they add up to on one block.
+    /// Adds the terms on one block.
     #[inline(always)]
     fn sum_on(&self, block: usize) -> Vec3s {
         let mut total = Vec3s::splat([0.0; 3]);
@@ -71,7 +68,7 @@ impl LayerTerms<'_> {
     }
 }
 
-/// Adds up `terms` of `surfaces`.
+/// Adds `terms` of `surfaces`, and replaces `into`.
 pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: LayerTerms, LayerSum(into): &mut LayerSum) {
     into.resize(surfaces.block_count(), Vec3s::splat([0.0; 3]));
     workers.run(|| {
@@ -81,8 +78,9 @@ pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: LayerTerms, LayerSum(i
     });
 }
 
-/// Adds what `light` adds to `into` within `pixels`, `[x, y, width, height]`, by factors of what it scatters and of what it
-/// mirrors: to the bit as its layer were drawn and added as the last term. `into` is of the same surfaces.
+/// Adds the contribution of `light` within `pixels`, `[x, y, width, height]`, to `into`, with factors of its diffuse
+/// and specular part. The result is bit-identical to drawing its layer and adding that as the last term. `into` is of
+/// the same surfaces.
 pub fn add_light(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -111,10 +109,10 @@ impl SimdTask for AddTerms<'_> {
     }
 }
 
-/// Adds one sample of each pixel to `radiance`, linear RGBA, rows from the top without gaps: `terms` and `fill_factor` times
-/// the fill, both times `weight`; to alpha `weight` where there is a surface.
+/// Adds one sample of each pixel to `radiance`, linear RGBA, rows from the top without gaps. It adds `terms` and
+/// `fill_factor` times the fill, both times `weight`, and `weight` to alpha where there is a surface.
 ///
-/// The sample of weight 1 that is added to zeros is to the bit what [`display`] shows.
+/// A sample of weight 1 added to zeros is bit-identical to the radiance that [`display`] shows.
 pub fn add_sample(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -162,21 +160,21 @@ impl SimdTask for AddSample<'_> {
     }
 }
 
-/// What comes from no light, and what `terms` add.
+/// Adds the fill light and `terms`.
 #[inline(always)]
 fn total_radiance(surfaces: &Surfaces, terms: &LayerTerms, fill_factor: f32, block: usize) -> Vec3s {
     surfaces.fill[block] * F32s::splat(fill_factor) + terms.sum_on(block)
 }
 
-/// Where one of a block's pixels lies in its row of blocks, where it sees something.
+/// Index of one of a block's pixels in its row of blocks. `None` if the pixel shows no surface.
 #[inline(always)]
 fn pixel_index(block: &PixelBlock, lane: usize, width: usize) -> Option<usize> {
     let x = block.corner[0] as usize + lane % BLOCK_SIDE;
     (block.triangle.0[lane] != 0).then_some(lane / BLOCK_SIDE * width + x)
 }
 
-/// What a screen shows of `terms` and `fill_factor` times the fill: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel, rows
-/// from the top.
+/// Renders `terms` and `fill_factor` times the fill for a screen: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel,
+/// rows from the top.
 pub fn display(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -210,7 +208,7 @@ impl SimdTask for Display<'_> {
     fn run(self) {
         let Self { surfaces, terms, fill_factor, exposure, row, width, bytes } = self;
         let pixels = bytes.as_chunks_mut::<BYTES_PER_PIXEL>().0;
-        // Where nothing is seen it is black.
+        // The background is black.
         pixels.fill(BLACK.0[0].to_le_bytes());
         for index in surfaces.row_starts[row]..surfaces.row_starts[row + 1] {
             let radiance = total_radiance(surfaces, &terms, fill_factor, index);

@@ -1,20 +1,20 @@
-//! Powers and arc tangents of sixteen numbers.
+//! Powers, logarithms and arc tangents of sixteen numbers.
 
 use light::Lanes;
 
 use crate::lanes::{F32s, LANES, U32s};
 
-/// `x >= 0` to the power of `exponent`: off by `3e-7 (1 + |exponent log2 x|)` of itself. An infinite exponent makes a step
-/// at 1, which stays 1.
+/// Raises `x >= 0` to the power of `exponent`, with a relative error of `3e-7 (1 + |exponent log2 x|)`. An infinite
+/// exponent makes a step at 1, which stays 1.
 #[inline(always)]
 pub(crate) fn pow(x: F32s, exponent: f32) -> F32s {
-    // What has overflowed before it is multiplied by an infinite exponent would be no number.
+    // An overflowed logarithm times an infinite exponent would not be a number.
     let exponent = exponent.clamp(-1e30, 1e30);
     exp2(log2(x) * F32s::splat(exponent))
 }
 
-/// Binary logarithm of `x >= 0`, -10^9 of what is subnormal or 0. With `x = m 2^e`, m from 0.7 to 1.4, and
-/// `s = (m - 1) / (m + 1)`, `log2 m = 2 / ln 2 (s + s^3 / 3 + s^5 / 5 + ...)`; what is left out after `s^9` is below 1e-8.
+/// Computes the binary logarithm of `x >= 0`; -10^9 for subnormals and 0. With `x = m 2^e`, m from 0.7 to 1.4, and `s =
+/// (m - 1) / (m + 1)`, `log2 m = 2 / ln 2 (s + s^3 / 3 + s^5 / 5 + ...)`. The terms after `s^9` are below 1e-8.
 #[inline(always)]
 pub(crate) fn log2(x: F32s) -> F32s {
     let bits = x.to_bits();
@@ -38,15 +38,15 @@ pub(crate) fn log2(x: F32s) -> F32s {
     F32s::select(x.lt(F32s::splat(f32::MIN_POSITIVE)), F32s::splat(-1e9), log)
 }
 
-/// Two to the power of `x`; 0 below -126, and at most 2^127.
+/// Computes two to the power of `x`; 0 below -126, and at most 2^127.
 #[inline(always)]
 pub(crate) fn exp2(x: F32s) -> F32s {
     let bounded = x.within(F32s::splat(-126.0), F32s::splat(127.0));
-    // From 1.5 times 2^23 on a float's last bit is 1, also below 0.
+    // From 1.5 times 2^23 on, the last bit of a float is 1, for negative numbers too.
     let shifted = bounded + F32s::splat(12_582_912.0);
     let whole = shifted - F32s::splat(12_582_912.0);
     let share = (bounded - whole) * F32s::splat(std::f32::consts::LN_2);
-    // e^share, |share| <= ln 2 / 2: what is left out after share^7 is below 5e-9.
+    // e^share, |share| <= ln 2 / 2. The terms after share^7 are below 5e-9.
     let mut series = F32s::splat(1.0 / 5040.0);
     for factor in [1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0, 1.0] {
         series = series * share + F32s::splat(factor);
@@ -59,8 +59,8 @@ pub(crate) fn exp2(x: F32s) -> F32s {
     F32s::select(x.lt(F32s::splat(-126.0)), F32s::splat(0.0), result)
 }
 
-/// Angle of the vector (x, y) from the first axis, from -pi to pi: off by 4e-7. The polynomial in `z = (least / most)^2` is the
-/// one of the least largest relative error from 0 to 1, as in profile.wgsl.
+/// Computes the angle of the vector (x, y) from the first axis, from -pi to pi, with an error of 4e-7. The polynomial
+/// in `z = (least / most)^2` is the one with the least maximum relative error from 0 to 1, as in profile.wgsl.
 #[inline(always)]
 pub(crate) fn atan2(y: F32s, x: F32s) -> F32s {
     let (across, along) = (y.abs(), x.abs());

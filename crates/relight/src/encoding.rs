@@ -1,10 +1,10 @@
-//! How G-buffers hold vectors and materials: the inverse of `encoding.wgsl`.
+//! Decoding of the vectors and materials of a G-buffer, the inverse of `encoding.wgsl`.
 
 use light::Lanes;
 
 use crate::lanes::{F32s, LANES, U32s, Vec3s};
 
-/// The unit vector of 2 x 16 bits, octahedral.
+/// Decodes an octahedral unit vector of 2 x 16 bits.
 #[inline(always)]
 pub(crate) fn unit_from_bits(bits: U32s) -> Vec3s {
     let (mut x, mut y) = (F32s::splat(0.0), F32s::splat(0.0));
@@ -21,7 +21,7 @@ pub(crate) fn unit_from_bits(bits: U32s) -> Vec3s {
     v * (one / F32s::length(v))
 }
 
-/// Base colour, linear, metallic factor and roughness of 64 bits.
+/// Decodes linear base color, metallic factor and roughness from 64 bits.
 #[inline(always)]
 pub(crate) fn material_from_bits([low, high]: [U32s; 2]) -> (Vec3s, F32s, F32s) {
     let (mut roots, mut metallic, mut roughness) =

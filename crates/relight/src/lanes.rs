@@ -1,24 +1,25 @@
-//! Sixteen numbers side by side.
+//! Vectors of sixteen numbers.
 //!
-//! Plain arrays and loops over them. Inlined into a function that [`crate::simd::run`] compiled for the processor at hand they
-//! become its vectors, two or four where its own are shorter. Each lane has the bits that `f32` code has.
+//! They are plain arrays, and operations are loops over them. Inlined into a function that [`crate::simd::run`]
+//! compiled for the present processor they become its vectors, two or four where those are shorter. Each lane has the
+//! bits of `f32` code.
 
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-/// How many there are.
+/// Number of lanes.
 pub(crate) const LANES: usize = 16;
 
-/// A number a lane.
+/// One float per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct F32s(pub [f32; LANES]);
 
-/// A whole number a lane.
+/// One unsigned integer per lane.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct U32s(pub [u32; LANES]);
 
-/// A vector a lane.
+/// One vector per lane.
 #[derive(Clone, Copy, Debug)]
 pub struct Vec3s {
     pub x: F32s,
@@ -26,12 +27,12 @@ pub struct Vec3s {
     pub z: F32s,
 }
 
-/// An answer a lane: all bits or none.
+/// One truth value per lane: all bits set, or none.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct Masks(pub [u32; LANES]);
 
-/// A binary operation of each lane.
+/// Implements a binary operator lane by lane.
 macro_rules! binary {
     ($trait:ident, $name:ident, $lanes:ident, $op:tt) => {
         impl $trait for $lanes {
@@ -57,7 +58,7 @@ binary!(BitOr, bitor, Masks, |);
 binary!(BitAnd, bitand, U32s, &);
 binary!(BitOr, bitor, U32s, |);
 
-/// A whole operation of each lane, which wraps around.
+/// Implements a wrapping integer operator lane by lane.
 macro_rules! wrapping {
     ($trait:ident, $name:ident, $op:ident) => {
         impl $trait for U32s {
@@ -103,7 +104,7 @@ impl Not for Masks {
 }
 
 impl Masks {
-    /// One lane's answer.
+    /// Value of one lane.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
@@ -111,12 +112,12 @@ impl Masks {
 }
 
 impl F32s {
-    /// The same number in every lane.
+    /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
         Self([x; LANES])
     }
-    /// The largest whole number that is no larger, for what fits into 31 bits.
+    /// Rounds down, for values that fit into 31 bits.
     #[inline(always)]
     pub fn floor(self) -> Self {
         let mut out = self;
@@ -125,18 +126,17 @@ impl F32s {
         }
         out
     }
-    /// The nearest whole numbers of what lies from 0 to 2^22, of two the even one. Casts, which take care of every number,
-    /// are no vectors' work.
+    /// Rounds values from 0 to 2^22 to the nearest integers, ties to even. A cast handles every number and does not
+    /// vectorize.
     #[inline(always)]
     pub fn to_u32(self) -> U32s {
         let mut out = U32s([0; LANES]);
         for i in 0..LANES {
-            // From 2^23 on a float's last bit is 1.
+            // From 2^23 on the last bit of a float is 1.
             out.0[i] = (self.0[i] + 8_388_608.0).to_bits().wrapping_sub(0x4b00_0000);
         }
         out
     }
-    /// The bits.
     #[inline(always)]
     pub fn to_bits(self) -> U32s {
         let mut out = U32s([0; LANES]);
@@ -145,7 +145,6 @@ impl F32s {
         }
         out
     }
-    /// What bits stand for.
     #[inline(always)]
     pub fn from_bits(bits: U32s) -> Self {
         let mut out = Self([0.0; LANES]);
@@ -157,12 +156,12 @@ impl F32s {
 }
 
 impl U32s {
-    /// The same number in every lane.
+    /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: u32) -> Self {
         Self([x; LANES])
     }
-    /// Which lanes have the same number.
+    /// Returns the lanes with equal numbers.
     #[inline(always)]
     pub fn equals(self, other: Self) -> Masks {
         let mut out = Masks([0; LANES]);
@@ -171,7 +170,7 @@ impl U32s {
         }
         out
     }
-    /// `yes` where `mask` says so, else `no`.
+    /// Selects `yes` in the lanes of `mask`, else `no`.
     #[inline(always)]
     pub fn select(mask: Masks, yes: Self, no: Self) -> Self {
         let mut out = no;
@@ -183,12 +182,12 @@ impl U32s {
 }
 
 impl Vec3s {
-    /// The same vector in every lane.
+    /// Puts the same vector into every lane.
     #[inline(always)]
     pub fn splat([x, y, z]: [f32; 3]) -> Self {
         Self { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) }
     }
-    /// One lane's vector.
+    /// Vector of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> glam::Vec3 {
         glam::Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])

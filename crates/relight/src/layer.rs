@@ -1,4 +1,4 @@
-//! What one light alone adds to what pixels see.
+//! Layers: the contribution of one light to each pixel.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -11,29 +11,26 @@ use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes};
 use crate::{Cancelled, CasterScene, RelitBent, RelitDirectional, RelitOmni, RelitSpot, Surfaces, Workers};
 use light::{Lanes, LightProfile, Mask};
 
-/// Blocks that a thread takes at once: a quarter of a millisecond or so.
+/// Blocks that a worker draws at once: about a quarter of a millisecond.
 const BLOCKS_PER_CHUNK: usize = 64;
-/// The same where what is drawn is added to a sum at once: 12 KiB of it, which stay next to the core.
+/// Blocks that a worker draws at once into a sum: 12 KiB of it, which stay in the nearest cache.
 const SUM_BLOCKS_PER_CHUNK: usize = 32;
 
-/// A light as it is drawn.
+/// Light as it is drawn, by shape.
 #[derive(Debug)]
 pub enum RelitLight {
-    /// A BendyLight.
+    /// BendyLight.
     Bent(Box<RelitBent>),
-    /// A spotlight.
     Spot(Box<RelitSpot>),
-    /// An omni light.
     Omni(Box<RelitOmni>),
-    /// A directional light.
     Directional(Box<RelitDirectional>),
 }
 
-/// What one light alone scatters and mirrors, before factors of all of it: linear radiance, of each block of surfaces.
+/// Diffuse and specular radiance of one light, linear, before factors of the whole layer, for each block of surfaces.
 #[derive(Clone, Debug, Default)]
 pub struct LightLayer(pub(crate) Vec<LayerBlock>);
 
-/// Of sixteen pixels: what they scatter, and what they mirror.
+/// Diffuse and specular radiance of sixteen pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LayerBlock {
     pub diffuse: Vec3s,
@@ -47,25 +44,25 @@ impl LayerBlock {
         Self { diffuse: nothing, specular: nothing }
     };
 
-    /// What the eye gets of it, by factors of what is scattered and of what is mirrored: linear RGB.
+    /// Computes the radiance to the eye with linear RGB factors of the diffuse and the specular part.
     #[inline(always)]
     pub fn weighted_sum(&self, [diffuse, specular]: [[f32; 3]; 2]) -> Vec3s {
         Vec3s::splat(diffuse) * self.diffuse + Vec3s::splat(specular) * self.specular
     }
 }
 
-/// What becomes of what a light adds, block by block of the surfaces.
+/// Destination of a light's contribution, block by block of the surfaces.
 pub(crate) enum LayerTarget<'a> {
-    /// It is kept.
+    /// Stores the contribution.
     Layer(&'a mut [LayerBlock]),
-    /// It is added to what there is, by factors of what is scattered and of what is mirrored.
+    /// Adds the contribution to a sum, with factors of the diffuse and the specular part.
     Sum(&'a mut [Vec3s], [[f32; 3]; 2]),
-    /// How much of the light nothing is in the way of takes the place of what is scattered, and 1 within the light that of what
-    /// is mirrored.
+    /// Stores the visibility of the light in place of the diffuse part, and 1 within the light in place of the specular
+    /// part.
     Visibility(&'a mut [LayerBlock]),
 }
 
-/// What is drawn of a light.
+/// Drawn quantity of a light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
     Reflected,
@@ -73,14 +70,14 @@ enum Quantity {
 }
 
 impl LightLayer {
-    /// Bytes of the layer of so many blocks of surfaces.
+    /// Computes the size in bytes of a layer of so many blocks of surfaces.
     pub fn bytes(block_count: usize) -> u64 {
         (block_count * size_of::<LayerBlock>()) as u64
     }
 }
 
-/// Draws the layer of `light` within `pixels`, `[x, y, width, height]`; nothing is added beside them. `map` is its shadow map,
-/// `None` where nothing shadows it. Returns how many pixels were looked at.
+/// Draws the layer of `light` within `pixels`, `[x, y, width, height]`, and clears it elsewhere. `map` is its shadow
+/// map, `None` for a light without shadows. Returns the number of pixels that it examined.
 pub fn draw_layer(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -93,8 +90,8 @@ pub fn draw_layer(
     draw_light(workers, surfaces, scene, (light, map), pixels, LayerTarget::Layer(texels))
 }
 
-/// How much of `light` nothing is in the way of, 1 where that is all, as [`draw_layer`] has it: grey, with alpha 1 where the
-/// light's volume holds the surface, and 0 elsewhere. Rows from the top.
+/// Computes the share of `light` that no caster blocks, 1 for all of it, as in [`draw_layer`]: gray, with alpha 1 where
+/// the light's volume holds the surface, and 0 elsewhere. Rows from the top.
 pub fn visibility_of(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -119,7 +116,7 @@ pub fn visibility_of(
     Ok(picture)
 }
 
-/// Draws `light` as [`draw_layer`] does onto as many blocks as there are.
+/// Draws `light` as [`draw_layer`] does, onto a target that has a block for each of the surfaces'.
 pub(crate) fn draw_light(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -152,7 +149,7 @@ fn draw<S: RelitShape>(
             simd::run(DrawChunk { shape, surfaces, scene, map, pixels, quantity: of, blocks, texels });
         looked_at.fetch_add(pixels, Ordering::Relaxed);
     };
-    // Some turns cost twenty times as much as others.
+    // Some chunks cost twenty times as much as others.
     match onto {
         LayerTarget::Layer(texels) | LayerTarget::Visibility(texels) => {
             let turns = texels.chunks_mut(BLOCKS_PER_CHUNK).zip(surfaces.blocks.chunks(BLOCKS_PER_CHUNK));
@@ -234,14 +231,14 @@ impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
     }
 }
 
-/// Whether a block has some of `pixels`.
+/// True if a block has some of `pixels`.
 #[inline(always)]
 fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
     let [left, top] = corner.map(u32::from);
     left + BLOCK_SIDE as u32 > x && left < x + width && top + BLOCK_SIDE as u32 > y && top < y + height
 }
 
-/// The surfaces that the light shows on.
+/// Returns the lanes whose surfaces the light's links let it illuminate.
 #[inline(always)]
 fn light_linked(scene: &CasterScene, surface: &SurfaceLanes) -> Masks {
     let mut lit = Masks::of(false);

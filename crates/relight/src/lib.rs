@@ -1,8 +1,12 @@
-//! Relighting on processors: shadow maps and what each light adds to what pixels see, in vectorised Rust on all cores.
+//! Relighting on the CPU: shadow maps and light layers in vectorized Rust, on all cores. It is the backend for machines
+//! whose graphics device is a software driver.
 //!
-//! The second way to light pictures, for machines where the graphics device is a software driver. It starts from
-//! a G-buffer that [`Surfaces`] is made of, and knows neither devices nor scenes: whoever calls it brings triangles, a
-//! light's numbers and the memory that results go to.
+//! The caller provides a G-buffer ([`Surfaces`]), triangles ([`CasterScene`]), the numbers of a light ([`RelitLight`])
+//! and the memory for results. The crate knows no device and no scene. It computes what the shaders of `render`
+//! compute, sixteen numbers at a time, on the generic light model of `light`.
+//!
+//! Begin with `raster.rs` (shadow maps from triangles), `layer.rs` (contribution of a light), `bent/mod.rs`
+//! (BendyLights) and `straight/mod.rs` (other shapes).
 #![forbid(unsafe_code)]
 #![expect(
     clippy::inline_always,

@@ -1,4 +1,4 @@
-//! The light model on sixteen numbers: what `light` asks of them.
+//! Light model on sixteen lanes: the operations that `light` requires.
 
 use glam::DVec3;
 use light::{Lanes, Mask};
@@ -33,7 +33,7 @@ impl Mask for Masks {
     }
 }
 
-/// A comparison of each lane.
+/// Implements a comparison lane by lane.
 macro_rules! compare {
     ($name:ident, $op:tt) => {
         #[inline(always)]

@@ -1,10 +1,10 @@
-//! The last piece of light's way to a surface, followed through the scene itself, a pixel at a time: `nearby.wgsl` has why.
+//! Ray tests of the last piece of a light path against the scene, one pixel at a time. `nearby.wgsl` has the reasons.
 
 use glam::{Vec3, Vec3Swizzles};
 
 use crate::scene::{CasterHierarchyNode, CasterScene, weights_at};
 
-/// A surface as a way to it asks for it.
+/// Surface that receives light, as the ray tests need it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReceiverPoint {
     pub position: Vec3,
@@ -19,18 +19,19 @@ pub(crate) struct ReceiverPoint {
 }
 
 impl ReceiverPoint {
-    /// Where light has to arrive for the surface to be lit.
+    /// Point at which light must arrive for the surface to be lit.
     pub fn shadow_position(&self) -> Vec3 {
         self.position + self.terminator_offset * self.normal
     }
 }
 
-/// What f32 makes of positions of this size.
+/// Rounding error of f32 positions of this size.
 pub(crate) fn rounding_error(position: Vec3) -> f32 {
     position.abs().max_element() * (1.0 / 2_097_152.0)
 }
 
-/// Whether light that comes along `arriving`, a unit vector towards it, passes through the surface's own triangle from behind.
+/// True if light passes through the surface's own triangle from behind. `arriving` is the unit vector towards the
+/// light.
 pub(crate) fn is_self_shadowed(scene: &CasterScene, surface: &ReceiverPoint, arriving: Vec3) -> bool {
     let facing = surface.geometric_normal.dot(arriving);
     if facing > 0.0 || !scene.links.casts_shadow(surface.triangle) {
@@ -41,8 +42,8 @@ pub(crate) fn is_self_shadowed(scene: &CasterScene, surface: &ReceiverPoint, arr
     height <= 0.0 || weights_at(scene.corners(surface.triangle), through).min_element() >= 0.0
 }
 
-/// Whether light that was at `there` just before it arrives in front of the surface came through the surface's own triangle, as
-/// only light that bends may.
+/// True if light that arrives at the front of the surface passed through the surface's own triangle before. `there` is
+/// a point just before it arrives. Only bent light can do that.
 pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint, there: Vec3) -> bool {
     let height = surface.geometric_normal.dot(there - surface.position);
     if height >= -(rounding_error(there) + surface.depth * (1.0 / 2_097_152.0))
@@ -54,8 +55,8 @@ pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint,
     weights.min_element() >= 0.0 && !scene.has_hole(surface.triangle, weights)
 }
 
-/// Whether a triangle lies between `arrive` and `start + way`, and is there: another than `own`, and none that starts within the
-/// rounding of a surface so far from the viewer.
+/// True if a caster other than `own` lies between `start` and `start + way`. Triangles within the rounding error of the
+/// start do not count; the error includes that of a surface at `depth` from the viewer.
 pub(crate) fn is_segment_occluded(
     scene: &CasterScene,
     (start, way): (Vec3, Vec3),
@@ -82,9 +83,9 @@ pub(crate) fn is_segment_occluded(
     false
 }
 
-/// Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and what is
-/// square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle` plus up to once
-/// `half` either way.
+/// True if no point of a segment lies within `slack` of a node's box. The test uses axes that may separate the two:
+/// those of the box, and their cross products with the segment (Ericson, Real-Time Collision Detection, 5.3.3). The
+/// segment is `middle` plus up to `half` in both directions.
 fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f32)) -> bool {
     let (min, max) = (Vec3::from(node.min), Vec3::from(node.max));
     let between = 0.5 * (min + max) - middle;
@@ -94,7 +95,7 @@ fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f3
     between.abs().cmpgt(box_half + reach).any() || half.cross(between).abs().cmpgt(across).any()
 }
 
-/// Whether a triangle is met between `arrive` and `start + way`, and is there.
+/// True if a caster triangle is met between `start` and `start + way`.
 fn segment_hits_triangle(scene: &CasterScene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
     let (normal, offset) = scene.plane(triangle);
     let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + way) - offset);

@@ -1,11 +1,11 @@
-//! Draws triangles as a light sees them onto a face of its shadow map: the depth of what is nearest, a texel.
+//! Rasterizer of triangles onto a face of a shadow map, seen by the light. Each texel gets the depth of the nearest.
 //!
-//! What Vulkan's rules ask of a driver with 8 bits of a texel: corners are rounded to 1/256 of a texel, a triangle
-//! covers the texels whose centres are in it, and centres on an edge by the top-left rule. Both windings are drawn.
+//! It follows Vulkan's rules for a driver with 8 subtexel bits. Corners are rounded to 1/256 of a texel. A triangle
+//! covers the texels whose centers are in it, and centers on an edge by the top-left rule. Both windings are drawn.
 //!
-//! In two steps, each on all threads. Set-up finds where triangles lie, 16 at once, and lists them by bands of rows.
-//! Then each band is drawn by one thread. Which depth wins does not depend on the order, and so a map has the same bytes
-//! however many threads draw it.
+//! It works in two steps, each on all threads. Set-up finds the positions of triangles, 16 at once, and lists them by
+//! bands of rows. Then one thread draws each band. The depth that wins does not depend on the order, so any number of
+//! threads makes the same bytes.
 
 mod alpha_tested;
 mod clip;
@@ -33,79 +33,77 @@ use rule::{BentDepthTest, DepthTest, OrthographicDepthTest, PerspectiveDepthTest
 use setup::{OpaquePiece, SetUp};
 use wide::{Ints, LANE_INDICES};
 
-/// Rows that one thread draws at once. Of a map 2048 texels wide they take half a megabyte, which stays next to the core.
+/// Rows that one thread draws at once. For a map 2048 texels wide they take half a megabyte, which stays in a near
+/// cache.
 const BAND: usize = 64;
-/// Texels of bounding boxes after which a thread looks whether it has to give way: some tens of microseconds.
+/// Texels of bounding boxes between two checks if a thread must yield: some tens of microseconds.
 const YIELD_CHECK_TEXELS: usize = 1 << 16;
-/// What small triangles count as between two looks.
+/// Small triangles between two such checks.
 const YIELD_CHECK_TRIANGLES: usize = 1 << 10;
 /// Triangles that one thread sets up at once.
 const TRIANGLES_PER_PIECE: usize = 2048;
-/// Most texels a side: corners in 1/256 of a texel are exact in f32 as far as the guard band, which is twice as wide.
+/// Largest side of a face in texels. Corners in 1/256 of a texel are exact in f32 up to the guard band, which is twice
+/// as wide.
 pub const MAX_SIDE: usize = 8192;
 
-/// Three corners: each a homogeneous place (X, Y, Z), and a value that perspective interpolates.
+/// Three corners: each a homogeneous position (X, Y, Z), and a value for perspective interpolation.
 pub type RasterTriangle = [[f32; 4]; 3];
 
-/// A triangle with an alpha test.
+/// Triangle with an alpha test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AlphaTestedTriangle {
-    /// As others have them.
     pub corners: RasterTriangle,
     /// (u, v, alpha) of each corner.
     pub uv_alpha: [[f32; 3]; 3],
-    /// Which of the tests it has.
+    /// Index of its test.
     pub test: u32,
 }
 
-/// Triangles with alpha tests, to be drawn with others.
+/// Triangles with alpha tests, to draw with others.
 #[derive(Clone, Copy, Debug)]
 pub struct AlphaTestedTriangles<'a, Chunk> {
-    /// The triangles.
     pub chunks: &'a [Chunk],
-    /// All tests.
     pub tests: AlphaTests<'a>,
 }
 
-/// What a texel stores of what is nearest there.
+/// Depth that a texel stores, of the nearest triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DepthRule {
-    /// The least `value * depth_per_value / (row[0] + row[1] * (i + 0.5))` in row `i`, at least 0; 1 where there is
-    /// nothing. What has w >= 10^-30 is drawn.
+    /// Least `value * depth_per_value / (row[0] + row[1] * (i + 0.5))` in row `i`, at least 0; 1 without a triangle.
+    /// Draws the part with w >= 10^-30.
     Bent {
-        /// What depths are divided by: the first, plus the second for each row.
+        /// Divisor of depths: the first, plus the second for each row.
         row_divisor: [f32; 2],
         /// Depth of a value of 1.
         depth_per_value: f32,
     },
-    /// The greatest `near / w`; 0 where there is nothing. What has w < `near` is cut away.
+    /// Greatest `near / w`; 0 without a triangle. Clips the part with w < `near`.
     Perspective {
         /// Positive.
         near: f32,
     },
-    /// The greatest value within 0 and 1; 0 where there is nothing. What has others is cut away. For places with w = 1.
+    /// Greatest value from 0 to 1; 0 without a triangle. Discards other values. For positions with w = 1.
     Orthographic,
 }
 
-/// How a face of a map is drawn.
+/// Face of a map to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct MapFace {
-    /// From places to clip coordinates (x, y, w): |x| <= w and |y| <= w are on the face, y is up.
+    /// Transform from positions to clip coordinates (x, y, w). |x| <= w and |y| <= w are on the face, and y is up.
     pub clip_from_map: Mat3,
-    /// What is stored.
     pub depths: DepthRule,
 }
 
-/// Memory of [`draw_face_with_alpha_tests`], kept from one drawing to the next.
+/// Memory of [`draw_face_with_alpha_tests`], kept from one face to the next.
 #[derive(Debug, Default)]
 pub struct RasterMemory {
     pieces: Vec<OpaquePiece>,
     alpha_tested: Vec<AlphaTestedPiece>,
-    /// For [`DepthTest::row_factor`].
+    /// Values for [`DepthTest::row_factor`].
     rows: Vec<f32>,
 }
 
-/// As [`draw_face_with_alpha_tests`] without any that have some, onto rows without gaps.
+/// Draws a face without alpha-tested triangles, onto rows without gaps.
 #[cfg(test)]
 fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
     face: &MapFace,
@@ -122,13 +120,14 @@ fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
     texels.copy_from_slice(&without_gaps(&with_gaps, side));
 }
 
-/// A face's rows without the room behind them.
+/// Returns a face's rows without the room behind them.
 #[cfg(test)]
 fn without_gaps(texels: &[f32], side: usize) -> Vec<f32> {
     texels.chunks(stride(side)).flat_map(|row| &row[..side]).copied().collect()
 }
 
-/// Draws triangles, and those that have holes, onto a face of `side` texels a side: `texels`, as a [`DepthMap`] has them.
+/// Draws triangles, opaque and alpha-tested, onto a face of `side` texels a side. `texels` has the layout of a
+/// [`DepthMap`].
 pub fn draw_face_with_alpha_tests<
     Chunk: AsRef<[RasterTriangle]> + Sync,
     HoledChunk: AsRef<[AlphaTestedTriangle]> + Sync,
@@ -158,7 +157,10 @@ pub fn draw_face_with_alpha_tests<
     };
     workers.run(|| {
         pieces.par_iter_mut().zip(slices.into_par_iter()).for_each(set_up);
-        alpha_tested_pieces.par_iter_mut().zip(alpha_tested_slices.into_par_iter()).for_each(set_up_alpha_tested);
+        alpha_tested_pieces
+            .par_iter_mut()
+            .zip(alpha_tested_slices.into_par_iter())
+            .for_each(set_up_alpha_tested);
     });
     let seen = SetUpTriangles { pieces, alpha_tested: alpha_tested_pieces, tests: alpha_tested.tests };
     match face.depths {
@@ -173,7 +175,7 @@ pub fn draw_face_with_alpha_tests<
     }
 }
 
-/// Everything that is drawn, set up.
+/// All triangles of a face, set up.
 #[derive(Clone, Copy)]
 struct SetUpTriangles<'a> {
     pieces: &'a [OpaquePiece],
@@ -196,27 +198,29 @@ fn draw_bands<R: DepthTest>(
     })
 }
 
-/// A band, and how far it is drawn.
+/// Band, and the progress of its drawing.
 struct BandWork<'a> {
     index: usize,
     texels: &'a mut [f32],
-    /// The piece that is next, those with holes behind the others, and the triangle in it; `None` before it is cleared.
+    /// Next piece, with the alpha-tested ones behind the others, and next triangle in it; `None` before the band is
+    /// cleared.
     next: Option<(usize, usize)>,
 }
 
 /// Rows of a face while they are drawn.
 struct Band<'a> {
-    /// The first row, and the one after the last.
+    /// First row, and end of the range of rows.
     first: usize,
     end: usize,
-    /// Texels from one row to the next.
+    /// Number of texels from one row to the next.
     stride: usize,
     texels: &'a mut [f32],
-    /// [`LANE_INDICES`], which the compiler does not see through: what it makes of products with 0, 1, 2 and so on is slower.
+    /// [`LANE_INDICES`], hidden from the compiler, which makes something slower of products with the constants 0, 1, 2
+    /// and so on.
     lane_indices: Ints,
 }
 
-/// Goes on with a band. False where it has to give way.
+/// Continues with a band. Returns false if it must yield.
 struct DrawBand<'a, 'b, R> {
     rule: R,
     seen: SetUpTriangles<'a>,

@@ -1,68 +1,71 @@
-//! The scene's triangles as relighting asks for them.
+//! Triangles of the scene in the form that relighting needs.
 
 use glam::Vec3;
 
 use crate::alpha_test::AlphaTests;
 
-/// Geometry in scene space: world axes, origin at the centre of the scene's bounds. Triangles with an alpha test come last.
+/// Geometry in scene space: world axes, origin at the center of the scene's bounds. Triangles with an alpha test come
+/// last.
 #[derive(Clone, Copy, Debug)]
 pub struct CasterScene<'a> {
-    /// One a vertex.
+    /// One per vertex.
     pub positions: &'a [[f32; 3]],
-    /// Three a triangle, counter-clockwise seen from the front.
+    /// Three per triangle, counter-clockwise seen from the front.
     pub indices: &'a [u32],
-    /// One a triangle: unit normal towards its front, and its product with any point of it; zeros where the area is 0.
+    /// One per triangle: the unit normal towards its front, and the product of the normal with any point of it; zeros
+    /// if the area is 0.
     pub planes: &'a [[f32; 4]],
     /// Boxes over all triangles.
     pub hierarchy: CasterHierarchy<'a>,
-    /// Of each vertex: normal, uv, and colour with alpha.
+    /// Normal, uv, and color with alpha of each vertex.
     pub attributes: &'a [[f32; 9]],
-    /// How many triangles have no alpha test.
+    /// Number of triangles without an alpha test.
     pub opaque_triangles: u32,
-    /// The tests of the others.
+    /// Tests of the other triangles.
     pub alpha_tests: AlphaTests<'a>,
-    /// What the light's links leave.
+    /// Light and shadow links of the light.
     pub links: CasterLinks<'a>,
 }
 
-/// Boxes over triangles, depth first.
+/// Tree of boxes over triangles, depth first.
 #[derive(Clone, Copy, Debug)]
 pub struct CasterHierarchy<'a> {
-    /// A node before those within it.
+    /// Each node comes before its descendants.
     pub nodes: &'a [CasterHierarchyNode],
     /// Triangles in the order of the leaves.
     pub triangles: &'a [u32],
 }
 
-/// Of a node that is passed by the next to look at is `next`, of others the following one.
+/// Node of the tree. After an inner node that a traversal skips it visits `next`, after any other node the following
+/// one.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct CasterHierarchyNode {
     /// Least corner.
     pub min: [f32; 3],
-    /// Of a leaf: how many triangles it has, from `next` on in [`CasterHierarchy::triangles`]. Zero: the node has children.
+    /// Number of triangles of a leaf, from `next` on in [`CasterHierarchy::triangles`]; 0 for an inner node.
     pub triangle_count: u32,
     /// Greatest corner.
     pub max: [f32; 3],
-    /// See `triangle_count`.
+    /// Index of a triangle or of a node; see `triangle_count`.
     pub next: u32,
 }
 
-/// Which triangles count for a light.
+/// Triangles that a light illuminates, and those that cast its shadows.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CasterLinks<'a> {
-    /// Two bits a triangle, 32 of them a word: in `[0]` whether the light shows on it, in `[1]` whether it throws shadows.
-    /// `None` where all do.
+    /// Two bits per triangle, in words of 32 triangles: in `[0]` set if the light illuminates it, in `[1]` if it casts
+    /// shadows. `None` sets all.
     pub bits: Option<&'a [[u32; 2]]>,
 }
 
 impl CasterLinks<'_> {
-    /// Whether the light shows on a triangle.
+    /// True if the light illuminates a triangle.
     pub(crate) fn is_light_linked(&self, triangle: u32) -> bool {
         self.has_bit(0, triangle)
     }
 
-    /// Whether a triangle throws shadows.
+    /// True if a triangle casts shadows.
     pub(crate) fn casts_shadow(&self, triangle: u32) -> bool {
         self.has_bit(1, triangle)
     }
@@ -73,19 +76,18 @@ impl CasterLinks<'_> {
 }
 
 impl CasterScene<'_> {
-    /// A triangle's corners.
     pub(crate) fn corners(&self, triangle: u32) -> [Vec3; 3] {
         let first = 3 * triangle as usize;
         [0, 1, 2].map(|k| Vec3::from(self.positions[self.indices[first + k] as usize]))
     }
 
-    /// Whether a triangle has a hole at a point of it, given the corners' shares of that.
+    /// True if a triangle has a hole at the point with these barycentric `weights`.
     pub(crate) fn has_hole(&self, triangle: u32, weights: Vec3) -> bool {
         let Some(tested) = triangle.checked_sub(self.opaque_triangles) else { return false };
         self.alpha_tests.has_hole(tested, self.uv_alpha(triangle), weights)
     }
 
-    /// (u, v, alpha) of a triangle's corners.
+    /// Returns (u, v, alpha) of a triangle's corners.
     pub(crate) fn uv_alpha(&self, triangle: u32) -> [Vec3; 3] {
         let first = 3 * triangle as usize;
         [0, 1, 2].map(|k| {
@@ -94,15 +96,15 @@ impl CasterScene<'_> {
         })
     }
 
-    /// A triangle's plane: unit normal, and its product with any point of it.
+    /// Returns a triangle's plane: the unit normal, and its product with any point of the plane.
     pub(crate) fn plane(&self, triangle: u32) -> (Vec3, f32) {
         let [x, y, z, w] = self.planes[triangle as usize];
         (Vec3::new(x, y, z), w)
     }
 }
 
-/// Weights of the corners at a point of the triangle's plane, one of them below zero outside of it; 0 where the triangle has
-/// no area.
+/// Computes the barycentrics of a point of the triangle's plane. One of them is negative outside the triangle. All are
+/// 0 for a triangle without area.
 pub(crate) fn weights_at([a, b, c]: [Vec3; 3], point: Vec3) -> Vec3 {
     let (ab, ac, at) = (b - a, c - a, point - a);
     let normal = ab.cross(ac);

@@ -1,4 +1,4 @@
-//! What a screen shows of linear radiance: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel.
+//! Display of linear radiance on a screen: exposed, tone-mapped, sRGB, RGBA of 8 bits a channel.
 
 use light::{Lanes, Mask};
 use rayon::prelude::*;
@@ -10,20 +10,20 @@ use crate::simd::{self, SimdTask};
 
 /// Bytes of a pixel on a screen: RGBA.
 pub(crate) const BYTES_PER_PIXEL: usize = 4;
-/// Pixels that a thread shows at once.
+/// Pixels that a worker converts at once.
 const PIXELS_PER_CHUNK: usize = 4096;
 
-/// How bright a screen shows radiance.
+/// Exposure of radiance.
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure {
     /// Factor of radiance.
     pub factor: f32,
-    /// Radiance above this is cut to it, that its product with the factor stays a number.
+    /// Upper bound of radiance, so that its product with the factor stays finite.
     pub brightest: f32,
 }
 
-/// What a screen shows of `radiance`, linear RGBA. Alpha only tells how much of a pixel shows a surface, and the rest is
-/// black: it is not looked at.
+/// Converts `radiance`, linear RGBA, for a screen. It ignores alpha, which is only the share of a pixel that shows a
+/// surface; the rest is black.
 pub fn display_radiance(workers: &Workers, radiance: &[[f32; 4]], exposure: Exposure) -> Vec<u8> {
     let mut bytes = vec![0; BYTES_PER_PIXEL * radiance.len()];
     workers.run(|| {
@@ -60,15 +60,15 @@ impl SimdTask for DisplayPixels<'_> {
     }
 }
 
-/// Hue and colour are kept up to this; above, peaks are compressed to 1 and desaturated.
+/// Hue and color stay up to this value. Above it, peaks are compressed to 1 and desaturated.
 const START: f32 = 0.8 - 0.04;
 const DESATURATION: f32 = 0.15;
 
-/// Khronos PBR Neutral, as `display.wgsl` has it.
+/// Applies Khronos PBR Neutral, as in `display.wgsl`.
 #[inline(always)]
 fn pbr_neutral(linear: Vec3s) -> Vec3s {
     let one = F32s::splat(1.0);
-    // Takes off the reflection of 4 % that a dielectric adds to its base colour.
+    // Removes the reflection of 4 % that a dielectric adds to its base color.
     let low = linear.x.least(linear.y.least(linear.z));
     let dark = low - F32s::splat(6.25) * low * low;
     let off = F32s::select(low.lt(F32s::splat(0.08)), dark, F32s::splat(0.04));
@@ -89,7 +89,7 @@ fn pbr_neutral(linear: Vec3s) -> Vec3s {
 /// Black, and opaque.
 pub(crate) const BLACK: U32s = U32s([0xff00_0000; LANES]);
 
-/// The channels' bytes, red the lowest.
+/// Tone-maps to the bytes of the channels, red in the lowest.
 #[inline(always)]
 pub(crate) fn tone_mapped_rgba8(linear: Vec3s, exposure: Exposure) -> U32s {
     let (brightest, factor) = (F32s::splat(exposure.brightest), F32s::splat(exposure.factor));
@@ -100,7 +100,7 @@ pub(crate) fn tone_mapped_rgba8(linear: Vec3s, exposure: Exposure) -> U32s {
     srgb_byte(r) | green | blue | BLACK
 }
 
-/// The sRGB transfer function (IEC 61966-2-1), to the nearest of 256 steps.
+/// Applies the sRGB transfer function (IEC 61966-2-1), to the nearest of 256 steps.
 #[inline(always)]
 fn srgb_byte(linear: F32s) -> U32s {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));

@@ -1,14 +1,14 @@
-//! How texels are blended.
+//! Filters of shadow maps.
 
-/// Percentage-closer filters: each texel is compared by itself, and the answers are blended.
+/// Percentage-closer filter: compares each texel by itself, and blends the answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadowFilter {
-    /// The nearest texel alone.
+    /// Nearest texel alone.
     Nearest,
-    /// 2 x 2 texels, by the distances of their centres.
+    /// Blend of 2 x 2 texels, by the distances of their centers.
     #[default]
     Bilinear,
-    /// 4 x 4 texels: nine bilinear look-ups a texel apart.
+    /// Blend of 4 x 4 texels: nine bilinear lookups a texel apart.
     Pcf3x3,
 }
 

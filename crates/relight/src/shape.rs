@@ -1,4 +1,4 @@
-//! What every shape of light brings.
+//! Interface of the light shapes.
 
 use light::LightProfile;
 
@@ -7,24 +7,24 @@ use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
 use crate::surfaces::SurfaceLanes;
 
-/// What sixteen pixels get of a light, without the shadow of where nothing is `inside`.
+/// Light at sixteen pixels. The other values have no meaning in the lanes that are not `inside`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightSampleLanes {
-    /// Whether the light's volume holds the surface, in shadow or not.
+    /// Lanes whose surface is in the light's volume, in shadow or not.
     pub inside: Masks,
-    /// Unit vector to where light comes from.
+    /// Unit vector towards the direction from which light comes.
     pub direction: Vec3s,
-    /// On a surface square to the light, without shadow and tint.
+    /// Irradiance of a surface orthogonal to the light, without shadow and tint.
     pub irradiance: Vec3s,
     /// 1 lit, 0 in shadow.
     pub visibility: F32s,
 }
 
-/// A shape of light.
+/// Light of one shape.
 pub(crate) trait RelitShape: Sync {
-    /// What becomes of its light on its way.
     fn light_profile(&self) -> &LightProfile;
-    /// What surfaces get of it, where they are `asked` for. `map` is there where anything shadows it.
+    /// Samples the light at surfaces, in the `asked` lanes. `map` is its shadow map, `None` for a light without
+    /// shadows.
     fn sample(
         &self,
         scene: &CasterScene,

@@ -1,12 +1,11 @@
-//! Code compiled for several kinds of processors, chosen when it runs.
+//! Selection at run time among code compiled for several kinds of processors.
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Work on sixteen lanes: `run` and all it calls has to be inlined, and closures are not.
+/// Task on sixteen lanes. `run` and all that it calls must be inlined, and closures are not.
 pub(crate) trait SimdTask {
-    /// What comes of it.
     type Output;
-    /// Does it. `#[inline(always)]`, or it is compiled for the oldest processor.
+    /// Runs the task. It must be `#[inline(always)]`, or it is compiled for the oldest processor.
     fn run(self) -> Self::Output;
 }
 
@@ -20,7 +19,7 @@ impl<W: SimdTask> WithSimd for PulpAdapter<W> {
     }
 }
 
-/// Does `work` with the widest vectors that this processor has.
+/// Runs `work` with the widest vectors of the present processor.
 #[inline]
 pub(crate) fn run<W: SimdTask>(work: W) -> W::Output {
     Arch::new().dispatch(PulpAdapter(work))

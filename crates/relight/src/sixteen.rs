@@ -1,4 +1,4 @@
-//! The light model's solver for sixteen points at once, for `bendylights bench solver` to measure.
+//! Solver of the light model for sixteen points at once, for `bendylights bench solver`.
 
 use glam::Vec3;
 use light::{Curve, Lanes, Roots, increasing_roots};
@@ -7,7 +7,7 @@ use crate::bent::splat_curve;
 use crate::lanes::{F32s, LANES, Vec3s};
 use crate::simd::{self, SimdTask};
 
-/// A point on a curve each, sixteen of them.
+/// Sixteen points, each with its own curve.
 #[derive(Clone, Debug)]
 pub struct SolverBatch {
     curve: Curve<F32s>,
@@ -15,7 +15,7 @@ pub struct SolverBatch {
 }
 
 impl SolverBatch {
-    /// Any curves, whatever their boxes, frames and radii.
+    /// Makes a batch of any curves, whatever their boxes, frames and radii.
     pub fn new(cases: &[(Curve<f32>, Vec3); LANES]) -> Self {
         let mut sixteen = Self { curve: splat_curve(&cases[0].0), q: Vec3s::splat([0.0; 3]) };
         for (lane, (curve, q)) in cases.iter().enumerate() {
@@ -43,7 +43,7 @@ impl SimdTask for Solve<'_> {
     }
 }
 
-/// The increasing roots of each case, as [`light::increasing_roots`] has them.
+/// Computes the increasing roots of each case, like [`light::increasing_roots`].
 pub fn solve_batch(cases: &SolverBatch) -> [Roots<f32>; LANES] {
     let roots = simd::run(Solve(cases));
     std::array::from_fn(|lane| Roots {

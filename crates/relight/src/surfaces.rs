@@ -1,5 +1,5 @@
-//! What pixels see, made of a G-buffer once a camera or scene change, as relighting goes through it: sixteen pixels at a
-//! time, four by four, and no background.
+//! Surfaces that pixels show, made from a G-buffer once a camera or scene change: blocks of four by four pixels,
+//! without background.
 
 use light::{Lanes, Mask};
 
@@ -11,41 +11,42 @@ use crate::{Cancelled, CasterScene, Workers};
 /// Pixels along each side of a block.
 pub(crate) const BLOCK_SIDE: usize = 4;
 
-/// The camera's rays, as `view.wgsl` has them: the sample of pixel (x, y) of the picture lies on the ray from
-/// `origin + x origin_dx + y origin_dy`; likewise its direction, which advances one unit along the view axis.
+/// Camera rays, as in `view.wgsl`. The sample of pixel (x, y) of the picture lies on a ray with the origin `origin + x
+/// origin_dx + y origin_dy` and likewise the direction, which advances one unit along the view axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraRays {
-    /// Of the first pixel's ray.
+    /// Origin of the first pixel's ray.
     pub origin: [f32; 3],
-    /// To the next pixel to the right.
+    /// Change of the origin to the next pixel to the right.
     pub origin_dx: [f32; 3],
-    /// To the next one below.
+    /// Change of the origin to the next pixel below.
     pub origin_dy: [f32; 3],
-    /// Of the first pixel's ray.
+    /// Direction of the first pixel's ray.
     pub direction: [f32; 3],
-    /// To the next pixel to the right.
+    /// Change of the direction to the next pixel to the right.
     pub direction_dx: [f32; 3],
-    /// To the next one below.
+    /// Change of the direction to the next pixel below.
     pub direction_dy: [f32; 3],
-    /// Distance along the view axis = `(c.x + c.y z) / (c.z + c.w z)` of the z of the depth buffer.
+    /// Coefficients c of the distance along the view axis, `(c.x + c.y z) / (c.z + c.w z)`, for the z of the depth
+    /// buffer.
     pub depth_from_z: [f32; 4],
-    /// The pixel of the picture that the G-buffer's first one is; whole numbers. Where blocks of a tile are the picture's,
-    /// so where both are multiples of 4, the tile is the picture to the bit.
+    /// Pixel of the picture that is the first of the G-buffer; whole numbers. If both are multiples of 4, the blocks of
+    /// a tile are those of the picture, and the tile is bit-identical to the picture.
     pub tile_origin: [f32; 2],
 }
 
-/// A G-buffer as it was read back, rows from the top.
+/// G-buffer as it was read back, rows from the top.
 #[derive(Clone, Copy, Debug)]
 pub struct GbufferRows<'a> {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Texels from one row to the next, at least the width.
+    /// Number of texels from one row to the next, at least the width.
     pub row_stride: usize,
     /// Shading normal, triangle + 1, material: see `gbuffer.wgsl`.
     pub packed: &'a [[u32; 4]],
-    /// The depth buffer.
+    /// Depth buffer.
     pub z: &'a [f32],
-    /// How far in front of the surface its shadow is looked for.
+    /// Distance in front of the surface at which its shadow is tested.
     pub terminator_offset: &'a [f32],
 }
 
@@ -56,33 +57,33 @@ pub(crate) struct PixelBlock {
     pub depth: F32s,
     /// Octahedral, as in the G-buffer.
     pub normal: U32s,
-    /// Of the triangle, towards the viewer.
+    /// Normal of the triangle, towards the viewer.
     pub geometric_normal: Vec3s,
-    /// As in the G-buffer.
+    /// Packed as in the G-buffer.
     pub material: [U32s; 2],
     pub terminator_offset: F32s,
-    /// Index of the triangle + 1; 0 where there is no surface.
+    /// Index of the triangle + 1; 0 without a surface.
     pub triangle: U32s,
-    /// Of the pixel in the block's corner.
+    /// Coordinates of the block's top left pixel.
     pub corner: [u16; 2],
 }
 
-/// All blocks that see something, in rows from the top.
+/// All blocks that show a surface, in rows from the top.
 #[derive(Debug)]
 pub struct Surfaces {
     size: [u32; 2],
     camera: CameraRays,
     pub(crate) blocks: Vec<PixelBlock>,
-    /// What each block reflects of the fill, all of it.
+    /// Reflection of the whole fill light, for each block.
     pub(crate) fill: Vec<Vec3s>,
-    /// Where each row of blocks begins, and where the last one ends.
+    /// Index of the first block of each row, and the number of blocks at the end.
     pub(crate) row_starts: Vec<usize>,
 }
 
-/// What sixteen pixels see.
+/// Surfaces of sixteen pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceLanes {
-    /// Which of them see anything; the rest means nothing where they do not.
+    /// Lanes that show a surface. The other values have no meaning elsewhere.
     pub exists: Masks,
     /// Scene space.
     pub position: Vec3s,
@@ -91,7 +92,7 @@ pub(crate) struct SurfaceLanes {
     /// Unit shading normal.
     pub normal: Vec3s,
     pub terminator_offset: F32s,
-    /// + 1.
+    /// Index of the triangle + 1.
     pub triangle: U32s,
     /// Unit vector towards the viewer.
     pub to_eye: Vec3s,
@@ -103,7 +104,7 @@ pub(crate) struct SurfaceLanes {
 }
 
 impl Surfaces {
-    /// Those of a G-buffer of `scene`.
+    /// Makes the surfaces of a G-buffer of `scene`.
     pub fn new(
         workers: &Workers,
         scene: &CasterScene,
@@ -124,7 +125,7 @@ impl Surfaces {
             surfaces.blocks.extend(blocks);
             surfaces.fill.extend(fill);
             surfaces.row_starts.push(surfaces.blocks.len());
-            // Memory that is new takes long to come.
+            // The operating system is slow to provide new memory.
             workers.yield_point()?;
         }
         Ok(surfaces)
@@ -135,34 +136,34 @@ impl Surfaces {
         self.size
     }
 
-    /// How many blocks of sixteen pixels see something.
+    /// Number of blocks of sixteen pixels that show a surface.
     pub fn block_count(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Of what it holds.
+    /// Size of the contents in bytes.
     pub fn bytes(&self) -> u64 {
         Self::bytes_of(self.block_count())
     }
 
-    /// How many blocks see something at most in so many pixels.
+    /// Largest number of blocks of a picture of this size.
     pub fn max_blocks(size: [u32; 2]) -> usize {
         size.map(|side| (side as usize).div_ceil(BLOCK_SIDE)).iter().product()
     }
 
-    /// Of so many blocks.
+    /// Computes the size in bytes for so many blocks.
     pub fn bytes_of(block_count: usize) -> u64 {
         (block_count * (size_of::<PixelBlock>() + size_of::<Vec3s>())) as u64
     }
 
-    /// What a block's pixels see.
+    /// Unpacks the surfaces of a block's pixels.
     #[inline(always)]
     pub(crate) fn surface(&self, block: &PixelBlock) -> SurfaceLanes {
         surface_of(&self.camera, block)
     }
 }
 
-/// What a block's pixels see.
+/// Unpacks the surfaces of a block's pixels.
 #[inline(always)]
 fn surface_of(camera: &CameraRays, block: &PixelBlock) -> SurfaceLanes {
     let (origin, direction) = rays(camera, block.corner);
@@ -183,12 +184,13 @@ fn surface_of(camera: &CameraRays, block: &PixelBlock) -> SurfaceLanes {
     }
 }
 
-/// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction; linear RGB.
+/// Fill light from all directions: a hemisphere that goes from `ground` to `sky` with the height of a direction; linear
+/// RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FillColors {
-    /// From above.
+    /// Color from above.
     pub sky: [f32; 3],
-    /// From below.
+    /// Color from below.
     pub ground: [f32; 3],
 }
 
@@ -199,8 +201,9 @@ impl FillColors {
         Vec3s::splat(self.ground) * (F32s::splat(1.0) - share) + Vec3s::splat(self.sky) * share
     }
 
-    /// What surfaces reflect of it. Dielectrics scatter what arrives about the normal, metals mirror what arrives about the
-    /// reflected ray; both with the base colour as their albedo, so that a white surface returns what it gets.
+    /// Computes the reflection of the fill light. Dielectrics scatter the light from about the normal, metals mirror
+    /// the light from about the reflected ray. Both have the base color as albedo, so a white surface reflects all of
+    /// the light.
     #[inline(always)]
     fn reflected_by(&self, surface: &SurfaceLanes) -> Vec3s {
         let (one, two) = (F32s::splat(1.0), F32s::splat(2.0));
@@ -214,7 +217,7 @@ impl FillColors {
     }
 }
 
-/// The rays of a block's pixels: where they start, and their directions.
+/// Computes the origins and directions of the rays of a block's pixels.
 #[inline(always)]
 fn rays(camera: &CameraRays, [left, top]: [u16; 2]) -> (Vec3s, Vec3s) {
     let (mut x, mut y) = (F32s::splat(0.0), F32s::splat(0.0));
@@ -265,7 +268,7 @@ impl SimdTask for RowOfBlocks<'_> {
     }
 }
 
-/// A block without its depth, and the z of its pixels; its geometric normals are those of triangles' fronts.
+/// Loads a block without its depth, and the z of its pixels. Its geometric normals are those of the triangles' fronts.
 #[inline(always)]
 fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (PixelBlock, F32s) {
     let [width, height] = gbuffer.size.map(|side| side as usize);
@@ -302,8 +305,8 @@ fn load_block(scene: &CasterScene, gbuffer: &GbufferRows, corner: [u16; 2]) -> (
     (block, z)
 }
 
-/// The block with its depths, cut with the planes of its triangles as in `depth_on` of `view.wgsl`, and its normals towards the
-/// viewer.
+/// Adds the depths of a block by intersection with the planes of its triangles, as in `depth_on` of `view.wgsl`, and
+/// turns its geometric normals towards the viewer.
 #[inline(always)]
 fn with_depth(scene: &CasterScene, camera: &CameraRays, mut block: PixelBlock, z: F32s) -> PixelBlock {
     let (origin, direction) = rays(camera, block.corner);

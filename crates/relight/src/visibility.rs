@@ -1,4 +1,4 @@
-//! Percentage-closer filters: each texel is compared by itself, and the answers are blended (`shadow_filter.wgsl`).
+//! Percentage-closer filters, like `shadow_filter.wgsl`: each texel is compared by itself, and the answers are blended.
 
 use light::{Lanes, Mask};
 
@@ -8,31 +8,31 @@ use crate::nearby::{self, ReceiverPoint};
 use crate::surfaces::SurfaceLanes;
 use crate::{CasterScene, ShadowFilter};
 
-/// A receiver on a map. Each shape of light has its own.
+/// Receiver on a map. Each shape of light has its own.
 pub(crate) trait Receiver {
-    /// Its place, counted from the centre of the first texel.
+    /// Position in texels from the center of the first texel.
     fn texel(&self) -> [F32s; 2];
-    /// Which of the four texels from `corner` on let the light through, row after row.
+    /// Compares the four texels from `corner` on with the receiver, row by row.
     fn lit_texels(&self, map: &DepthMap, corner: [F32s; 2]) -> LitTexels;
 }
 
-/// Which of four texels let light through, row after row.
+/// Lanes in which each of four texels lets light through, row by row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LitTexels {
-    /// By all that the map can tell.
+    /// Decided by the map alone.
     pub resolved: [Masks; 4],
-    /// If what is near to the receiver is left to the scene.
+    /// Decided by the map without casters near the receiver, which are left to the scene.
     pub deferred: [Masks; 4],
 }
 
-/// Shares of the light that the filter lets through, both ways of [`LitTexels`].
+/// Shares of the light that a filter lets through, for both cases of [`LitTexels`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct VisibilityShares {
     pub resolved: F32s,
     pub deferred: F32s,
 }
 
-/// The four texels from a corner on, row after row; what lies beside the map is the nearest of it.
+/// Loads the four texels from a corner on, row by row. Coordinates beyond the map are clamped to it.
 #[inline(always)]
 pub(crate) fn gathered(map: &DepthMap, face: U32s, corner: [F32s; 2]) -> [F32s; 4] {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
@@ -56,8 +56,10 @@ pub(crate) fn gathered(map: &DepthMap, face: U32s, corner: [F32s; 2]) -> [F32s; 
     found
 }
 
-/// Which of the four texels from a corner on lie beyond a map of `side` texels, row after row. Nothing throws shadows there:
-/// maps are fitted to what does, and floors and walls that they are not fitted to are drawn up to the border.
+/// Returns the lanes in which each of the four texels from a corner on lies beyond a map of `side` texels, row by row.
+///
+/// Nothing casts shadows there: maps are fitted to the casters, and floors and walls left out of the fit are drawn up
+/// to the border.
 #[inline(always)]
 pub(crate) fn beyond_map(corner: [F32s; 2], side: usize) -> [Masks; 4] {
     let (zero, one, side) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(side as f32));
@@ -67,13 +69,13 @@ pub(crate) fn beyond_map(corner: [F32s; 2], side: usize) -> [Masks; 4] {
     [left | top, right | top, left | bottom, right | bottom]
 }
 
-/// A texel; 0 where a place that means nothing lies beyond all of them.
+/// Loads a texel; 0 for an index without meaning beyond all texels.
 #[inline(always)]
 fn texel(texels: &[f32], at: u32) -> f32 {
     texels.get(at as usize).copied().unwrap_or(0.0)
 }
 
-/// Sum over four texels, weighted by column and row: 1 to the last bit where all are lit.
+/// Adds four texels, weighted by column and row. The sum is 1 to the last bit if all are lit.
 #[inline(always)]
 fn weighted(lit: &[Masks; 4], columns: [F32s; 2], rows: [F32s; 2]) -> F32s {
     let top = columns[0] * mask_to_float(lit[0]) + columns[1] * mask_to_float(lit[1]);
@@ -81,7 +83,7 @@ fn weighted(lit: &[Masks; 4], columns: [F32s; 2], rows: [F32s; 2]) -> F32s {
     rows[0] * top + rows[1] * bottom
 }
 
-/// 1 of what is lit.
+/// Returns 1 in lit lanes, else 0.
 #[inline(always)]
 fn mask_to_float(lit: Masks) -> F32s {
     F32s::select(lit, F32s::splat(1.0), F32s::splat(0.0))
@@ -95,7 +97,7 @@ fn weighted_both(lit: &LitTexels, columns: [F32s; 2], rows: [F32s; 2]) -> Visibi
     }
 }
 
-/// Shares of the light that `filter` lets through.
+/// Computes the shares of the light that `filter` lets through.
 #[inline(always)]
 pub(crate) fn filter_visibility<R: Receiver>(
     receiver: &R,
@@ -129,15 +131,15 @@ pub(crate) fn filter_visibility<R: Receiver>(
     VisibilityShares { resolved: sum.resolved / ninth, deferred: sum.deferred / ninth }
 }
 
-/// Where the scene is to tell of what is near, and the map of the rest: where light grazes and the texels around do not all let
-/// it through.
+/// Returns the lanes in which the scene decides on near casters, and the map on the others. In these lanes light
+/// grazes, the map alone blocks a part of it, and casters that are not near leave a part of it.
 #[inline(always)]
 pub(crate) fn needs_exact_trace(shares: VisibilityShares, grazes: Masks) -> Masks {
     grazes & shares.resolved.lt(F32s::splat(1.0)) & shares.deferred.gt(F32s::splat(0.0))
 }
 
-/// Share of the light that reaches the surface, given both shares of [`filter_visibility`]. Of lanes that ask the scene `is_blocked` says
-/// whether something lies on the last piece of light's way.
+/// Computes the share of the light that reaches the surface, from both shares of [`filter_visibility`]. `is_blocked`
+/// tests a lane of `asks` for a caster on the last piece of the light path.
 #[inline(always)]
 pub(crate) fn resolve_visibility(
     shares: VisibilityShares,
@@ -156,7 +158,7 @@ pub(crate) fn resolve_visibility(
     visibility
 }
 
-/// The same where the last piece of light's way, reversed, is the straight `way`.
+/// Computes the share with a straight last piece of the light path. `way` is its reverse, from the surface.
 #[inline(always)]
 pub(crate) fn resolve_along_segment(
     scene: &CasterScene,
@@ -176,22 +178,22 @@ pub(crate) fn resolve_along_segment(
     })
 }
 
-/// The sides of surfaces that light arrives at.
+/// Orientation of surfaces towards light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facing {
-    /// Which of those asked for it meets from in front, with nothing of themselves in its way.
+    /// Asked lanes whose surface light meets from the front, without self-shadowing.
     pub active: Masks,
-    /// Whose triangles face the light too.
+    /// Lanes whose triangle faces the light too.
     pub faces_light: Masks,
-    /// Unit normals of the planes that a map is compared with, scene space.
+    /// Unit normal of the plane that is compared with a map, scene space.
     pub normal: Vec3s,
 }
 
-/// Those of `asked`, where `to_light` are unit vectors to where light comes from.
+/// Finds the orientation of the `asked` lanes. `to_light` are unit vectors towards the light.
 #[inline(always)]
 pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3s, asked: Masks) -> Facing {
     let zero = F32s::splat(0.0);
-    // Light that arrives from behind meets the surface's other side.
+    // Light from behind meets the other side of the surface.
     let asked = asked & F32s::dot(surface.normal, to_light).gt(zero);
     let asked = asked & !self_shadowed_lanes(scene, surface, to_light, asked);
     // A facet that faces away lies behind the plane of the smooth surface.
@@ -200,12 +202,12 @@ pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3
     Facing { active: asked, faces_light, normal }
 }
 
-/// Middle and 1 / half size of what is drawn of each lane's face, given those of all faces.
+/// Selects the center and 1 / half size of the drawn part of each lane's face.
 #[inline(always)]
 pub(crate) fn fit_of(fits: &[[f32; 4]], face: U32s) -> [F32s; 4] {
     let [x, y, per_x, per_y] = fits[0];
     let mut fit = [F32s::splat(x), F32s::splat(y), F32s::splat(per_x), F32s::splat(per_y)];
-    // Sixteen pixels that lie together mostly lie on one face.
+    // Sixteen neighbouring pixels mostly lie on one face.
     for (other, [x, y, per_x, per_y]) in (1..).zip(&fits[1..]) {
         let here = face.equals(U32s::splat(other));
         if here.any() {
@@ -218,14 +220,14 @@ pub(crate) fn fit_of(fits: &[[f32; 4]], face: U32s) -> [F32s; 4] {
     fit
 }
 
-/// A place on a face of `side` texels with that fit, y upwards, counted from the centre of the first texel.
+/// Computes a position in texels on a face with this fit and `side`, from the center of the first texel. y is up.
 #[inline(always)]
 pub(crate) fn texel_at(fit: [F32s; 4], [x, y]: [F32s; 2], side: F32s) -> [F32s; 2] {
     let half = F32s::splat(0.5);
     [((x - fit[0]) * fit[2] * half + half) * side - half, (half - (y - fit[1]) * fit[3] * half) * side - half]
 }
 
-/// Which of `asked` are in the way of the light that comes along `arriving`, unit vectors towards it.
+/// Returns the `asked` lanes whose surfaces shadow themselves. `arriving` are unit vectors towards the light.
 #[inline(always)]
 fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Vec3s, asked: Masks) -> Masks {
     let faces_away = F32s::dot(surface.geometric_normal, arriving).le(F32s::splat(0.0));
@@ -244,13 +246,13 @@ fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Ve
 }
 
 impl SurfaceLanes {
-    /// Where light has to arrive for the surfaces to be lit.
+    /// Point at which light must arrive for each surface to be lit.
     #[inline(always)]
     pub fn shadow_position(&self) -> Vec3s {
         self.position + self.normal * self.terminator_offset
     }
 
-    /// One lane's, which exists.
+    /// Returns the receiver of one lane, which must exist.
     pub(crate) fn receiver_point(&self, lane: usize) -> ReceiverPoint {
         ReceiverPoint {
             position: self.position.lane(lane),

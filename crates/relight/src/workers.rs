@@ -1,48 +1,51 @@
-//! The threads that relight: one a core, and no more, whoever asks. Work on many items gives way to others where that is due.
+//! Worker threads for relighting: one per core, regardless of the number of callers. Work on many items yields to
+//! others when that is due.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// A pool of threads. Whoever gives it work waits until it is done.
+/// Pool of threads. The caller blocks until its work is done.
 #[derive(Debug)]
 pub struct Workers {
     pool: ThreadPool,
     yielding: YieldPolicy,
 }
 
-/// Bytes of new memory that are written before others may come: some milliseconds on a machine whose pages come slowly.
+/// Bytes of new memory that are written between two yield points: some milliseconds on a machine with slow page faults.
 const NEW_BYTES_AT_ONCE: usize = 1 << 20;
 
-/// When work that may take long gives way to others, and how; by default never.
+/// Callbacks by which long work yields to others; by default it never does.
 #[derive(Clone, Default)]
 pub struct YieldPolicy(Option<Arc<YieldCallbacks>>);
 
-/// What is asked at a yield point.
+/// Callbacks of a yield point.
 struct YieldCallbacks {
     should_yield: Box<dyn Fn() -> bool + Send + Sync>,
     yield_now: Box<dyn Fn() -> bool + Send + Sync>,
     run_in_background: Box<BackgroundRunner>,
 }
 
-/// Does the work that it is given, and says whether what that belongs to goes on.
+/// Runs the given work, and returns false if the caller of that work is cancelled.
 type BackgroundRunner = dyn Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync;
 
-/// The work was cancelled where it gave way: what it has made is of no use.
+/// Error of work that was cancelled at a yield point. Its partial result is useless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// What is left of the items.
+/// Items that remain.
 struct Queue<I, T> {
     new: I,
-    /// Those that are begun.
+    /// Items that were begun and not finished.
     begun: Vec<T>,
 }
 
 impl YieldPolicy {
-    /// `should_yield` says, on any thread and at once, whether others are to come next; then `yield_now` is called on the thread that
-    /// asked for the work, and returns when it may go on: false where it is cancelled. `aside` does work that takes long while
-    /// others have their turn, and returns when that is done and it may go on.
+    /// Makes a policy of three callbacks.
+    ///
+    /// `is_due` tells at once, on any thread, if others come next. `give_way` then runs on the thread that requested
+    /// the work, and returns when the work may go on: false if it is cancelled. `aside` runs long work while others
+    /// have their turn, and returns when that is done and its caller may go on: false if it is cancelled.
     pub fn new(
         is_due: impl Fn() -> bool + Send + Sync + 'static,
         give_way: impl Fn() -> bool + Send + Sync + 'static,
@@ -56,12 +59,12 @@ impl YieldPolicy {
         })))
     }
 
-    /// Whether others are to come next.
+    /// True if others come next.
     pub fn should_yield(&self) -> bool {
         self.0.as_deref().is_some_and(|calls| (calls.should_yield)())
     }
 
-    /// Lets others come next where that is due.
+    /// Yields to others if that is due. Gives an error if the work is cancelled.
     pub fn yield_point(&self) -> Result<(), Cancelled> {
         match self.0.as_deref() {
             Some(calls) if (calls.should_yield)() && !(calls.yield_now)() => Err(Cancelled),
@@ -69,7 +72,7 @@ impl YieldPolicy {
         }
     }
 
-    /// Does work that takes long and needs nothing that others draw with, while those have their turn.
+    /// Runs long work that needs nothing that others draw with, while those have their turn.
     pub fn run_in_background<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
         let Some(calls) = self.0.as_deref() else { return Ok(work()) };
         let (mut work, mut done) = (Some(work), None);
@@ -85,12 +88,12 @@ impl std::fmt::Debug for YieldPolicy {
 }
 
 impl Workers {
-    /// One a core, which never give way.
+    /// Starts one thread per core, without yielding.
     pub fn new() -> Self {
         Self::with_threads(0)
     }
 
-    /// So many; 0 for one a core.
+    /// Starts `count` threads; 0 for one per core.
     pub fn with_threads(count: usize) -> Self {
         let name = |index| format!("relight {index}");
         let pool = ThreadPoolBuilder::new().num_threads(count).thread_name(name).build();
@@ -98,13 +101,13 @@ impl Workers {
         Self { pool, yielding: YieldPolicy::default() }
     }
 
-    /// The same, with work that gives way.
+    /// Returns the pool with another yield policy.
     #[must_use]
     pub fn with_yield_policy(self, yielding: YieldPolicy) -> Self {
         Self { yielding, ..self }
     }
 
-    /// How many there are.
+    /// Number of threads.
     pub fn count(&self) -> usize {
         self.pool.current_num_threads()
     }
@@ -114,15 +117,17 @@ impl Workers {
         self.pool.install(work)
     }
 
-    /// Has `work` done with each item, in any order, each thread with what is next when it has done one. Between items, and
-    /// where `work` returns false since [`Self::should_yield`] and there is more of its item, others have their turn.
+    /// Runs `work` on each item, in any order. Each thread takes the next item when it has finished one.
+    ///
+    /// Others have their turn between items, and when `work` returns false since [`Self::should_yield`] and its item is
+    /// unfinished.
     pub(crate) fn each<T: Send>(
         &self,
         items: impl ExactSizeIterator<Item = T> + Send,
         work: impl Fn(&mut T) -> bool + Sync,
     ) -> Result<(), Cancelled> {
         let queue = Mutex::new(Queue { new: items, begun: Vec::new() });
-        // In a function of its own: the condition of a loop would hold the lock while the item is worked on.
+        // A closure, since the condition of a loop would hold the lock while the item is worked on.
         let next = || lock(&queue).next();
         loop {
             let unfinished = Mutex::new(Vec::new());
@@ -146,7 +151,8 @@ impl Workers {
         }
     }
 
-    /// Makes `items` as many as `count`, new ones like `item`, a part at a time: memory that is new takes long to come.
+    /// Resizes `items` to `count` with copies of `item`, in parts with a yield point after each, since the operating
+    /// system is slow to provide new memory.
     pub(crate) fn resize<T: Copy>(&self, items: &mut Vec<T>, count: usize, item: T) -> Result<(), Cancelled> {
         items.truncate(count);
         items.reserve_exact(count - items.len());
@@ -158,12 +164,12 @@ impl Workers {
         Ok(())
     }
 
-    /// Lets others come next where that is due.
+    /// Yields to others if that is due. Gives an error if the work is cancelled.
     pub(crate) fn yield_point(&self) -> Result<(), Cancelled> {
         self.yielding.yield_point()
     }
 
-    /// Whether work is to give way.
+    /// True if work must yield.
     pub(crate) fn should_yield(&self) -> bool {
         self.yielding.should_yield()
     }
@@ -192,7 +198,7 @@ mod tests {
 
     use super::*;
 
-    /// Counts how often work gives way, always due, and cancels it the time of that number.
+    /// Makes a policy that always yields, counts that, and cancels the work at a number.
     fn counting(cancelled_at: usize) -> (YieldPolicy, Arc<AtomicUsize>) {
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
@@ -200,7 +206,8 @@ mod tests {
         (YieldPolicy::new(|| true, give_way, |work| (work(), true).1), count)
     }
 
-    /// Each of two items waits for the other to be begun: where one thread does both, or one after the other, neither sees it.
+    /// Each of two items waits until the other has begun. If one thread runs both, or one after the other, neither sees
+    /// the other.
     #[test]
     fn threads_work_on_items_at_the_same_time() {
         let begun = AtomicUsize::new(0);
@@ -225,7 +232,7 @@ mod tests {
         let (yielding, count) = counting(usize::MAX);
         for workers in [Workers::with_threads(2), Workers::with_threads(2).with_yield_policy(yielding)] {
             let done: Vec<AtomicUsize> = (0..100).map(|_| AtomicUsize::new(0)).collect();
-            // Every third takes three times.
+            // Every third item takes three turns.
             let items: Vec<(usize, usize)> = (0..100).map(|k| (k, if k % 3 == 0 { 3 } else { 1 })).collect();
             let ended = workers.each(items.into_iter(), |(index, left)| {
                 *left -= 1;

@@ -1,4 +1,4 @@
-//! The alpha tests of a scene in one table, for passes that draw triangles of all materials at once.
+//! All alpha tests of a scene in one table, for passes that draw triangles of all materials in one call.
 
 use std::sync::Arc;
 
@@ -11,21 +11,20 @@ use crate::{Gpu, RenderError, gpu_structs};
 const TESTS: &str = "the scene's alpha tests in bytes";
 const TEXELS: &str = "the alpha of the scene's textures in bytes";
 
-/// See `alpha_test.wgsl`.
+/// The table; its layout is in `alpha_test.wgsl`.
 #[derive(Debug)]
 pub(crate) struct GpuAlphaTests {
-    /// One a draw with an alpha test, by their triangles.
+    /// One per draw with an alpha test, in the order of their triangles.
     pub list: Vec<gpu_structs::AlphaTest>,
-    /// The same on the device.
     pub tests: Buffer,
-    /// All their pictures.
+    /// Alpha of all tested textures.
     pub texels: Buffer,
-    /// The same in memory, where the processor draws.
+    /// `list` in CPU memory, for the native backend.
     host_tests: Vec<relight::AlphaTest>,
     pub host_texels: Option<Arc<[u8]>>,
 }
 
-/// Where a picture's alpha lies among the texels.
+/// Position of a texture's alpha among the texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlphaPicture {
     pub offset: u32,
@@ -34,7 +33,7 @@ pub(crate) struct AlphaPicture {
 }
 
 impl GpuAlphaTests {
-    /// `texels` have eight bits each.
+    /// Uploads the tests. `texels` have eight bits each.
     pub fn new(
         gpu: &Gpu,
         list: Vec<gpu_structs::AlphaTest>,
@@ -50,7 +49,7 @@ impl GpuAlphaTests {
         })
     }
 
-    /// Other tests by the same pictures.
+    /// Another table of tests over the same texels.
     pub fn with_tests(&self, gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>) -> Result<Self, RenderError> {
         let tests = upload(gpu, TESTS, &list, BufferUsages::STORAGE)?;
         let host_tests = list.iter().map(host_test).collect();
@@ -63,7 +62,7 @@ impl GpuAlphaTests {
         })
     }
 
-    /// One test that no triangle has: a binding may not be empty.
+    /// A table with one test that no triangle has, because a binding must not be empty.
     pub fn none(gpu: &Gpu) -> Result<Self, RenderError> {
         Self::new(
             gpu,
@@ -72,7 +71,7 @@ impl GpuAlphaTests {
         )
     }
 
-    /// The same as the processor asks them.
+    /// The table as the native backend reads it. Panics on the wgpu backend.
     pub fn host(&self) -> relight::AlphaTests<'_> {
         relight::AlphaTests {
             tests: &self.host_tests,
@@ -80,14 +79,14 @@ impl GpuAlphaTests {
         }
     }
 
-    /// Of its buffers and of texels in memory.
+    /// Bytes of the buffers and of texels in CPU memory.
     pub fn bytes(&self) -> u64 {
         let host = self.host_texels.as_ref().map_or(0, |texels| texels.len() as u64);
         self.tests.size() + self.texels.size() + host
     }
 }
 
-/// A test as the processor asks it.
+/// Converts a test to the native backend's type.
 fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
     let wrap = |wrap| match wrap {
         0 => relight::TexelWrap::Repeat,
@@ -111,7 +110,7 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
     }
 }
 
-/// The test of `draw`, where triangles with a test begin with the index `first_masked`.
+/// The test of `draw`. Triangles with a test begin at the index `first_masked`.
 pub(crate) fn alpha_test(
     draw: &MaterialRange,
     first_masked: u32,

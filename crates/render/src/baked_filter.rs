@@ -1,20 +1,19 @@
-//! Which of a light's filters its lighting pass is compiled with.
+//! Features of a light's profile that are compiled into its lighting pass.
 
 use light::{DistanceRamps, LightProfile, ProfileCurve, SectionOutline};
 
-/// See the constants of `profile.wgsl` and `lighting.wgsl`. They are compiled in, so that no light computes what it does
-/// not have, and no branch hangs on a uniform.
+/// Values of the constants in `profile.wgsl` and `lighting.wgsl`. They are compiled in, so no light computes a feature
+/// that it lacks, and no branch depends on a uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a constant of the shaders by itself")]
 pub(crate) struct BakedFilter {
     profile: ProfileCurve,
-    /// Whether its outline is a superellipse.
+    /// True if the outline is a superellipse.
     superellipse: bool,
-    /// Whether its edge lies farther out to one side than to another.
+    /// True if the edge is farther out on one side than on another.
     radial: bool,
-    /// Whether light begins or ends somewhere along its way.
+    /// True if light begins or ends somewhere along its path.
     cut: bool,
-    /// Whether anything shadows it.
     shadowed: bool,
 }
 
@@ -29,7 +28,7 @@ impl BakedFilter {
         }
     }
 
-    /// Each value of each field at least once, that of most lights first.
+    /// Samples with each value of each field at least once; the first is that of most lights.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
         let plain = Self {
@@ -47,7 +46,6 @@ impl BakedFilter {
         ]
     }
 
-    /// `wgsl` with its constants.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         let Self { profile, superellipse, radial, cut, shadowed } = self;
         format!(

@@ -6,7 +6,7 @@ use scene::Projection;
 use crate::gpu_structs::{self, Mat4};
 use crate::{RenderError, View};
 
-/// A camera over a raster.
+/// A camera with the size of its picture.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CameraRaster {
     pub world_from_camera: DAffine3,
@@ -48,22 +48,22 @@ impl CameraRaster {
         Ok(Self { world_from_camera, projection, width: view.width, height: view.height })
     }
 
-    /// Half width and height of what is seen: at distance 1 in perspective, everywhere without.
+    /// Half the width and height of the view: at distance 1 in perspective, at any distance in orthographic projection.
     fn half_size(&self) -> DVec2 {
         let aspect = f64::from(self.width) / f64::from(self.height);
         let y = match self.projection {
             Projection::Perspective { yfov, .. } => (yfov / 2.0).tan(),
             Projection::Orthographic { ymag, .. } => ymag,
         };
-        // Narrower than what the camera frames: its width is kept.
+        // A picture narrower than the camera's frame keeps the frame's width.
         let y = y * self.projection.aspect_ratio().map_or(1.0, |framed| (framed / aspect).max(1.0));
         DVec2::new(y * aspect, y)
     }
 
-    /// Reversed z: 1 at the near plane, 0 at the far one or at infinity.
+    /// Projection with reversed z: 1 at the near plane, 0 at the far plane or at infinity.
     pub fn clip_from_world(&self) -> DMat4 {
         let scale = self.half_size().recip();
-        // z_clip = a z + b and w_clip = c z + d, of the camera-space z.
+        // z_clip = a z + b and w_clip = c z + d, for z in camera space.
         let [a, b, c, d] = match self.projection {
             Projection::Perspective { znear, zfar: None, .. } => [0.0, znear, -1.0, 0.0],
             Projection::Perspective { znear, zfar: Some(zfar), .. } => {
@@ -83,8 +83,8 @@ impl CameraRaster {
         clip_from_camera * self.world_from_camera.inverse()
     }
 
-    /// What shaders need for the samples that lie `jitter` pixels right of and below the pixels' centres, in a
-    /// target whose first pixel is `tile_origin` of the picture. `fill_factor` is [`View::fill`].
+    /// Uniform for samples offset by `jitter` pixels, right and down, from the centers of pixels, in a target whose
+    /// first pixel is `tile_origin` of the picture. `fill_factor` is [`View::fill`].
     pub fn uniform(
         &self,
         jitter: DVec2,
@@ -94,7 +94,7 @@ impl CameraRaster {
         tile_origin: [u32; 2],
     ) -> Result<gpu_structs::View, RenderError> {
         let pixel = DVec2::new(2.0 / f64::from(self.width), -2.0 / f64::from(self.height));
-        // The sample of pixel (0, 0) in normalised device coordinates.
+        // The sample of pixel (0, 0) in normalized device coordinates.
         let first = (DVec2::splat(0.5) + jitter) * pixel + DVec2::new(-1.0, 1.0);
         let shift = DMat4::from_translation((-jitter * pixel).extend(0.0));
         let clip_from_scene = shift * self.clip_from_world() * DMat4::from_translation(scene_origin);
@@ -144,14 +144,15 @@ impl CameraRaster {
         [0, 0, self.width, self.height]
     }
 
-    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`; of no extent where it touches none.
+    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`; of size 0 if it touches
+    /// none.
     ///
-    /// All of them where a corner lies behind the viewer, since it then projects to no place in particular, but for a hull
-    /// of which nothing lies ahead or all beyond one side of the picture.
+    /// Returns all pixels if a corner is behind the camera, since its projection is meaningless, unless all of the hull
+    /// is behind the camera or beyond one side of the picture.
     pub fn bounds_of(&self, corners_in_world: &[DVec3]) -> [u32; 4] {
         let clip_from_world = self.clip_from_world();
         let clip = || corners_in_world.iter().map(|corner| clip_from_world * corner.extend(1.0));
-        // A pixel more on each side, as below.
+        // A margin of one pixel on each side, as below.
         let edge = |pixels: u32| 1.0 + 4.0 / f64::from(pixels);
         let (x, y) = (edge(self.width), edge(self.height));
         let beyond = |is: &dyn Fn(DVec4) -> bool| clip().all(is);
@@ -166,7 +167,7 @@ impl CameraRaster {
         let size = DVec2::new(f64::from(self.width), f64::from(self.height));
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for clip in clip() {
-            // The near plane has z = w; also false where NaN.
+            // The near plane has z = w. Also false for NaN.
             if !(clip.w > 0.0 && clip.z <= clip.w) {
                 return self.all_pixels();
             }
@@ -174,7 +175,7 @@ impl CameraRaster {
             low = low.min(at);
             high = high.max(at);
         }
-        // A pixel's samples lie up to half a pixel from its centre, and f32 rounds.
+        // A pixel's samples are up to half a pixel from its center, and f32 rounds.
         let low = (low.floor() - 1.0).clamp(DVec2::ZERO, size).as_uvec2();
         let high = (high.ceil() + 1.0).clamp(DVec2::ZERO, size).as_uvec2();
         let extent = high.saturating_sub(low);
@@ -182,14 +183,14 @@ impl CameraRaster {
     }
 }
 
-/// A matrix as shaders take it.
+/// Columns of a matrix, in f32.
 pub(crate) fn columns(m: &DMat4) -> Mat4 {
     m.as_mat4().to_cols_array_2d()
 }
 
-/// Where sample `index` of `count` lies, in pixels from the pixel's centre.
+/// Offset of sample `index` of `count` from the pixel's center, in pixels.
 ///
-/// A Fibonacci lattice, centred, so that the samples' mean is the centre; one sample is the centre itself.
+/// Samples form a centered Fibonacci lattice, so their mean is the center. A single sample is the center itself.
 pub(crate) fn sample_offset(index: u32, count: u32) -> DVec2 {
     const INVERSE_GOLDEN_RATIO: f64 = 0.618_033_988_749_894_9;
     let from_middle = f64::from(index) + 0.5 - f64::from(count) / 2.0;
@@ -210,9 +211,9 @@ mod tests {
             let offsets: Vec<_> = (0..count).map(|i| sample_offset(i, count)).collect();
             assert!(offsets.iter().all(|o| o.abs().max_element() <= 0.5));
             let mean = offsets.iter().sum::<DVec2>() / f64::from(count);
-            // Samples mirror each other about the centre; the half-open edge can leave one pair unmatched.
+            // Samples mirror each other about the center; the half-open edge can leave one pair unmatched.
             assert!(mean.abs().max_element() <= 1.0 / f64::from(count), "{count}: {mean}");
-            // Each of the count columns holds one; each quadrant has its share, give or take two.
+            // Each of the `count` columns holds one sample; each quadrant holds its share, within two.
             for (sx, sy) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
                 let there = offsets.iter().filter(|o| o.x * sx > 0.0 && o.y * sy > 0.0).count();
                 assert!(there.abs_diff(count as usize / 4) <= 2, "{count}: {there}");
@@ -222,7 +223,7 @@ mod tests {
 
     #[test]
     fn rays_and_matrix_agree() {
-        // A point on the ray of a sample must project to the pixel's centre, at the depth that z stands for.
+        // A point on a sample's ray must project to the pixel's center, at the depth that z stands for.
         let world_from_camera = DAffine3 {
             matrix3: DMat3::from_rotation_y(0.7) * DMat3::from_rotation_x(-0.3),
             translation: DVec3::new(4.0, 5.0, 6.0),
@@ -248,8 +249,7 @@ mod tests {
                 let direction = along(u.ray_direction, u.ray_direction_dx, u.ray_direction_dy, x, y);
                 let clip = clip_from_scene * (origin + direction * depth).extend(1.0);
                 let ndc = clip / clip.w;
-                // f32 rounds coordinates of size 30 by 2e-6, and a pixel of 7 is 2 / 7 of the unit: 1e-5
-                // pixels.
+                // f32 rounds coordinates of size 30 by 2e-6, and one of 7 pixels is 2 / 7 of the unit: 1e-5 pixels.
                 let pixel = [(ndc.x * 0.5 + 0.5) * 7.0 - 0.5, (0.5 - ndc.y * 0.5) * 5.0 - 0.5];
                 assert!(
                     (pixel[0] - x).abs() < 1e-4 && (pixel[1] - y).abs() < 1e-4,
@@ -257,13 +257,14 @@ mod tests {
                 );
                 let [a, b, c, d] = uniform.depth_from_z;
                 let back = (a + b * ndc.z) / (c + d * ndc.z);
-                // Without a far plane z is relative; with one, z = 0 stands for it and 6e-8 of it is lost.
+                // Without a far plane the error of z is relative. With one, z = 0 is the far plane, and 6e-8 of its
+                // distance is lost.
                 assert!((back - depth).abs() < 1e-4 * depth, "{projection:?} {back} {depth}");
             }
         }
     }
 
-    /// The same numbers as in `view_ray.rs` of scene and `camera.test.ts` of the page: a camera that frames 2 by 1.
+    /// Uses the numbers of scene's `view_ray.rs` and the page's `camera.test.ts`: a camera that frames 2 by 1.
     #[test]
     fn all_that_a_camera_frames_is_in_the_picture() {
         let yfov = 2.0 * 0.5_f64.atan();
@@ -298,7 +299,7 @@ mod tests {
         assert_eq!(x, (50.0 + 0.1 * pixels_a_unit).floor() as u32 - 1);
         assert_eq!(x + width, (50.0 + 0.2 * pixels_a_unit).ceil() as u32 + 1);
         assert_eq!((y + height, y), (51, (50.0 - 0.1 * pixels_a_unit).floor() as u32 - 1));
-        // Partly behind the viewer: everything. All of it behind, or off the picture: nothing.
+        // A hull partly behind the camera gives all pixels; one entirely behind it or outside the picture gives none.
         let [behind, ahead, aside] = [1.0, -1.0, 0.0].map(|z| DVec3::new(0.0, 0.0, z));
         let all = [0, 0, 100, 100];
         assert_eq!(raster.bounds_of(&[behind, ahead]), all);
@@ -307,9 +308,9 @@ mod tests {
         for turn in [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y] {
             let far = 9.0 * turn;
             assert_eq!(raster.bounds_of(&[far + ahead, 2.0 * far + ahead, far + behind]), [0; 4], "{turn}");
-            // Each beyond the side, or behind, but what lies between them ahead.
+            // Each corner is beyond the side or behind the camera, but the segment between them is ahead.
             assert_eq!(raster.bounds_of(&[far + behind, ahead - far]), all, "{turn}");
-            // Seen just: within the pixel that rounding may take.
+            // Barely visible: within the pixel that rounding may take.
             let edge = turn * (0.5_f64.tan() * 1.01);
             assert!(raster.bounds_of(&[edge + ahead]) != [0; 4], "{turn}");
         }

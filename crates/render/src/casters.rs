@@ -1,4 +1,4 @@
-//! What casts shadows: the scene's own triangles, or fewer that stray a little from them.
+//! Triangles that cast shadows: the scene's own, or fewer within an error.
 
 use std::sync::Arc;
 
@@ -15,38 +15,38 @@ use crate::{Gpu, RenderError};
 #[cfg(test)]
 pub(crate) mod tests;
 
-/// Meshoptimizer bounds the root of a mean of squared distances. The largest distance is up to 2.6 times
-/// that, measured on balls and bowls of 9,000 to 160,000 triangles.
+/// Ratio of the largest distance to the root mean square that meshoptimizer bounds. Measured up to 2.6 on balls and
+/// bowls of 9,000 to 160,000 triangles.
 const MAX_TO_RMS_ERROR: f64 = 3.0;
-/// The least such mean, of the extent of what is simplified: its square is 1.3 ulps of 1 in f32. With less,
-/// rounding decides what is collapsed: up to 6 times the mean was seen.
+/// Smallest usable root mean square error, as a share of the extent of the simplified mesh. Its square is 1.3 ulps of 1
+/// in f32. Below it, rounding decides which edges collapse: errors up to 6 times the bound occurred.
 const MIN_RELATIVE_RMS_ERROR: f64 = 4e-4;
 
-/// The triangles that shadow maps are made of, in scene space, in the order in which their clusters have them.
+/// Triangles of shadow maps, in scene space, in the order of their clusters.
 #[derive(Clone, Debug)]
 pub(crate) struct Casters {
-    /// `array<f32>`, three a vertex.
+    /// `array<f32>`, three per vertex.
     pub positions: Buffer,
-    /// Three a triangle; those without an alpha test come first.
+    /// Three per triangle; triangles without an alpha test come first.
     pub indices: Buffer,
     pub vertex_count: u32,
     pub triangle_count: u32,
-    /// How many indices have no alpha test.
+    /// Number of indices without an alpha test.
     pub opaque_indices: u32,
     pub clusters: Clusters,
-    /// The same in memory, where the processor draws.
+    /// The same in CPU memory, on the native backend.
     pub host: Option<Arc<HostCasters>>,
 }
 
-/// Casters in memory, for maps that the processor draws.
+/// Casters in CPU memory, for the native backend's maps.
 #[derive(Debug)]
 pub(crate) struct HostCasters {
     pub positions: Vec<[f32; 3]>,
-    /// As [`Casters::indices`].
+    /// Same order as [`Casters::indices`].
     pub indices: Vec<u32>,
 }
 
-/// What casters are made of, before any of it is on a device.
+/// Casters before upload.
 pub(crate) struct CasterMesh {
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
@@ -68,7 +68,7 @@ impl CasterMesh {
         let (mut clusters, order) =
             Clusters::new(positions, triangles, (opaque_indices / 3, mesh_error > 0.0));
         let mut indices: Vec<u32> = order.iter().flat_map(|&triangle| triangles[triangle as usize]).collect();
-        // In the order in which triangles need them, so that few blocks have those of a leaf.
+        // In the order of first use by triangles, so that the vertices of a leaf are in few blocks.
         let positions = meshopt::optimize_vertex_fetch(&mut indices, positions);
         clusters.note_blocks(&indices);
         Self { positions, indices, opaque_indices, clusters }
@@ -78,7 +78,6 @@ impl CasterMesh {
         self.indices.len() / 3
     }
 
-    /// Puts it on a device.
     pub fn upload(self, gpu: &Gpu) -> Result<Casters, RenderError> {
         let Self { positions, indices, opaque_indices, clusters } = self;
         let (for_vertices, for_triangles) =
@@ -96,30 +95,29 @@ impl CasterMesh {
 }
 
 impl Casters {
-    /// The surface of `vertices`, of whose indices the first `opaque_indices` have no alpha test, in fewer triangles where
-    /// `mesh_error` (world units) lets it stray.
+    /// Casters for the surface of `vertices`, whose first `opaque_indices` indices have no alpha test. They have fewer
+    /// triangles if `mesh_error` (world units) permits.
     pub fn new(gpu: &Gpu, surface: (&Vertices, usize), mesh_error: f64) -> Result<Self, RenderError> {
         gpu.run_in_background(|| CasterMesh::new(surface, mesh_error))?.upload(gpu)
     }
 
-    /// Of its buffers and arrays.
+    /// Bytes of the buffers and of arrays in CPU memory.
     pub fn bytes(&self) -> u64 {
         let of = |host: &HostCasters| size_of_val(&host.positions[..]) + size_of_val(&host.indices[..]);
         self.positions.size() + self.indices.size() + self.host.as_deref().map_or(0, of) as u64
     }
 }
 
-/// What throws shadows in a light: all of a scene, or what its links leave.
+/// Shadow casters of a light: all of a scene, or those that its links leave.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CasterSet<'a> {
     pub casters: &'a Casters,
-    /// The scene's own triangles that have an alpha test.
+    /// The scene's own alpha-tested triangles.
     pub alpha_tested: &'a [MaterialDraw],
-    /// Those of `masked`; `None` where there are none.
+    /// Tests of `alpha_tested`; `None` if there are none.
     pub alpha_tests: Option<&'a GpuAlphaTests>,
 }
 
-/// Triangles by their corners.
 #[derive(Default)]
 struct Mesh {
     positions: Vec<[f32; 3]>,
@@ -127,10 +125,10 @@ struct Mesh {
     opaque_indices: usize,
 }
 
-/// Collapses edges of the opaque triangles while the surface stays within `error` of what it was, and drops
-/// the vertices that nothing needs any more.
+/// Collapses edges of the opaque triangles while the surface stays within `error` of the original, and drops unused
+/// vertices.
 fn simplify(positions: &[[f32; 3]], (opaque, masked): (&[u32], &[u32]), error: f64) -> Mesh {
-    // Vertices that only normals or uvs tell apart are one: no edge between them can tear.
+    // Vertices that differ only in normals or uvs are welded, so no edge between them can tear.
     let first_at = meshopt::generate_position_remap_decoder(positions);
     let corners = opaque.as_chunks::<3>().0.iter().map(|triangle| triangle.map(|k| first_at[k as usize]));
     let mut triangles: Vec<_> = corners.filter(|[a, b, c]| a != b && b != c && c != a).collect();
@@ -157,8 +155,7 @@ fn simplify(positions: &[[f32; 3]], (opaque, masked): (&[u32], &[u32]), error: f
     mesh
 }
 
-/// Fewer triangles of what is connected, each part by itself: meshoptimizer measures in f32 against its whole
-/// extent.
+/// Simplifies one connected component. meshoptimizer measures in f32 against the whole extent of its input.
 fn simplify_part(positions: &[[f32; 3]], indices: Vec<u32>, error: f64) -> Vec<u32> {
     let points = || positions.iter().copied().map(Vec3::from);
     let extent = points().fold(Vec3::MIN, Vec3::max) - points().fold(Vec3::MAX, Vec3::min);
@@ -172,7 +169,7 @@ fn simplify_part(positions: &[[f32; 3]], indices: Vec<u32>, error: f64) -> Vec<u
 }
 
 impl Mesh {
-    /// Adds triangles and those of the vertices that they have.
+    /// Appends triangles with the vertices that they use.
     fn add(&mut self, positions: &[[f32; 3]], mut indices: Vec<u32>) {
         let used = meshopt::optimize_vertex_fetch(&mut indices, positions);
         let first = self.positions.len() as u32;

@@ -1,40 +1,40 @@
-//! Which triangles are of closed surfaces: of those, light that comes from outside meets only the front.
+//! Finds triangles of closed components. Light from outside such a component hits only its front faces.
 
 use glam::{DVec3, Vec3};
 
 use crate::bounds::BoundsF32;
 
-/// What a triangle is of.
+/// Kind of component that a triangle belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TriangleComponent {
-    /// A surface with an edge, or whose triangles do not agree which side is the front.
+    /// A surface with an edge, or with inconsistent winding.
     Open,
-    /// A closed surface, seen counter-clockwise from outside.
+    /// A closed surface, counter-clockwise from outside.
     Closed,
-    /// A closed surface, seen counter-clockwise from inside.
+    /// A closed surface, counter-clockwise from inside.
     InsideOut,
 }
 
-/// The connected surfaces of a list of triangles.
+/// The connected components of a list of triangles.
 #[derive(Debug)]
 pub(crate) struct ClosedComponents {
-    /// One a triangle: which part.
+    /// Component of each triangle.
     part_of: Vec<u32>,
     parts: Vec<(TriangleComponent, BoundsF32)>,
 }
 
-/// A connected surface while its triangles are gone through.
+/// A component under construction.
 #[derive(Debug)]
 struct ComponentBuilder {
     first: DVec3,
     bounds: BoundsF32,
     is_closed: bool,
-    /// Six times what it encloses, and the same were every triangle seen from its front.
+    /// Six times the enclosed volume.
     volume: f64,
     volume_at_most: f64,
 }
 
-/// Less than this share of what a part could enclose is rounding: that has no inside.
+/// A component whose volume is below this share of the sum of absolute volumes has no inside: it is rounding.
 const MIN_VOLUME_RATIO: f64 = 1e-6;
 
 impl ComponentBuilder {
@@ -45,7 +45,7 @@ impl ComponentBuilder {
 
     fn add(&mut self, corners: [Vec3; 3]) {
         self.bounds = BoundsF32::union([self.bounds, BoundsF32::of(corners.into_iter())].into_iter());
-        // Around a point of its own: far from it rounding would decide.
+        // Relative to a point of the component, since far from it rounding would dominate.
         let [a, b, c] = corners.map(|corner| corner.as_dvec3() - self.first);
         let volume = a.dot(b.cross(c));
         self.volume += volume;
@@ -64,10 +64,10 @@ impl ComponentBuilder {
 }
 
 impl TriangleComponent {
-    /// In the order of their numbers, which `bent_map.wgsl` has too.
+    /// In the order of their numbers, which `bent_map.wgsl` shares.
     pub const ALL: [Self; 3] = [Self::Open, Self::Closed, Self::InsideOut];
 
-    /// The same in a mirror.
+    /// The kind after a reflection.
     pub fn mirrored(self) -> Self {
         match self {
             Self::Open => Self::Open,
@@ -78,10 +78,10 @@ impl TriangleComponent {
 }
 
 impl ClosedComponents {
-    /// Vertices in one place are one.
+    /// Welds vertices by position.
     ///
-    /// A part is closed where each edge is passed as often one way as the other. Every path that begins and ends outside
-    /// then goes in as often as it comes out.
+    /// A component is closed if each edge is passed equally often in both directions. A path that begins and ends
+    /// outside then enters as often as it leaves.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let first_at = meshopt::generate_position_remap_decoder(positions);
         let welded: Vec<[u32; 3]> =
@@ -115,12 +115,11 @@ impl ClosedComponents {
         Self { part_of, parts }
     }
 
-    /// What that triangle is of.
     pub fn component_of(&self, triangle: u32) -> TriangleComponent {
         self.part(triangle).0
     }
 
-    /// Around all that it is connected with.
+    /// Bounds of the triangle's component.
     pub fn bounds(&self, triangle: u32) -> BoundsF32 {
         self.part(triangle).1
     }
@@ -130,7 +129,7 @@ impl ClosedComponents {
     }
 }
 
-/// A number for each vertex, the same for those that triangles connect.
+/// Labels vertices; vertices that triangles connect have the same label.
 pub(crate) fn connected(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut parents: Vec<u32> = (0..vertex_count as u32).collect();
     let root = |parents: &mut Vec<u32>, mut vertex: u32| {
@@ -155,7 +154,7 @@ pub(crate) fn connected(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32>
 mod tests {
     use super::*;
 
-    /// A box whose faces have corners of their own, as normals make them.
+    /// A box whose faces have separate corners, as normals require.
     fn cube(at: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         let corner = |k: usize| [at + (k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32];
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -202,7 +201,7 @@ mod tests {
         assert_eq!([min, max], [Vec3::ZERO, Vec3::ONE]);
     }
 
-    /// A card with a back has no inside, and neither have triangles without an area.
+    /// A two-sided card has no inside, and neither do triangles without area.
     #[test]
     fn what_encloses_nothing_is_open() {
         let positions = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 1.0, 0.3]];

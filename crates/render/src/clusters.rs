@@ -1,4 +1,4 @@
-//! Boxes around what casts shadows, in trees: what shadow maps are fitted to, and which triangles they look at.
+//! Trees of boxes around shadow casters. Shadow maps are fitted to them, and use them to select triangles.
 
 use std::ops::Range;
 
@@ -12,16 +12,18 @@ pub(crate) const TRIANGLES_PER_LEAF: usize = 64;
 /// Vertices of a block. The workgroups of `bent_map_vertices.wgsl` have as many threads.
 pub(crate) const VERTICES_PER_BLOCK: usize = 64;
 
-/// Boxes count as across a plane that they miss by this share of what it is made with: rounding here and on the GPU.
+/// A box counts as straddling a plane that it misses by this share of the numbers involved, for rounding here and on
+/// the GPU.
 const ROUNDING: f64 = 1e-6;
 
-/// How far from a side of the casters' bounds a triangle may be that lies in it, as a share of their size: rounding.
+/// Largest distance of a triangle from the side of the casters' bounds that contains it, as a share of their size, for
+/// rounding.
 const SIDE_THICKNESS: f32 = 1e-6;
 
-/// Boxes around triangles that cast shadows: those that lie in a side of their bounds, as floors and walls do, and the
-/// others.
+/// Boxes around shadow casters. Triangles in a side of the casters' bounds, such as floors and walls, are separate from
+/// the others.
 ///
-/// Nothing lies behind a side, so a side casts no shadow that can be seen, unless light comes in through it.
+/// Nothing is behind a side, so it casts no visible shadow unless light enters through it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clusters {
     pub leaves: Vec<ClusterLeaf>,
@@ -29,34 +31,33 @@ pub(crate) struct Clusters {
     blocks: Vec<u32>,
     inner: ClusterTree,
     sides: Vec<(OpenSide, ClusterTree)>,
-    /// Whether the triangles stray from the surface that they stand for.
+    /// True if the triangles deviate from the surface that they stand for.
     is_simplified: bool,
 }
 
-/// Triangles that lie near each other, one after the other in the casters' list.
+/// Triangles close to each other and contiguous in the casters' list.
 #[derive(Clone, Debug)]
 pub(crate) struct ClusterLeaf {
     pub triangles: Range<u32>,
-    /// What they are of.
     pub component: TriangleComponent,
-    /// Around all of the closed surfaces that its triangles are of.
+    /// Bounds of all closed components that its triangles belong to.
     pub component_bounds: ClusterBounds,
-    /// Where its vertices' blocks are listed.
+    /// Range in the list of vertex blocks.
     blocks: Range<usize>,
 }
 
-/// A side of the casters' bounds: the plane `normal . p = offset`, whose outer side holds nothing.
+/// A side of the casters' bounds: the plane `normal . p = offset`, with nothing beyond it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct OpenSide {
     pub normal: DVec3,
     pub offset: f64,
 }
 
-/// Which sides light comes in through; the bits of [`Clusters::open_sides`].
+/// Bit set of the sides that light enters through; see [`Clusters::open_sides`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct OpenSides(u8);
 
-/// A node before those within it.
+/// Nodes in depth-first order: each precedes its descendants.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClusterTree {
     nodes: Vec<Node>,
@@ -66,13 +67,13 @@ pub(crate) struct ClusterTree {
 struct Node {
     min: Vec3,
     max: Vec3,
-    /// Where the nodes within this one end.
+    /// Index after the node's last descendant.
     end: usize,
-    /// Which leaf, where there are none within.
+    /// Index of the leaf, if the node has no descendants.
     leaf: u32,
 }
 
-/// A box along the axes of scene space.
+/// An axis-aligned box in scene space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClusterBounds {
     pub center: DVec3,
@@ -80,19 +81,16 @@ pub(crate) struct ClusterBounds {
     pub half: DVec3,
 }
 
-/// What becomes of the boxes within a box; of what several ask for, the last.
+/// Treatment of the boxes within a box. If several are requested, the last in this order applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum BoxSelection {
-    /// All are left out.
     Skip,
-    /// They are looked at.
     Descend,
-    /// All are taken.
     TakeAll,
 }
 
 impl ClusterLeaf {
-    /// What its triangles are of, for light that begins at `source`: open where that may lie inside of it.
+    /// The component of the leaf's triangles for light from `source`: open if the source may be inside of it.
     pub fn component_from(&self, source: Option<&ClusterBounds>) -> TriangleComponent {
         if source.is_some_and(|source| self.component_bounds.touches(source)) {
             TriangleComponent::Open
@@ -103,8 +101,8 @@ impl ClusterLeaf {
 }
 
 impl Clusters {
-    /// Boxes around triangles in scene space, the first `whole` of which have no alpha test, and the order in which
-    /// leaves have them: those with an alpha test stay in their order behind the others.
+    /// Builds the boxes around triangles in scene space, the first `opaque` of which have no alpha test. Also returns
+    /// the order of the leaves' triangles: alpha-tested ones follow the others in their original order.
     pub fn new(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
@@ -113,7 +111,7 @@ impl Clusters {
         let corners = |triangle: u32| triangles[triangle as usize].map(|k| Vec3::from(positions[k as usize]));
         let bounds = BoundsF32::of(triangles.iter().flatten().map(|&k| Vec3::from(positions[k as usize])));
         let thickness = SIDE_THICKNESS * (bounds.max - bounds.min).max_element();
-        // Two for each axis: the lower side and the upper one.
+        // Two per axis: the lower side and the upper one.
         let side_of = |triangle: u32| {
             (0..INNER).find(|side| {
                 let axis = side / 2;
@@ -179,7 +177,7 @@ impl Clusters {
         (clusters, order)
     }
 
-    /// Notes which blocks of vertices each leaf has, where `indices` are the corners of triangles in the leaves' order.
+    /// Records the vertex blocks of each leaf. `indices` are corners of triangles in the leaves' order.
     pub fn note_blocks(&mut self, indices: &[u32]) {
         for leaf in &mut self.leaves {
             let corners = &indices[3 * leaf.triangles.start as usize..3 * leaf.triangles.end as usize];
@@ -191,28 +189,28 @@ impl Clusters {
         }
     }
 
-    /// The blocks of vertices in which a leaf has corners.
+    /// The vertex blocks in which a leaf has corners.
     pub fn blocks_of(&self, leaf: &ClusterLeaf) -> &[u32] {
         &self.blocks[leaf.blocks.clone()]
     }
 
-    /// The sides that may cast shadows that can be seen; `may_enter` says through which light does.
+    /// Sides that may cast visible shadows: those for which `comes_in` says that light enters.
     pub fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
-        // Casters that stray from a side have something behind them.
+        // Simplified casters may have surfaces behind a side.
         let open = |side: &OpenSide| self.is_simplified || comes_in(side);
         OpenSides(
             self.sides.iter().enumerate().filter(|(_, (side, _))| open(side)).map(|(k, _)| 1 << k).sum(),
         )
     }
 
-    /// The trees of what may cast shadows that can be seen.
+    /// Trees of the casters whose shadows may be visible.
     pub fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
         let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
         std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
     }
 }
 
-/// Index of the group of triangles that lie in no side.
+/// Index of the group of triangles that are in no side.
 const INNER: usize = 6;
 
 impl From<BoundsF32> for ClusterBounds {
@@ -222,7 +220,7 @@ impl From<BoundsF32> for ClusterBounds {
     }
 }
 
-/// Halves items by their centres, at the medians of those, until at most so many are left, and hands over what is.
+/// Splits items at the medians of their centers until a group has at most `most`, and passes each group to `leaf`.
 fn split<T>(items: &mut [(Vec3, T)], most: usize, leaf: &mut impl FnMut(&[(Vec3, T)])) {
     if items.is_empty() {
         return;
@@ -245,14 +243,14 @@ fn halves<T>(items: &mut [T], center: impl Fn(&T) -> Vec3) -> (&mut [T], &mut [T
 }
 
 impl OpenSide {
-    /// How far outside a position in scene space lies.
+    /// Distance of a position in scene space beyond the side.
     pub fn height(&self, position: DVec3) -> f64 {
         self.normal.dot(position) - self.offset
     }
 }
 
 impl ClusterTree {
-    /// Of leaves by their bounds.
+    /// Builds a tree of leaves with their bounds.
     fn new(leaves: &mut [(BoundsF32, u32)]) -> Self {
         let mut tree = Self::default();
         if !leaves.is_empty() {
@@ -261,7 +259,7 @@ impl ClusterTree {
         tree
     }
 
-    /// Adds the node of those leaves, and all within; returns its bounds.
+    /// Adds a node for those leaves, with its descendants. Returns its bounds.
     fn add(&mut self, leaves: &mut [(BoundsF32, u32)]) -> BoundsF32 {
         let index = self.nodes.len();
         let BoundsF32 { min, max } = BoundsF32::NOTHING;
@@ -278,7 +276,8 @@ impl ClusterTree {
         bounds
     }
 
-    /// Shows `visit` boxes, from the largest on, and whether one has boxes within. Where it says no, those are left out.
+    /// Passes boxes to `visit`, parents first, with true if the box has descendants. Skips the descendants if `visit`
+    /// returns false.
     pub fn walk(&self, mut visit: impl FnMut(&ClusterBounds, bool) -> bool) {
         let mut index = 0;
         while let Some(node) = self.nodes.get(index) {
@@ -287,7 +286,7 @@ impl ClusterTree {
         }
     }
 
-    /// Shows `visit` boxes, from the largest on, and `take` the leaves that were not left out.
+    /// Passes boxes to `visit`, parents first, and the leaves that were not skipped to `take`.
     pub fn select(&self, visit: impl Fn(&ClusterBounds) -> BoxSelection, mut take: impl FnMut(u32)) {
         let (mut index, mut taken_to) = (0, 0);
         while let Some(node) = self.nodes.get(index) {
@@ -317,9 +316,9 @@ impl Node {
 impl ClusterBounds {
     const NOTHING: Self = Self { center: DVec3::ZERO, half: DVec3::NEG_INFINITY };
 
-    /// Where the box lies, of planes in scene space inside of which `normal . p + offset` is zero or more: taken where it is
-    /// inside of all, left out where it is outside of one. `reach` is how large what planes are rounded with may be besides
-    /// what a position adds.
+    /// Classifies the box against planes in scene space, with `normal . p + offset` zero or more inside. It is taken if
+    /// inside all planes, and skipped if outside one. `reach` scales the planes' rounding, in addition to the
+    /// positions.
     pub fn select_by_planes(&self, planes: &[(DVec3, f64)], reach: f64) -> BoxSelection {
         let of = |&(normal, offset): &(DVec3, f64)| {
             let [low, high] = self.range(normal, offset);
@@ -336,18 +335,17 @@ impl ClusterBounds {
         planes.iter().map(of).min().unwrap_or(BoxSelection::TakeAll)
     }
 
-    /// Whether two boxes share a point.
+    /// True if two boxes share a point.
     pub fn touches(&self, other: &Self) -> bool {
         (self.center - other.center).abs().cmple(self.half + other.half).all()
     }
 
-    /// The least and the greatest value of `normal . p + offset` in the box.
+    /// Least and greatest value of `normal . p + offset` in the box.
     pub fn range(&self, normal: DVec3, offset: f64) -> [f64; 2] {
         let (middle, reach) = (normal.dot(self.center) + offset, normal.abs().dot(self.half));
         [middle - reach, middle + reach]
     }
 
-    /// The eight corners.
     pub fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|k| {
             let sign =
@@ -357,7 +355,7 @@ impl ClusterBounds {
     }
 }
 
-/// All triangles without an alpha test.
+/// Clusters of triangles without alpha tests.
 #[cfg(test)]
 pub(crate) fn of_opaque(positions: &[[f32; 3]], indices: &[u32]) -> Clusters {
     let triangles = indices.as_chunks().0;
@@ -368,7 +366,7 @@ pub(crate) fn of_opaque(positions: &[[f32; 3]], indices: &[u32]) -> Clusters {
 mod tests {
     use super::*;
 
-    /// Each triangle lies in a leaf, leaves are small, and boxes hold those within them.
+    /// Each triangle is in a leaf, leaves are small, and boxes contain their descendants.
     #[test]
     fn boxes_hold_their_triangles() {
         let positions: Vec<[f32; 3]> =
@@ -402,7 +400,7 @@ mod tests {
         of_opaque(&[], &[]).inner.walk(|_, _| unreachable!("nothing has no box"));
     }
 
-    /// A floor under everything lies in a side, with nothing behind it; a table on it does not.
+    /// A floor under everything is in a side, with nothing behind it. A table on it is not.
     #[test]
     fn floors_are_sides() {
         let square =

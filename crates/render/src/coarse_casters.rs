@@ -1,4 +1,5 @@
-//! Casters of fewer triangles for coarse maps of bent lights: made by a thread of their own, and used once they are there.
+//! Simplified casters for coarse maps of bent lights. A separate thread makes them, and maps use them once they are
+//! ready.
 
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
@@ -9,41 +10,39 @@ use crate::gpu_scene::GpuScene;
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError};
 
-/// They may stray so far, of half the diagonal of the scene: a quarter of a texel of a coarse map, 1024 texels a side, that shows
-/// all of it.
+/// Largest error as a share of half the scene's diagonal: a quarter of a texel of a coarse map, with 1024 texels a
+/// side, that shows the whole scene.
 const SHARE_OF_SCENE: f64 = 1.0 / 2048.0;
-/// And so many texels of the map that they are drawn to, where its texels are widest: its filter blends two.
+/// Largest error in texels of the map, at its widest texels: the filter blends two.
 const MOST_TEXELS: f64 = 2.0;
-/// Coarse maps that a scene is asked for first: one that moves is another scene for each picture.
+/// Number of coarse maps without simplified casters per scene. A moving scene is another scene for each picture.
 const MAPS_BEFORE_START: u32 = 3;
-/// With more triangles, of those of the scene, they are not worth their memory.
+/// Largest number of triangles, as a share of the scene's, that is worth the memory.
 const MAX_TRIANGLE_RATIO: f64 = 0.75;
 
-/// Those of one scene.
+/// Simplified casters of one scene.
 #[derive(Debug, Default)]
 pub(crate) struct CoarseCasters {
-    /// Of the scene that they are, or were begun, for.
+    /// Revision of the scene that they belong to.
     scene_revision: u64,
     state: State,
 }
 
 #[derive(Debug)]
 enum State {
-    /// So many maps could have used them.
+    /// Number of maps that could have used them.
     Asked(u32),
     Making(JoinHandle<Option<CasterMesh>>),
     Made(SimplifiedCasters),
-    /// They would be hardly fewer.
+    /// They would hardly have fewer triangles.
     NotWorthwhile,
 }
 
-/// What they are.
 #[derive(Debug)]
 pub(crate) struct SimplifiedCasters {
     pub casters: Casters,
-    /// How far they may stray from the surface, in world units.
+    /// Largest distance from the surface, in world units.
     pub mesh_error: f64,
-    /// Counts their buffers.
     _memory: Reservation,
 }
 
@@ -60,30 +59,31 @@ impl SimplifiedCasters {
         Ok(Self { casters, mesh_error: mesh_error(scene), _memory: memory })
     }
 
-    /// Whether they are close enough for a map whose texels are `texel` wide, in world units.
+    /// True if they are accurate enough for a map whose texels are `texel` wide, in world units.
     pub fn is_accurate_for(&self, texel: f64) -> bool {
         self.mesh_error <= MOST_TEXELS * texel
     }
 }
 
 impl CoarseCasters {
-    /// Gives their memory back where they are of a scene before that revision.
+    /// Frees casters of another scene revision.
     pub fn forget_before(&mut self, scene_revision: u64) {
         if self.scene_revision != scene_revision && matches!(self.state, State::Made(_)) {
             self.state = State::default();
         }
     }
 
-    /// Those of `scene` for one more map, where they are there: begins to make them, or takes what is made.
+    /// Returns the casters of `scene` for one more map, if they are ready. Starts or collects the thread that makes
+    /// them.
     pub fn get(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<Option<&SimplifiedCasters>, RenderError> {
         self.state = match std::mem::take(&mut self.state) {
-            // One thread at a time, also where the scene is another by now.
+            // One thread at a time, even if the scene has changed.
             State::Making(thread) if !thread.is_finished() => {
                 self.state = State::Making(thread);
                 return Ok(None);
             }
             _ if self.scene_revision != scene.revision => State::default(),
-            // A thread that panicked has said so.
+            // A thread that panicked has already reported it.
             State::Making(thread) => match thread.join().ok().flatten() {
                 Some(mesh) => State::Made(SimplifiedCasters::new(gpu, scene, mesh)?),
                 None => State::NotWorthwhile,
@@ -103,7 +103,7 @@ impl CoarseCasters {
 
 #[cfg(test)]
 impl CoarseCasters {
-    /// Whether a thread makes them, or has made them.
+    /// True if a thread is making them, or has made them.
     pub fn is_begun(&self) -> bool {
         !matches!(self.state, State::Asked(_))
     }
@@ -117,7 +117,7 @@ fn mesh_error(scene: &GpuScene) -> f64 {
     SHARE_OF_SCENE * scene.posed.half_extent.length()
 }
 
-/// Begins to make them; the thread gives none where they are not worthwhile.
+/// Starts the thread. It returns `None` if the casters are not worthwhile.
 fn spawn_simplification(scene: &GpuScene) -> JoinHandle<Option<CasterMesh>> {
     let (posed, opaque_indices) = (Arc::clone(&scene.posed), scene.opaque_indices as usize);
     let (mesh_error, most) = (mesh_error(scene), MAX_TRIANGLE_RATIO * f64::from(scene.triangle_count));

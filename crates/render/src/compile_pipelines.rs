@@ -1,4 +1,4 @@
-//! The common pipelines drawn once, so that no first picture waits for a compiler.
+//! Draws with the common pipelines once, so that no first picture waits for a compiler.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 use light::parameters::{DECAY, RANGE};
@@ -7,24 +7,24 @@ use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 
 use crate::{RenderError, Renderer, ShadowSettings, View};
 
-/// Most segments of the lights that are compiled for: a software driver takes a second for each.
+/// Largest number of segments to compile for: a software driver takes a second per segment.
 const SEGMENTS: usize = 4;
 
 impl Renderer {
-    /// Draws what pictures for screens are commonly made of once, in a small scene of its own: drivers compile
-    /// a pipeline at its first draw. Serves every renderer that shares the pipelines.
+    /// Draws the common kinds of screen pictures once, in a small scene: drivers compile a pipeline at its first draw.
+    /// Serves every renderer that shares the pipelines.
     ///
-    /// Each way to evaluate a BendyLight is compiled by itself. These are the ones of lights of up to 4
-    /// segments with all else at its default; another one makes its first picture wait, and so do AOVs.
+    /// Each set of features of a BendyLight is a pipeline of its own. This covers lights of up to 4 segments with
+    /// defaults otherwise. The first picture with other features or with an AOV waits for its pipeline.
     ///
-    /// Ends early, between two pictures, where `keep_going` says no.
+    /// Ends early, between two pictures, if `keep_going` returns false.
     pub fn compile_pipelines(&self, mut keep_going: impl FnMut() -> bool) -> Result<(), RenderError> {
         let mut renderer = self.with_same_pipelines()?;
         renderer.set_scene(&scene::pose(scene()))?;
-        // The BendyLights below are straight, and to be drawn as bent ones.
+        // The BendyLights below are straight, but must be drawn as bent ones.
         renderer.set_shadow_settings(ShadowSettings { straighten: false, ..ShadowSettings::default() })?;
         let spot = spot();
-        // As a hand on the mouse waits for pictures, and as nobody does.
+        // Pictures of an interactive view and others.
         let mut draw = |lights: [Light; 1]| {
             let lights = LightInstance::numbered(lights)?;
             renderer.render_display(&view(), &lights)?;
@@ -49,7 +49,7 @@ impl Renderer {
     }
 }
 
-/// Three squares: one-sided, double-sided and cut out by alpha, each drawn by another pipeline.
+/// Three squares: one-sided, double-sided and alpha-tested. Each is drawn by another pipeline.
 fn scene() -> Scene {
     let square = |material| Primitive {
         positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -74,7 +74,7 @@ fn scene() -> Scene {
     }
 }
 
-/// From above; the sides are no powers of two, as drivers may compile those apart.
+/// A view from above. Its sides are not powers of two, because drivers may compile those separately.
 fn view() -> View {
     let camera = Camera {
         name: String::new(),
@@ -91,7 +91,7 @@ fn spot() -> Light {
     Light::spot().with_transform(transform).with(RANGE, Some(4.0)).with(DECAY, Decay::None)
 }
 
-/// Turns what looks along -Z to look along -Y.
+/// Rotation from -Z to -Y.
 fn downwards() -> DQuat {
     DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
 }

@@ -1,4 +1,4 @@
-//! Layers times factors, added up.
+//! Sums of layers, each times its factors.
 
 use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use wgpu::{
@@ -10,10 +10,9 @@ use crate::gpu_structs::TERMS;
 use crate::pipeline::{UINT_TEXTURE, UNIFORM, color_attachment};
 use crate::{Gpu, gpu_structs, shaders};
 
-/// Of what some layers add up to.
 pub(crate) const SUM_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 
-/// A layer, in what it is held in, and the factors of what it scatters and mirrors: linear RGB.
+/// A layer with the factors of its scattered and mirrored light, in linear RGB.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuTerm<Layer> {
     pub layer: Layer,
@@ -21,14 +20,14 @@ pub(crate) struct GpuTerm<Layer> {
     pub specular: [f32; 3],
 }
 
-/// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
+/// Terms of a picture or a sum: at least one and at most [`TERMS`] layers or sums.
 #[derive(Debug)]
 pub(crate) struct GpuTerms {
     pub group: BindGroup,
     pub kind: TermKind,
 }
 
-/// What adds up: the constants that passes are compiled with, and the index of those among their pipelines.
+/// Kind of the terms. It selects the constants of the passes, and their index among the pipelines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TermKind {
     Layers,
@@ -38,13 +37,13 @@ pub(crate) enum TermKind {
 impl TermKind {
     pub const ALL: [Self; 2] = [Self::Layers, Self::Sums];
 
-    /// `wgsl` with the constant that `terms.wgsl` asks for.
+    /// Prepends the constant of `terms.wgsl` to `wgsl`.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         format!("const OF_SUMS = {};\n{wgsl}", self == Self::Sums)
     }
 }
 
-/// Sums of layers and of sums; as a screen shows them, [`crate::display`] has them.
+/// Sums layers, and sums of layers; [`crate::display`] shows them on a screen.
 #[derive(Debug)]
 pub(crate) struct CompositePass {
     sums: [RenderPipeline; 2],
@@ -56,7 +55,7 @@ impl CompositePass {
         let layout = gpu.bind_group_layout("terms", &[&[UNIFORM][..], &[UINT_TEXTURE; TERMS]].concat());
         let pipeline_layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sum"),
-            // Where pictures for screens have their radiance there is none.
+            // A sum has no radiance, which pictures for screens bind here.
             bind_group_layouts: &[None, Some(&layout)],
             immediate_size: 0,
         });
@@ -67,7 +66,7 @@ impl CompositePass {
         Self { sums, layout }
     }
 
-    /// Layers with their factors.
+    /// Terms from layers with their factors.
     pub fn layers(&self, gpu: &Gpu, terms: &[GpuTerm<TextureView>]) -> GpuTerms {
         let mut uniform = gpu_structs::Terms { count: terms.len() as u32, ..Default::default() };
         let padded = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
@@ -79,7 +78,7 @@ impl CompositePass {
         GpuTerms { group: self.group(gpu, &uniform, &textures), kind: TermKind::Layers }
     }
 
-    /// Sums as they are.
+    /// Terms from sums, unweighted.
     pub fn sums(&self, gpu: &Gpu, sums: &[TextureView]) -> GpuTerms {
         let uniform = gpu_structs::Terms { count: sums.len() as u32, ..Default::default() };
         GpuTerms { group: self.group(gpu, &uniform, &sums.iter().collect::<Vec<_>>()), kind: TermKind::Sums }
@@ -91,14 +90,13 @@ impl CompositePass {
             contents: bytemuck::bytes_of(uniform),
             usage: BufferUsages::UNIFORM,
         });
-        // What is not counted is bound all the same.
+        // Unused slots need a binding, too.
         let textures = textures.iter().chain(std::iter::repeat(&textures[0])).take(TERMS);
         let textures = textures.map(|texture| BindingResource::TextureView(texture));
         let resources: Vec<_> = [uniform.as_entire_binding()].into_iter().chain(textures).collect();
         gpu.bind_group("terms", &self.layout, &resources)
     }
 
-    /// Writes a sum.
     pub fn draw_sum(&self, encoder: &mut CommandEncoder, terms: &GpuTerms, into: &TextureView) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("sum"),

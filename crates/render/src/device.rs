@@ -11,13 +11,13 @@ use wgpu::{
 use crate::stages::{FrameStage, StageRecorder};
 use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
 
-/// What every pass relies on: lights add up in f32, and a pixel knows its triangle.
+/// Features that every pass needs: lights add up in f32, and a fragment knows its triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
-/// What is used where the device has it: colours of 16 bits as they are decoded, and branches that a software driver takes only
-/// where some pixel of those drawn together does.
+/// Features that are used if present: 16-bit formats for decoded colors, and branches that a software driver takes only
+/// if some pixel of a subgroup does.
 const OPTIONAL_FEATURES: Features = Features::TEXTURE_FORMAT_16BIT_NORM.union(Features::SUBGROUP);
 
-/// An open graphics device. Share one in an `Arc`: opening it and compiling for it is slow.
+/// An open graphics device. Share one in an `Arc`: opening it and compiling its pipelines is slow.
 #[derive(Debug)]
 pub struct Gpu {
     pub(crate) device: Device,
@@ -25,34 +25,33 @@ pub struct Gpu {
     pub(crate) memory: MemoryBudget,
     pub(crate) stages: StageRecorder,
     backend: Backend,
-    /// Whether the device is the processor itself, by a software driver.
+    /// True if the device is a CPU with a software driver.
     is_cpu: bool,
-    /// When work that may take long gives way to others.
     yielding: YieldPolicy,
-    /// Made when the processor first draws something.
+    /// Started when the native backend first draws.
     workers: OnceLock<Workers>,
     adapter_name: String,
     advice: Option<String>,
     driver: String,
-    /// Why the device is gone, once it is.
+    /// Reason for the loss of the device; `None` while it works.
     lost: Arc<Mutex<Option<String>>>,
-    /// A text of shaders, and what it is replaced by.
+    /// A text in the shaders, and its replacement.
     #[cfg(feature = "planted-faults")]
     fault: Option<[&'static str; 2]>,
 }
 
 impl Gpu {
-    /// Opens the best device: Vulkan before GL, a GPU before a processor.
+    /// Opens the best device: Vulkan before GL, a GPU before a CPU.
     pub fn new() -> Result<Self, RenderError> {
         Self::open(MemoryBudget::default(), None)
     }
 
-    /// The same, with what is kept counted against `memory`.
+    /// Opens the best device; cached data counts against `memory`.
     pub fn with_memory_budget(memory: MemoryBudget) -> Result<Self, RenderError> {
         Self::open(memory, None)
     }
 
-    /// The same, with shadows and lights drawn by `backend`; by what the device is where nobody says.
+    /// Opens the best device, with shadows and lights drawn by `backend`. `None` chooses it by the kind of device.
     pub fn open(memory: MemoryBudget, backend: Option<Backend>) -> Result<Self, RenderError> {
         let adapter = choose_adapter()?;
         let backend = backend.unwrap_or_else(|| Backend::of(&adapter));
@@ -65,7 +64,7 @@ impl Gpu {
             label: Some("render"),
             required_features: FEATURES | (adapter.features() & OPTIONAL_FEATURES),
             required_limits: limits(&adapter.limits()),
-            // What is dropped is to go back to the system, not to a pool of blocks of 256 MiB.
+            // Returns freed memory to the system instead of a pool with blocks of 256 MiB.
             memory_hints: wgpu::MemoryHints::MemoryUsage,
             ..Default::default()
         }))
@@ -77,7 +76,7 @@ impl Gpu {
         };
         let by_driver = Arc::clone(&lost);
         device.set_device_lost_callback(move |_, why| record(&by_driver, why));
-        // Errors inside `checked` never get here; one outside of it leaves the device in an unknown state.
+        // Errors inside `with_error_scopes` do not get here. Others leave the device in an unknown state.
         let by_error = Arc::clone(&lost);
         device.on_uncaptured_error(Arc::new(move |e: wgpu::Error| record(&by_error, one_line(&e))));
 
@@ -104,8 +103,8 @@ impl Gpu {
         })
     }
 
-    /// The same device with a fault in its shaders, for tests that have to see it: each `text` in WGSL is replaced. What has
-    /// been compiled before keeps it.
+    /// Returns the device with a fault in its shaders, which tests must detect: each `text` in WGSL is replaced.
+    /// Pipelines compiled before stay unchanged.
     #[cfg(feature = "planted-faults")]
     #[must_use]
     pub fn with_fault(mut self, text: &'static str, replacement: &'static str) -> Self {
@@ -113,7 +112,7 @@ impl Gpu {
         self
     }
 
-    /// WGSL with the fault that is planted.
+    /// WGSL with the planted fault.
     #[cfg(feature = "planted-faults")]
     pub(crate) fn faulty<'a>(&self, wgsl: &'a str) -> std::borrow::Cow<'a, str> {
         match self.fault {
@@ -122,19 +121,18 @@ impl Gpu {
         }
     }
 
-    /// The same device with work that gives way to others in the middle of a piece that takes long: those others are not to draw
-    /// with the same [`crate::Renderer`]. A picture that is cancelled there is a [`RenderError::Cancelled`].
+    /// Returns the device with a policy by which long work yields. Meanwhile other threads must not draw with the same
+    /// [`crate::Renderer`]. A picture that is cancelled at a yield returns [`RenderError::Cancelled`].
     #[must_use]
     pub fn with_yield_policy(self, yielding: YieldPolicy) -> Self {
         Self { yielding, ..self }
     }
 
-    /// Gives way to others where that is due.
     pub(crate) fn yield_point(&self) -> Result<(), RenderError> {
         Ok(self.yielding.yield_point()?)
     }
 
-    /// Does what takes the processor long while others have their turn.
+    /// Runs long CPU work while other workers have their turn.
     pub(crate) fn run_in_background<T: Send>(
         &self,
         work: impl FnOnce() -> T + Send,
@@ -142,63 +140,62 @@ impl Gpu {
         Ok(self.yielding.run_in_background(work)?)
     }
 
-    /// Name of the driver's device, and of the interface and the driver's version that it is used by.
+    /// Name of the driver's device, with the interface and the driver's version.
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name
     }
 
-    /// What to do, as a sentence, where another version of this driver would draw much faster.
+    /// Advice, as a sentence, if another version of this driver would draw much faster.
     pub fn advice(&self) -> Option<&str> {
         self.advice.as_deref()
     }
 
-    /// Name and version of the driver, as it says them.
+    /// Name and version that the driver reports.
     pub fn driver(&self) -> &str {
         &self.driver
     }
 
-    /// Whether pixels that are drawn together can be asked at once.
     pub(crate) fn has_subgroups(&self) -> bool {
         self.device.features().contains(Features::SUBGROUP)
     }
 
-    /// Whether the device is the processor itself, by a software driver.
+    /// True if the device is a CPU with a software driver.
     pub(crate) fn is_cpu(&self) -> bool {
         self.is_cpu
     }
 
-    /// Who draws shadows and lights of the beauty.
+    /// Backend of shadows and lights in the beauty.
     pub fn backend(&self) -> Backend {
         self.backend
     }
 
-    /// Who draws those of `aov`: what hangs on no shadow map the device draws in any case.
+    /// Backend of `aov`. wgpu draws every AOV that does not depend on shadow maps.
     pub(crate) fn backend_of(&self, aov: Aov) -> Backend {
         if matches!(aov, Aov::Beauty | Aov::Visibility) { self.backend } else { Backend::Wgpu }
     }
 
-    /// What lights that the processor draws need in memory, where it draws.
+    /// Makes data that lights on the native backend need in CPU memory; `None` on the wgpu backend.
     pub(crate) fn if_native<T>(&self, make: impl FnOnce() -> T) -> Option<T> {
         (self.backend == Backend::Native).then(make)
     }
 
-    /// The threads that draw where the processor does.
+    /// Threads of the native backend.
     pub(crate) fn workers(&self) -> &Workers {
         self.workers.get_or_init(|| Workers::new().with_yield_policy(self.yielding.clone()))
     }
 
-    /// The account of what is kept.
+    /// Account of cached data.
     pub fn memory(&self) -> &MemoryBudget {
         &self.memory
     }
 
-    /// Gives back the memory of what has been dropped and is in no work under way.
+    /// Frees the memory of dropped resources that no submitted work uses.
     pub(crate) fn free_dropped_memory(&self) {
-        // Without waiting there is nothing that could go wrong.
+        // Polling without waiting cannot fail.
         let _ = self.device.poll(PollType::Poll);
     }
 
-    /// As [`MemoryBudget::make_room`], with the memory given back.
+    /// Calls [`MemoryBudget::make_room`] and frees the memory of evicted data.
     pub(crate) fn make_room(&self, bytes: u64) -> bool {
         let before = self.memory.total();
         let room = self.memory.make_room(bytes);
@@ -212,13 +209,13 @@ impl Gpu {
         self.device.create_command_encoder(&CommandEncoderDescriptor::default())
     }
 
-    /// Submits what has been encoded, waits for it, and leaves a new encoder.
+    /// Submits the encoded work, waits for it, and leaves a new encoder.
     pub(crate) fn submit_and_wait(&self, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
         self.queue.submit([std::mem::replace(encoder, self.encoder()).finish()]);
         self.wait()
     }
 
-    /// A stage has been encoded: where stages are taken down it is submitted and waited for, else nothing happens.
+    /// Ends a stage. While stages are recorded, submits it and waits; otherwise does nothing.
     pub(crate) fn end_stage(
         &self,
         encoder: &mut CommandEncoder,
@@ -231,7 +228,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// Waits for everything submitted before.
+    /// Waits for all submitted work.
     pub(crate) fn wait(&self) -> Result<(), RenderError> {
         match self.device.poll(PollType::wait_indefinitely()) {
             Ok(_) => Ok(()),
@@ -239,7 +236,7 @@ impl Gpu {
         }
     }
 
-    /// Runs `work` on this thread and turns what the driver reports meanwhile into an error.
+    /// Runs `work` on this thread and returns driver errors as a `RenderError`.
     pub(crate) fn with_error_scopes<T>(
         &self,
         work: impl FnOnce() -> Result<T, RenderError>,
@@ -247,7 +244,7 @@ impl Gpu {
         let scopes = [ErrorFilter::OutOfMemory, ErrorFilter::Internal, ErrorFilter::Validation]
             .map(|filter| self.device.push_error_scope(filter));
         let result = work();
-        // Scopes are a stack: the last one pushed is the first to go.
+        // Scopes are a stack: the last one pushed is popped first.
         let mut error = None;
         for scope in scopes.into_iter().rev() {
             error = pollster::block_on(scope.pop()).or(error);
@@ -259,12 +256,12 @@ impl Gpu {
     }
 }
 
-/// wgpu explains over several lines; ours is the last part of one sentence.
+/// Joins the several lines of a wgpu error, so that it can end a sentence.
 fn one_line(error: &dyn std::fmt::Display) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The best adapter of the first interface that has one; GL is only asked where Vulkan has none.
+/// The best adapter of the first interface that has one. GL counts only if Vulkan has none.
 fn choose_adapter() -> Result<Adapter, RenderError> {
     let mut unfit = Vec::new();
     for backends in [Backends::VULKAN, Backends::GL] {
@@ -287,7 +284,7 @@ fn choose_adapter() -> Result<Adapter, RenderError> {
     }))
 }
 
-/// Smaller is better.
+/// Rank of an adapter; the smallest is best.
 fn preference(adapter: &Adapter) -> u8 {
     match adapter.get_info().device_type {
         DeviceType::DiscreteGpu => 0,
@@ -298,7 +295,7 @@ fn preference(adapter: &Adapter) -> u8 {
     }
 }
 
-/// WebGPU's defaults where the adapter has them, and all it has where size matters.
+/// WebGPU's default limits as far as the adapter has them, and the adapter's own for sizes.
 fn limits(adapter: &Limits) -> Limits {
     Limits {
         max_texture_dimension_2d: adapter.max_texture_dimension_2d,

@@ -1,4 +1,4 @@
-//! A directional light: its map is one orthographic picture along its rays.
+//! Directional lights. The map is one orthographic picture along the rays.
 
 use glam::{DMat3, DMat4, DVec2, DVec3};
 use light::{LightProfile, MAX_EXTENT, Parallel};
@@ -11,44 +11,43 @@ use crate::map_views::MapViews;
 use crate::shadow_settings::MapSize;
 use crate::{ShadowSettings, gpu_structs};
 
-/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+/// Margin around casters in texels, so that the filter reads only texels that are drawn.
 const MARGIN_TEXELS: f64 = 2.0;
-/// A map shows no less than this share of the scene, and neither way less than a quarter of the other way: finer texels
-/// than that are lost in the rounding of positions.
+/// Smallest share of the scene that a map covers. Neither axis covers less than a quarter of the other. Finer texels
+/// are below the rounding error of positions.
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
-/// Nothing is smaller, so that its inverse stays within f32.
+/// Smallest scene size, so that its inverse is within f32.
 const SMALLEST: f64 = 1e-30;
 
-/// What a light's map shows, in light axes about the scene's origin: x, y, and height towards the light.
+/// Extent of a light's map in light axes around the scene's origin: x, y, and height towards the light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectionalMapFit {
-    /// Middle of what is drawn.
     pub center: DVec2,
-    /// Half its size.
+    /// Half the size of the drawn part.
     pub half: DVec2,
-    /// Heights of depth 0, below which nothing of the scene is, and of depth 1, above which nothing casts shadows.
+    /// Heights of depth 0 and of depth 1. The scene is above the first, all casters are below the second.
     pub heights: [f64; 2],
-    /// Nothing casts shadows where this is false: the map need not be drawn.
+    /// False if there are no casters: the map need not be drawn.
     pub has_casters: bool,
 }
 
 impl DirectionalMapFit {
-    /// Of a light without a map.
+    /// Fit of a light without a map.
     pub const NONE: Self =
         Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], has_casters: false };
 }
 
-/// A directional light in place: its numbers for one scene.
+/// A placed directional light: its numbers for one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuDirectional {
     pub uniform: gpu_structs::Directional,
-    /// The same as in `between`.
+    /// The profile in `uniform`, in f64.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
-/// The convex hull of these world positions holds all that a light lights of a scene.
+/// World positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(parallel: &Parallel, posed: &PosedScene) -> [DVec3; 8] {
     let window = window(parallel, posed);
     let corner = |k: usize| {
@@ -61,12 +60,11 @@ pub(crate) fn corners_in_world(parallel: &Parallel, posed: &PosedScene) -> [DVec
     std::array::from_fn(corner)
 }
 
-/// How large a light's map is.
 pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(1)
 }
 
-/// A rectangle across the light, and the greatest height of what is in it.
+/// A rectangle perpendicular to the light, with the greatest height of its content.
 #[derive(Clone, Copy, Debug)]
 struct Extent {
     low: DVec2,
@@ -77,7 +75,7 @@ struct Extent {
 impl Extent {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, top: f64::NEG_INFINITY };
 
-    /// That of a box; `None` where none of it is in `window`.
+    /// Extent of a box within `window`; `None` if none of it is inside.
     fn of(cluster: &ClusterBounds, light_from_scene: &DMat3, window: &Self) -> Option<Self> {
         let rows = light_from_scene.transpose();
         let [x, y, height] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| cluster.range(row, 0.0));
@@ -95,7 +93,7 @@ impl Extent {
     }
 }
 
-/// The light's window about the scene's origin, as far as it goes over the scene.
+/// The light's window around the scene's origin, clipped to the scene.
 fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     let light_from_scene = parallel.rotation.transpose();
     let whole = ClusterBounds { center: DVec3::ZERO, half: posed.half_extent };
@@ -107,13 +105,13 @@ fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     Extent { low, high, top: scene_extent.top }
 }
 
-/// The map of a light over `scene`: of what casts shadows in its window.
+/// Fits the map of a light over `scene` to the casters in its window.
 pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSettings) -> DirectionalMapFit {
     let (side, mesh_error) = (f64::from(map_size(shadows).side), shadows.mesh_error);
     let grown = side / (side - 2.0 * MARGIN_TEXELS);
     let light_from_scene = parallel.rotation.transpose();
     let window = window(parallel, &scene.posed);
-    // What lies beyond the edge is drawn as far as the filter reaches.
+    // Casters beyond the edge are drawn as far as the filter reads.
     let size = (window.high - window.low).max(DVec2::ZERO);
     let drawn = Extent {
         low: window.low - size * (grown - 1.0) - mesh_error,
@@ -139,7 +137,7 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
     let half = (high - low) / 2.0;
     let least = (half.max_element() * SMALLEST_RATIO).max(scene_size * SMALLEST_SHARE);
     let bottom = -window.top.abs() - mesh_error;
-    // Room for rounding, so that no caster is clipped.
+    // A margin for rounding, so that no caster is clipped.
     let top = if casts { extent.top.max(bottom) + 1e-5 * scene_size } else { bottom + scene_size };
     DirectionalMapFit {
         center: (low + high) / 2.0,
@@ -150,7 +148,7 @@ pub(crate) fn fit_map(parallel: &Parallel, scene: &GpuScene, shadows: &ShadowSet
 }
 
 impl GpuDirectional {
-    /// Places a checked light within reach of a scene, to which its map was fitted.
+    /// Places a checked light within reach of a scene, with its fitted map.
     pub fn new(
         parallel: &Parallel,
         scene: &GpuScene,
@@ -167,7 +165,7 @@ impl GpuDirectional {
             (-center / half).extend(-bottom * depth_scale).extend(1.0),
         );
         let light_from_scene = DMat4::from_mat3(light_from_scene);
-        // The place across the window is (v, w) = (-x, y) scale + shift.
+        // Coordinates in the window are (v, w) = (-x, y) scale + shift.
         let scale = DVec2::from(parallel.half_size.map(|half| half.map_or(0.0, f64::recip)));
         let [shift_x, shift_y] = (parallel.offset_in_window(scene.posed.origin_in_world) * scale).to_array();
         Self {

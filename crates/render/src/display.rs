@@ -1,4 +1,4 @@
-//! Linear radiance to the bytes of a screen.
+//! Converts linear radiance to bytes of a screen.
 
 use wgpu::{
     BindGroup, BindGroupLayout, BindingResource, Buffer, CommandEncoder, RenderPipeline, TextureFormat,
@@ -9,24 +9,24 @@ use crate::composite::{GpuTerms, TermKind};
 use crate::pipeline::{RAW_TEXTURE, UNIFORM, color_attachment};
 use crate::{Gpu, gpu_structs, shaders};
 
-/// Encoded by the shader: the texture only rounds to the nearest of 256 steps.
+/// The shader encodes sRGB; the texture only rounds to the nearest of 256 steps.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 
-/// What exposed radiance is cut to, so that it stays a number.
+/// Limit of exposed radiance, so that it stays finite.
 const BRIGHTEST: f32 = 1e30;
 
-/// What radiance is multiplied by at so many stops.
+/// Factor of radiance for an exposure in stops.
 pub(crate) fn exposure_factor(exposure: f64) -> f32 {
     exposure.exp2() as f32
 }
 
-/// How bright the processor shows radiance, brightened by so many stops.
+/// Exposure of the native backend, from stops.
 pub(crate) fn exposure_of(stops: f64) -> relight::Exposure {
     let factor = exposure_factor(stops);
     relight::Exposure { factor, brightest: BRIGHTEST / factor }
 }
 
-/// `radiance` times `factor`, as the shader has it.
+/// `radiance` times `factor`, as in the shader.
 pub(crate) fn exposed_radiance(radiance: f32, factor: f32) -> f32 {
     radiance.min(BRIGHTEST / factor) * factor
 }
@@ -34,12 +34,12 @@ pub(crate) fn exposed_radiance(radiance: f32, factor: f32) -> f32 {
 #[derive(Debug)]
 pub(crate) struct DisplayPass {
     pipeline: RenderPipeline,
-    /// With what lights add.
+    /// Pipelines that add layers or sums.
     composites: [RenderPipeline; 2],
     layout: BindGroupLayout,
 }
 
-/// A picture's radiance as the pass reads it, with an exposure of its own.
+/// Bind group of a picture's radiance, with its exposure.
 #[derive(Debug)]
 pub(crate) struct ExposedRadiance {
     group: BindGroup,
@@ -47,7 +47,7 @@ pub(crate) struct ExposedRadiance {
 }
 
 impl DisplayPass {
-    /// `terms` is the layout of what lights add.
+    /// `terms` is the layout of layers and sums.
     pub fn new(gpu: &Gpu, terms: &BindGroupLayout) -> Self {
         let layout = gpu.bind_group_layout("display", &[RAW_TEXTURE, UNIFORM]);
         let pipeline = |wgsl: &str, entry_point, groups: &[&BindGroupLayout]| {
@@ -68,14 +68,14 @@ impl DisplayPass {
         }
     }
 
-    /// What reads `radiance`.
+    /// Binds `radiance` for this pass.
     pub fn bind_radiance(&self, gpu: &Gpu, radiance: &TextureView) -> ExposedRadiance {
         let uniform = gpu.uniform_buffer::<gpu_structs::Exposure>("exposure");
         let resources = [BindingResource::TextureView(radiance), uniform.as_entire_binding()];
         ExposedRadiance { group: gpu.bind_group("display", &self.layout, &resources), uniform }
     }
 
-    /// Shows radiance and, where there are `terms`, their sum, brightened by so many stops.
+    /// Draws radiance plus the sum of `terms`, if any, with `exposure` in stops.
     pub fn draw(
         &self,
         gpu: &Gpu,

@@ -1,11 +1,11 @@
-//! What drivers say of themselves, and what to do about a slow one.
+//! Names of drivers, and advice about slow ones.
 
 use wgpu::AdapterInfo;
 
-/// The first Mesa whose software driver jumps over branches of shaders that nobody takes; older ones run both sides.
+/// First Mesa version whose software driver skips shader branches that no pixel takes. Older ones run both sides.
 const MIN_FAST_MESA: u32 = 25;
 
-/// Name of the device, and of the interface and the driver's version that it is used by.
+/// Name of the device, with the interface and the driver's version.
 pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
     let AdapterInfo { name, backend, driver_info, .. } = info;
     if driver_info.is_empty() {
@@ -15,7 +15,7 @@ pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
     }
 }
 
-/// What to do where another version of the driver would draw much faster, as a sentence.
+/// Advice, as a sentence, if another version of the driver would draw much faster.
 pub(crate) fn advice(info: &AdapterInfo) -> Option<String> {
     let version = info.driver_info.strip_prefix("Mesa ").filter(|_| info.driver == "llvmpipe")?;
     let version = version.split(' ').next()?;
@@ -27,7 +27,7 @@ pub(crate) fn advice(info: &AdapterInfo) -> Option<String> {
     })
 }
 
-/// 22 of `22.3.6` or `22.3.6-devel`; nothing of what is no version.
+/// Major version: 22 for `22.3.6` or `22.3.6-devel`; `None` if there is no version.
 fn major(version: &str) -> Option<u32> {
     let (major, rest) = version.split_once('.')?;
     let digit = |c: u8| c.is_ascii_digit();
@@ -62,7 +62,7 @@ mod tests {
         }
     }
 
-    /// New ones, other drivers of any version, and whatever else a driver may say.
+    /// New versions, other drivers with any version, and unknown texts.
     #[test]
     fn of_others_nothing_is_said() {
         for says in [

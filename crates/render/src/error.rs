@@ -1,59 +1,59 @@
-//! Why a picture cannot be made.
+//! Errors of rendering.
 
 use thiserror::Error;
 
-/// Why a picture cannot be made. Each sentence says what to change.
+/// Reason why a picture cannot be drawn. Each message says what to change.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum RenderError {
-    /// No usable Vulkan or GL driver.
+    /// There is no usable Vulkan or GL driver.
     #[error(
         "no graphics driver can render this: {0}; install mesa-vulkan-drivers (it renders without a GPU) or the \
          driver of your GPU"
     )]
     NoAdapter(String),
-    /// The device is gone; a new [`crate::Gpu`] is needed.
+    /// The device is lost; open a new [`crate::Gpu`].
     #[error("the graphics device was lost ({0}): open it again")]
     DeviceLost(String),
-    /// The driver refused something.
+    /// The driver reported an error.
     #[error("the graphics driver reports an error, try a smaller picture or scene: {0}")]
     Gpu(String),
-    /// More than this device, or f32 arithmetic, can hold.
+    /// The size exceeds this device or f32 arithmetic.
     #[error("{what} is {size}, but at most {limit} can be rendered: make it smaller")]
     TooLarge {
-        /// What is too large, as the start of a sentence.
+        /// Name of the oversized thing, as the start of a sentence.
         what: &'static str,
-        /// How large it is.
+        /// Its size.
         size: f64,
-        /// How large it may be.
+        /// Its largest permitted size.
         limit: f64,
     },
-    /// A light that f32 cannot relate to the scene.
+    /// f32 cannot represent the light relative to the scene.
     #[error(transparent)]
     OutOfReach(#[from] light::UndrawableLight),
-    /// A picture without pixels, without samples, or through an impossible camera.
+    /// The picture has no pixels, no samples, or an impossible camera.
     #[error("this view cannot be rendered: {0}")]
     InvalidView(&'static str),
-    /// Shadow settings that no map can be made of.
+    /// The shadow settings permit no map.
     #[error("shadows cannot be made so: {0}")]
     InvalidShadows(&'static str),
-    /// An AOV of a light that is not there.
+    /// The AOV is of a light that does not exist.
     #[error("there is no light {index} to show, this picture has {count}: choose one of them or another AOV")]
     NoSuchLight {
-        /// The index asked for.
+        /// The requested index.
         index: usize,
-        /// How many lights there are.
+        /// Number of lights.
         count: usize,
     },
-    /// A wireframe of a light whose map is not mapped.
+    /// The light has no bent map, so it has no wireframe.
     #[error("only a BendyLight or a spotlight has a wireframe: choose another light or another AOV")]
     NoWireframe,
-    /// A picture that its file format cannot hold.
+    /// The file format cannot hold the picture.
     #[error("the picture cannot be encoded ({0}): make it smaller")]
     Encode(String),
-    /// Whoever asked for the picture has gone.
+    /// The client cancelled the picture.
     #[error("the picture was cancelled: ask for it again")]
     Cancelled,
-    /// A light with numbers outside their domains.
+    /// The light has numbers outside their domains.
     #[error(transparent)]
     Light(#[from] light::LightError),
 }

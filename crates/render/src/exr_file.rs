@@ -1,19 +1,19 @@
-//! EXR files: quantities of one view side by side, each under the channel names that programs look for, and in the header
-//! where the picture comes from.
+//! EXR files: the AOVs of one view, with the channel names that programs expect, and the picture's origin in the
+//! header.
 //!
 //! | quantity | channels | type |
 //! |---|---|---|
 //! | beauty | `R`, `G`, `B` | float |
-//! | depth | `Z`, infinite where nothing is seen | float |
+//! | depth | `Z`, infinite in the background | float |
 //! | normal | `N.X`, `N.Y`, `N.Z` | half |
 //! | position | `P.X`, `P.Y`, `P.Z` | float |
 //! | t, vw, wireframe | `t`; `v`, `w`; `t`, `edge` | float |
 //! | direction | `direction.X`, `direction.Y`, `direction.Z` | half |
-//! | visibility | `sight` | half |
+//! | visibility | `visibility` | half |
 //!
-//! `A`, float, is the share of a pixel in which something is seen; of quantities of a light, in which it reaches something. Where several
-//! lights are in one file their channels have the light's name before them: `key.visibility`, `key.A`. Half holds a unit vector to
-//! 2.4e-4 and a share to as much; sums of radiance need more.
+//! `A`, float, is the share of a pixel that a surface covers; for AOVs of a light, the share that the light reaches. If
+//! a file has AOVs of several lights, their channels have the light's name as prefix: `key.visibility`, `key.A`. Half
+//! holds a unit vector to 2.4e-4 and a share to as much; sums of radiance need more.
 
 use std::io::Cursor;
 
@@ -28,20 +28,20 @@ use scene::{Camera, Projection, ViewRay};
 
 use crate::{Aov, Picture, RenderError, View};
 
-/// Where a picture comes from, for its header.
+/// Origin of a picture, for its header.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PictureOrigin {
-    /// What people call the session or the scene.
+    /// Name of the session or the scene.
     pub name: Option<String>,
-    /// The session's record that the picture is of.
+    /// Number of the session's record that the picture shows.
     pub seq: Option<u64>,
-    /// The document's hash.
+    /// Hash of the document.
     pub document_hash: Option<String>,
-    /// The scene's hash, or what else names it.
+    /// Hash of the scene, or another name.
     pub scene: Option<String>,
-    /// What was set for this picture alone: addresses and values as JSON.
+    /// Overrides of this picture alone: addresses and values as JSON.
     pub set: Option<String>,
-    /// Which lights shine, a JSON array of names, where not all of the document do.
+    /// Names of the active lights as a JSON array; `None` if all lights of the document are active.
     pub lights: Option<String>,
 }
 
@@ -52,10 +52,10 @@ pub struct ExrFile {
     channels: Vec<AnyChannel<FlatSamples>>,
 }
 
-/// Float like the colours: programs read `RGBA` as one, which have to be of one type for that.
+/// Float like the colors: programs read `RGBA` as a unit of one type.
 const ALPHA: (&str, usize, bool) = ("A", 3, false);
 
-/// The channels of a quantity: names, which of a pixel's four values, and whether half serves.
+/// Channels of an AOV: name, index among a pixel's four values, and true if half suffices.
 fn channels_of(aov: Aov) -> &'static [(&'static str, usize, bool)] {
     match aov {
         Aov::Beauty => &[("R", 0, false), ("G", 1, false), ("B", 2, false)],
@@ -71,23 +71,23 @@ fn channels_of(aov: Aov) -> &'static [(&'static str, usize, bool)] {
 }
 
 impl ExrFile {
-    /// No channel yet, of pictures of that width and height.
+    /// A file without channels, for pictures of `size`.
     pub fn new(size: [u32; 2]) -> Self {
         Self { size, channels: Vec::new() }
     }
 
-    /// Bytes of a pixel that a quantity takes, its alpha included.
+    /// Bytes per pixel of an AOV, with its alpha.
     pub fn bytes_a_pixel(aov: Aov) -> usize {
         let of = |&(_, _, half): &(&str, usize, bool)| if half { 2 } else { 4 };
         channels_of(aov).iter().chain([&ALPHA]).map(of).sum()
     }
 
-    /// Adds what `picture` holds of a quantity. `light` stands before the names of channels, where the file has those of several lights.
+    /// Adds the channels of `aov` from `picture`. `light` prefixes their names if the file has several lights.
     pub fn add(&mut self, aov: Aov, light: Option<&str>, picture: &Picture) {
         let prefixed = |name: &str| light.map_or_else(|| name.to_owned(), |light| format!("{light}.{name}"));
         let value = |index: usize| {
             picture.pixels.iter().map(move |pixel| match aov {
-                // Nothing is at any distance.
+                // The background is infinitely far.
                 Aov::Depth if pixel[3] == 0.0 && index == 0 => f32::INFINITY,
                 _ => pixel[index],
             })
@@ -106,7 +106,7 @@ impl ExrFile {
         }
     }
 
-    /// The file's bytes, ZIP-compressed on this thread alone, which takes a second or so for a few million pixels.
+    /// Encodes the file with ZIP compression, on this thread alone. It takes about a second for a few million pixels.
     pub fn into_bytes(self, view: &View, origin: &PictureOrigin) -> Result<Vec<u8>, RenderError> {
         let [width, height] = self.size.map(|side| side as usize);
         let encoding = Encoding {
@@ -117,7 +117,7 @@ impl ExrFile {
         let channels = AnyChannels::sort(self.channels.into_iter().collect());
         let layer = Layer::new((width, height), attributes(view, origin), encoding, channels);
         let mut image = Image::from_layer(layer);
-        // Rec. 709, whose primaries and white linear sRGB has.
+        // Rec. 709, whose primaries and white point linear sRGB has.
         image.attributes.chromaticities = Some(Chromaticities {
             red: Vec2(0.64, 0.33),
             green: Vec2(0.3, 0.6),
@@ -136,8 +136,9 @@ impl ExrFile {
 /// Bytes of an EXR before its header's attributes: a magic number and a version.
 const BEFORE_ATTRIBUTES: usize = 8;
 
-/// Puts the header's attributes in the order of their names: the `exr` crate writes its map of them in another one each time, and the
-/// same picture is to be the same bytes. Each has a name and a type that end with a zero, and a length; a zero ends them.
+/// Sorts the header's attributes by name. The `exr` crate writes its map of them in a random order, and the same
+/// picture must give the same bytes. Each attribute has a name and a type that end with a zero byte, and a length; a
+/// zero byte ends the list.
 fn sort_attributes(file: &mut [u8]) {
     let mut attributes: Vec<(usize, usize)> = Vec::new();
     let mut at = BEFORE_ATTRIBUTES;
@@ -158,7 +159,7 @@ fn sort_attributes(file: &mut [u8]) {
     file[BEFORE_ATTRIBUTES..at].copy_from_slice(&sorted);
 }
 
-/// The header: standard attributes where there is one, and `bendylights.` before all others.
+/// Attributes of the header: standard ones where they exist, and others with the prefix `bendylights.`.
 fn attributes(view: &View, origin: &PictureOrigin) -> LayerAttributes {
     let View { camera, samples, fill, .. } = view;
     let camera_from_world = DMat4::from(camera.world_from_camera().inverse());
@@ -192,18 +193,17 @@ fn attributes(view: &View, origin: &PictureOrigin) -> LayerAttributes {
     attributes
 }
 
-/// Text in UTF-8, as programs write it though the format knows bytes alone.
+/// UTF-8 text, as programs write it, though the format specifies only bytes.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
-/// In OpenEXR vectors are rows, which are multiplied from the left.
+/// OpenEXR multiplies row vectors from the left.
 fn matrix(from_columns: DMat4) -> [f32; 16] {
     from_columns.to_cols_array().map(|x| x as f32)
 }
 
-/// From camera space, which looks along -Z with +Y up, to -1 to 1 over the picture, y upwards, and from the near plane to the far
-/// one.
+/// Matrix from camera space (along -Z, +Y up) to -1 to 1 over the picture, y up, and from the near to the far plane.
 fn ndc_from_camera(camera: &Camera, size: [u32; 2]) -> DMat4 {
     let [near, far] = planes(&camera.projection);
     // The picture's upper right corner, at a depth of 1.
@@ -244,7 +244,7 @@ mod tests {
         Camera { name: "cam".into(), translation: DVec3::new(1.0, 2.0, 3.0), rotation, projection }
     }
 
-    /// Points along rays through pixels come to where the pixels are, the planes to -1 and 1.
+    /// Points on rays through pixels map to those pixels, and the planes to -1 and 1.
     #[test]
     fn matrices_take_points_to_their_pixels() {
         let perspective =
@@ -257,7 +257,7 @@ mod tests {
             let ray = ViewRay::new(&camera, size, pixel, DVec3::ZERO);
             for (depth, z) in [(0.5, -1.0), (40.0, 1.0)] {
                 let point = (ray.origin + ray.direction * depth).extend(1.0);
-                // A row from the left.
+                // Multiplies a row vector from the left.
                 let times = |matrix: [f32; 16]| {
                     let rows = DMat4::from_cols_array(&matrix.map(f64::from));
                     DVec4::new(

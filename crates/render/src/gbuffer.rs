@@ -1,4 +1,4 @@
-//! What each pixel sees: the one pass over the scene's triangles that a picture needs.
+//! G-buffer: the surface of each pixel, from the one pass over the scene's triangles that a picture needs.
 
 use glam::{DAffine3, DVec2};
 use scene::Projection;
@@ -21,68 +21,66 @@ use crate::{Gpu, RenderError, readback, shaders};
 const FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
 
-/// Pixels that a software driver is given at once: it takes some 10 ms for them.
+/// Pixels per submission to a software driver, which takes about 10 ms for them.
 const BAND_PIXELS: u32 = 1 << 18;
-/// Rows of a band are a multiple of it: pixels that share a texture's level of detail are never parted.
+/// Divisor of the rows of a band, so that pixels which share a texture's level of detail are in one band.
 const BAND_STEP: u32 = 16;
 
-/// Bytes a pixel of a G-buffer: what is packed, the offset and the depth.
+/// Bytes per pixel of a G-buffer: the packed surface, the offset and the depth.
 pub(crate) const BYTES_PER_PIXEL: u64 = 16 + 4 + 4;
 
-/// The pipelines, which outlive scenes and pictures.
+/// The pipelines, shared by all scenes and pictures.
 #[derive(Debug)]
 pub(crate) struct GbufferPass {
-    /// By whether materials have a picture of colour, one of how they shine, an alpha test, and two sides.
+    /// Indexed by flags of the material: color texture, metallic-roughness texture, alpha test, double-sided.
     pipelines: [[[[RenderPipeline; 2]; 2]; 2]; 2],
     /// Group 1 of the lighting passes; see `surface.wgsl`.
     pub surface_layout: BindGroupLayout,
 }
 
-/// The textures of one picture size.
+/// Textures of one picture size.
 #[derive(Debug)]
 pub(crate) struct GbufferTextures {
     packed: TextureView,
-    /// How far in front of each surface its shadow is looked for.
+    /// Terminator offset: distance of the shadow test from the surface.
     offset: TextureView,
     depth: TextureView,
-    /// The textures of those, in that order.
+    /// The textures of those views, in that order.
     pub textures: [Texture; 3],
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
 }
 
-/// Bytes of a texel of each of its textures.
+/// Bytes per texel of each texture.
 const TEXEL_BYTES: [usize; 3] = [16, 4, 4];
-/// Bytes that are read back at once, about: all of 640 x 360 pixels.
+/// Approximate bytes per readback: all of 640 x 360 pixels.
 const STAGED_BYTES: u32 = 6 << 20;
 
-/// A G-buffer in memory, rows from the top. See `surface.wgsl` for what texels mean.
+/// A G-buffer in CPU memory, rows from the top. See `surface.wgsl` for the meaning of texels.
 #[derive(Debug, Default)]
 pub(crate) struct GbufferTexels {
     pub packed: Vec<[u32; 4]>,
     pub offset: Vec<f32>,
-    /// Reversed: 0 where nothing is seen.
+    /// Reversed: 0 in the background.
     pub depth: Vec<f32>,
-    /// What they are copied through.
     staging: Option<Buffer>,
 }
 
-/// All that a G-buffer depends on, besides its size.
+/// Inputs of a G-buffer, except its texture size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GbufferKey {
-    /// Of the scene.
     pub revision: u64,
     pub world_from_camera: DAffine3,
     pub projection: Projection,
-    /// Of the whole picture in pixels.
+    /// Size of the whole picture in pixels.
     pub size: [u32; 2],
     pub tile: Tile,
-    /// From the centre of each pixel, in pixels.
+    /// Offset from the center of each pixel, in pixels.
     pub sample_offset: DVec2,
 }
 
 impl GbufferKey {
-    /// Why a G-buffer has to be drawn where there was that one before, another.
+    /// Cause for drawing this G-buffer after the one of `before`.
     pub fn cause_after(&self, before: Option<&Self>) -> Cause {
         match before {
             None => Cause::First,
@@ -96,7 +94,7 @@ impl GbufferKey {
 }
 
 impl GbufferTexels {
-    /// Of all that texels of `size` pixels take.
+    /// Bytes of the texels of `size` pixels.
     pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
         let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
         let staged = if fits_one_readback([width, height]) {
@@ -108,12 +106,12 @@ impl GbufferTexels {
         u64::from(width) * u64::from(height) * BYTES_PER_PIXEL + staged
     }
 
-    /// Of its arrays, and of what they are copied through.
+    /// Bytes of the arrays and of the readback buffer.
     pub fn bytes(&self) -> u64 {
         self.packed.len() as u64 * BYTES_PER_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
     }
 
-    /// Takes over what has been drawn into `gbuffer` and submitted, and waits for it. Where that is cancelled it holds a part.
+    /// Reads back the submitted `gbuffer` and waits for it. If cancelled, it holds a part.
     pub fn read(&mut self, gpu: &Gpu, gbuffer: &GbufferTextures) -> Result<(), RenderError> {
         let Self { packed, offset, depth, staging } = self;
         let textures = gbuffer.textures.each_ref();
@@ -140,18 +138,18 @@ impl GbufferTexels {
             read_rows(gpu, staging, [first, rows.min(height - first)], colors, &mut take)?;
             gpu.yield_point()?;
         }
-        // WebGPU copies only all of a depth buffer.
+        // WebGPU copies a depth texture only as a whole.
         read_rows(gpu, staging, [0, height], [z], |_, row| take(2, row))
     }
 }
 
-/// Whether a G-buffer of so many pixels is read back at once. Of a larger one memory that is new takes long to come, and others can
-/// come between.
+/// True if one readback takes a G-buffer of this size. New memory for a larger one takes long, so its readback yields
+/// in between.
 fn fits_one_readback([width, height]: [u32; 2]) -> bool {
     u64::from(width) * u64::from(height) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
 }
 
-/// Rows of a larger one that are read back at once, but for its depth.
+/// Rows per readback of a larger one, except its depth.
 fn rows_at_once(width: u32) -> u32 {
     let [of_packed, of_offset, _] = TEXEL_BYTES;
     (STAGED_BYTES / ((of_packed + of_offset) as u32 * width.max(1))).max(1)
@@ -211,9 +209,9 @@ impl GbufferPass {
         GbufferTextures { packed, offset, depth, textures, surface }
     }
 
-    /// Draws what the pixels of `tile` see of a picture of `size`. All of the picture is mapped as it would be
-    /// without tiles, and what lies outside of this one is cut off: so tiles hold the same. By a software driver it is drawn in bands
-    /// of rows, and where very much lies in one place in parts of the triangles, and others come between.
+    /// Draws the surfaces of the pixels of `tile` in a picture of `size`. The projection covers the whole picture, and
+    /// pixels outside the tile are clipped, so tiles have the same content as the whole. A software driver draws in
+    /// bands of rows. Scenes with a great depth complexity are drawn in parts of the triangles. It yields after each.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -222,7 +220,7 @@ impl GbufferPass {
         (size, tile): ([u32; 2], Tile),
         scene: &GpuScene,
     ) -> Result<(), RenderError> {
-        // Each band asks for work that grows with the triangles, a triangle as much as a pixel about.
+        // The cost of a band includes all triangles, each about that of a pixel.
         let least_pixels = BAND_PIXELS.max(scene.triangle_count);
         let rows = (least_pixels / tile.width.max(1)).next_multiple_of(BAND_STEP).max(BAND_STEP);
         let rows = if gpu.is_cpu() { rows.min(tile.height) } else { tile.height };
@@ -238,7 +236,7 @@ impl GbufferPass {
         Ok(())
     }
 
-    /// Draws so many rows of a tile, from the first on. What was there is cleared with the first.
+    /// Draws `band`, [first row, rows], of a tile. The first band clears the textures.
     fn draw_band(
         &self,
         gpu: &Gpu,
@@ -282,7 +280,7 @@ impl GbufferPass {
     }
 }
 
-/// Begins to draw, from nothing where it `clears`.
+/// Begins a render pass, which clears the textures if `clears`.
 fn begin<'e>(
     encoder: &'e mut CommandEncoder,
     into: &GbufferTextures,

@@ -1,4 +1,4 @@
-//! The triangles of a posed scene, laid out for the GPU.
+//! Triangles of a posed scene in GPU layout.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,22 +12,22 @@ use wgpu::{Buffer, BufferUsages};
 use crate::hierarchy::Hierarchy;
 use crate::{Gpu, RenderError};
 
-/// A posed scene's vertices and triangles, rounded, in the order in which they are drawn.
+/// Vertices and triangles of a posed scene, in f32, in draw order.
 #[derive(Debug, Default)]
 pub(crate) struct Vertices {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attributes>,
-    /// Counter-clockwise seen from the front.
+    /// Counter-clockwise from the front.
     pub indices: Vec<u32>,
-    /// One a triangle: unit normal and its product with any point of it; zeros where the area is 0.
+    /// One per triangle: the unit normal, and its dot product with any point of the triangle; zeros for area 0.
     pub planes: Vec<[f32; 4]>,
-    /// One a material in use; those without an alpha test first.
+    /// One per used material; those without an alpha test come first.
     pub draws: Vec<MaterialRange>,
-    /// One a posed primitive, in the same order.
+    /// One per posed primitive, in the same order.
     pub runs: Vec<DrawRun>,
 }
 
-/// What a vertex has besides its position.
+/// Attributes of a vertex besides its position.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 pub(crate) struct Attributes {
@@ -36,14 +36,12 @@ pub(crate) struct Attributes {
     pub color: [f32; 4],
 }
 
-/// The triangles of one posed primitive.
+/// Triangles of one posed primitive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct DrawRun {
-    /// Index of the node that carries it.
     pub node: usize,
-    /// Its own in [`PosedScene::primitives`].
+    /// Index in [`PosedScene::primitives`].
     pub primitive: usize,
-    /// Where its vertices begin.
     pub first_vertex: u32,
     pub indices: Range<u32>,
 }
@@ -56,7 +54,7 @@ pub(crate) struct MaterialRange {
 }
 
 impl Vertices {
-    /// Those of `scene`, where single precision holds it.
+    /// Converts `scene`. Returns an error if f32 cannot hold it.
     pub fn new(scene: &PosedScene) -> Result<Self, RenderError> {
         let reach = scene.half_extent.max_element();
         if !(reach <= MAX_EXTENT && scene.origin_in_world.is_finite()) {
@@ -115,15 +113,15 @@ impl Vertices {
     }
 }
 
-/// Draws without an alpha test come first, in one run that a shadow pass can draw at once.
+/// Sort key of draws. Those without an alpha test come first, in one run that a shadow pass draws with one call.
 fn draw_order(materials: &[Material], index: usize) -> (bool, usize) {
     (materials[index].alpha_cutoff.is_some(), index)
 }
 
-/// Unit normal towards the side that sees the corners counter-clockwise, and its product with them.
+/// Unit normal of the counter-clockwise side, and its dot product with the corners.
 ///
-/// Computed from the rounded corners, and the product with the rounded normal: then only the product's own
-/// rounding remains, one ulp of the distance from the scene's centre.
+/// Computed from the rounded corners, the product with the rounded normal. Only the rounding of the product remains,
+/// one ulp of the distance from the scene's center.
 fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     let [a, b, c] = corners.map(|p| Vec3::from(p).as_dvec3());
     let normal = (b - a).cross(c - a).normalize_or_zero().as_vec3();
@@ -131,36 +129,34 @@ fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     [normal.x, normal.y, normal.z, offset as f32]
 }
 
-/// [`Vertices`] on the GPU. Every buffer can be read by shaders, so that lights may make their own casters of
-/// it.
+/// [`Vertices`] on the GPU. Shaders can read every buffer, so lights can derive their own casters.
 #[derive(Debug)]
 pub(crate) struct Geometry {
-    /// `array<f32>`, three a vertex.
+    /// `array<f32>`, three per vertex.
     pub positions: Buffer,
-    /// [`Attributes`] a vertex.
+    /// [`Attributes`] of each vertex.
     pub attributes: Buffer,
-    /// Three a triangle.
+    /// Three per triangle.
     pub indices: Buffer,
-    /// `array<vec4f>`, one a triangle.
+    /// `array<vec4f>`, one per triangle.
     pub planes: Buffer,
     /// [`crate::gpu_structs::HierarchyNode`]s over all triangles.
     pub hierarchy: Buffer,
-    /// Those triangles in the order of its leaves.
+    /// The triangles in the order of the hierarchy's leaves.
     pub hierarchy_triangles: Buffer,
-    /// The same in memory, where the processor draws.
+    /// The same in CPU memory, on the native backend.
     pub host: Option<Arc<HostGeometry>>,
 }
 
-/// A scene's triangles in memory, for lights that the processor draws.
+/// A scene's triangles in CPU memory, for lights on the native backend.
 #[derive(Debug)]
 pub(crate) struct HostGeometry {
     pub vertices: Vertices,
-    /// Over all of their triangles.
     pub hierarchy: Hierarchy,
 }
 
 impl HostGeometry {
-    /// Of its arrays, but for what is as many as materials and nodes.
+    /// Bytes of the arrays, without those that grow only with materials and nodes.
     fn bytes(&self) -> u64 {
         let Vertices { positions, attributes, indices, planes, .. } = &self.vertices;
         let of_triangles = size_of_val(&indices[..]) + size_of_val(&planes[..]);
@@ -171,14 +167,13 @@ impl HostGeometry {
 }
 
 impl Geometry {
-    /// Of its buffers and arrays.
+    /// Bytes of the buffers and of arrays in CPU memory.
     pub fn bytes(&self) -> u64 {
         let geometry = [&self.positions, &self.attributes, &self.indices, &self.planes];
         let buffers = geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]);
         buffers.map(Buffer::size).sum::<u64>() + self.host.as_ref().map_or(0, |host| host.bytes())
     }
 
-    /// Uploads `vertices`.
     pub fn new(gpu: &Gpu, vertices: Vertices) -> Result<Self, RenderError> {
         let hierarchy =
             gpu.run_in_background(|| Hierarchy::new(&vertices.positions, vertices.indices.as_chunks().0))?;
@@ -215,7 +210,7 @@ impl Geometry {
     }
 }
 
-/// A buffer with `data`, where this device can hold it; `what` says what that is, with its unit.
+/// Creates a buffer with `data`. Returns an error if this device cannot hold it; `what` names the data with its unit.
 pub(crate) fn upload<T: bytemuck::Pod>(
     gpu: &Gpu,
     what: &'static str,
@@ -228,7 +223,7 @@ pub(crate) fn upload<T: bytemuck::Pod>(
     if bytes.len() as u64 > limit {
         return Err(RenderError::TooLarge { what, size: bytes.len() as f64, limit: limit as f64 });
     }
-    // An empty scene has buffers too: bindings may not be empty.
+    // An empty scene has buffers, too, because a binding must not be empty.
     let contents = if bytes.is_empty() { &[0; 16] } else { bytes };
     Ok(gpu.device.create_buffer_init(&BufferInitDescriptor { label: Some(what), contents, usage }))
 }
@@ -240,7 +235,7 @@ mod tests {
 
     use super::*;
 
-    /// A triangle in the plane z = 0 that faces +z, at `world_from_local`.
+    /// A triangle in the plane z = 0 that faces +z, transformed by `world_from_local`.
     fn scene_with(world_from_local: DAffine3) -> Scene {
         let primitive = Primitive {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
@@ -272,7 +267,7 @@ mod tests {
             assert_eq!(posed.attributes[0].normal, [0.0, 0.0, 1.0]);
             assert_eq!(posed.planes[0][..3], [0.0, 0.0, 1.0], "scale {scale}");
         }
-        // Turned inside out along z, the front looks the other way: the fault would be a winding that stays.
+        // Mirrored along z, the front faces the other way. The fault would be an unchanged winding.
         let posed = of(scene_with(DAffine3::from_scale(DVec3::new(1.0, 1.0, -1.0)))).unwrap();
         assert_eq!((posed.attributes[0].normal, posed.planes[0][2]), ([0.0, 0.0, -1.0], -1.0));
     }

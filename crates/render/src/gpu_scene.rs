@@ -14,47 +14,45 @@ use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError, gpu_structs};
 
-/// A scene on the device, for any number of renderers. Clones are of the same scene.
+/// A scene on the device, for any number of renderers. Clones share the scene.
 #[derive(Clone, Debug)]
 pub struct SceneOnDevice(Arc<UploadedScene>);
 
-/// What is made once a scene.
+/// Data that is made once per scene.
 #[derive(Debug)]
 pub(crate) struct UploadedScene {
     pub posed: Arc<PosedScene>,
     pub geometry: Geometry,
-    /// How many of the scene's own triangles there are.
     pub triangle_count: u32,
-    /// How many of their indices have no alpha test; those come first.
+    /// Number of indices without an alpha test; they come first.
     pub opaque_indices: u32,
     pub draws: Vec<MaterialDraw>,
-    /// Which triangles are of which node.
+    /// Triangle ranges of each node.
     pub runs: Vec<DrawRun>,
-    /// Those of `draws` that have one; none where no draw has.
+    /// Alpha tests of `draws`; `None` if no draw has one.
     pub alpha_tests: Option<GpuAlphaTests>,
-    /// What is bound in their place where there are none.
+    /// Binding that replaces them if there are none.
     no_tests: Option<GpuAlphaTests>,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
-    /// What casts shadows, straying from the surface by so much at most.
+    /// Shadow casters, with their largest distance from the surface in world units.
     casters: (f64, Arc<Casters>),
-    /// Counts its buffers and textures, and what of them is in memory too.
+    /// Accounts for buffers, textures and copies in CPU memory.
     _memory: Reservation,
 }
 
-/// A scene as one renderer has it.
+/// A scene in one renderer.
 #[derive(Debug)]
 pub(crate) struct GpuScene {
-    /// Which scene of its renderer: whatever was made from another one is stale.
+    /// Number of the scene in its renderer. Data made from another revision is invalid.
     pub revision: u64,
-    /// What casts shadows.
     pub casters: Arc<Casters>,
-    /// Group 0 of the passes that have a camera, that of this renderer; see `view.wgsl`.
+    /// Group 0 of the passes with a camera, that of this renderer; see `view.wgsl`.
     pub view: BindGroup,
     uploaded: SceneOnDevice,
 }
 
-/// The layouts of the bind groups that a scene fills.
+/// Layouts of the bind groups of a scene.
 #[derive(Debug)]
 pub(crate) struct SceneGroupLayouts {
     pub view: BindGroupLayout,
@@ -71,24 +69,24 @@ impl Deref for GpuScene {
     }
 }
 
-/// Fragments that a GPU is given at once, so that others can come between, and a software driver, which takes some 25 ms for them.
+/// Fragments per submission, so that work can yield: for a GPU, and for a software driver, which takes about 25 ms for
+/// them.
 const FRAGMENTS_AT_ONCE: f64 = 32e6;
 const SOFTWARE_FRAGMENTS_AT_ONCE: f64 = 4e6;
 
 impl GpuScene {
-    /// In how many parts its triangles are drawn onto so many pixels, or pixels are asked what is near to them: one but for scenes
-    /// of which very much lies in one place.
+    /// Number of parts for drawing the triangles onto `pixels`, or for ray tests near those pixels. It is 1 except for
+    /// scenes with a great depth complexity.
     pub fn part_count(&self, gpu: &Gpu, pixels: u64) -> u32 {
         let at_once = if gpu.is_cpu() { SOFTWARE_FRAGMENTS_AT_ONCE } else { FRAGMENTS_AT_ONCE };
         (self.posed.depth_complexity() * pixels as f64 / at_once).ceil().clamp(1.0, 65_536.0) as u32
     }
 
-    /// The draws that have an alpha test.
     pub fn alpha_tested_draws(&self) -> &[MaterialDraw] {
         &self.draws[self.draws.partition_point(|draw| !draw.is_alpha_tested)..]
     }
 
-    /// What throws shadows in lights without links.
+    /// Shadow casters of lights without links.
     pub fn caster_set(&self) -> CasterSet<'_> {
         CasterSet {
             casters: &self.casters,
@@ -97,13 +95,13 @@ impl GpuScene {
         }
     }
 
-    /// Casters that may stray from the surface by `mesh_error`, in world units.
+    /// Casters within `mesh_error` of the surface, in world units.
     pub fn casters_within(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
         Casters::new(gpu, (&Vertices::new(&self.posed)?, self.opaque_indices as usize), mesh_error)
     }
 
-    /// A scene that is on the device, for a renderer whose `view_uniform` will hold the camera of each picture. Casters may stray
-    /// from the surface by `mesh_error`, in world units.
+    /// Binds a scene on the device for a renderer, whose `view_uniform` will hold the camera of each picture. Casters
+    /// are within `mesh_error` of the surface, in world units.
     pub fn new(
         gpu: &Gpu,
         group_layouts: &SceneGroupLayouts,
@@ -130,14 +128,14 @@ impl GpuScene {
         Ok(scene)
     }
 
-    /// What of it other renderers can share.
+    /// The part that other renderers can share.
     pub fn on_device(&self) -> &SceneOnDevice {
         &self.uploaded
     }
 }
 
 impl SceneOnDevice {
-    /// Uploads a scene; casters may stray from the surface by `mesh_error`, in world units.
+    /// Uploads a scene. Casters are within `mesh_error` of the surface, in world units.
     pub(crate) fn upload(
         gpu: &Gpu,
         group_layouts: &SceneGroupLayouts,

@@ -1,9 +1,8 @@
-//! The structs that Rust and WGSL share. A test holds every name and offset against the WGSL.
+//! Structs that Rust and WGSL share. A test compares every name and offset with the WGSL.
 
 use glam::DVec3;
 
-/// Declares a struct as WGSL lays it out. Fields whose names begin with `pad` are gaps that WGSL leaves by
-/// itself.
+/// Declares a struct in WGSL layout. Fields whose names begin with `pad` are gaps that WGSL adds by itself.
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* $name:ident { $($field:ident: $type:ty,)* }) => {
         $(#[$doc])*
@@ -31,7 +30,7 @@ pub(crate) use gpu_struct;
 #[cfg(test)]
 pub(crate) type StructLayout = (&'static str, usize, &'static [(&'static str, usize)]);
 
-/// Every struct of this file; the layout test walks it.
+/// All structs of this file, for the layout test.
 #[cfg(test)]
 pub(crate) const ALL: &[StructLayout] = &[
     View::LAYOUT,
@@ -138,17 +137,18 @@ gpu_struct! {
 /// Length of the array of faces in `spot.wgsl`.
 pub(crate) const SPOT_FACES: usize = 5;
 
-/// Length of the array of pieces in `profile.wgsl`: one more than there may be knots.
+/// Length of the array of pieces in `profile.wgsl`: one more than the most knots.
 pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
 
-/// Most layers of a sum in `terms.wgsl`: with the fill fewer than every device binds. Of more it is less work to keep sums.
+/// Most layers of a sum in `terms.wgsl`. With the fill it is below every device's limit of bindings. Intermediate sums
+/// are less work for more layers.
 pub(crate) const TERMS: usize = 8;
 
-/// A piece that begins past all angles.
+/// A piece that begins beyond all angles.
 const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
 
-/// Where f64 goes on and f32 does not: a ramp that steep is a step in single precision too, and `profile.wgsl` keeps light
-/// that strong within it.
+/// Limit for numbers that f64 holds and f32 does not. A ramp that steep is a step in f32, and `profile.wgsl` keeps
+/// light that strong within f32.
 pub(crate) const LARGE: f64 = 1e30;
 
 gpu_struct! {

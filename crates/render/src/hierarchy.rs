@@ -1,23 +1,22 @@
-//! The scene's triangles in boxes within boxes, for the last piece of light's way (`nearby.wgsl`).
+//! Bounding-volume hierarchy of the scene's triangles, for ray tests near a receiver (`nearby.wgsl`).
 
 use glam::{Vec3, Vec3A};
 use hierarchy::Aabb;
 
 use crate::gpu_structs::HierarchyNode;
 
-/// Boxes depth first, and the triangles of the leaves.
+/// Nodes in depth-first order, and the triangles of the leaves.
 #[derive(Debug, Default)]
 pub(crate) struct Hierarchy {
     pub nodes: Vec<HierarchyNode>,
     pub triangles: Vec<u32>,
 }
 
-/// The one node where there are no triangles, which nothing meets: a binding may not be empty.
+/// The single node of a scene without triangles, which no ray meets: a binding must not be empty.
 const NOWHERE: HierarchyNode =
     HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
 
 impl Hierarchy {
-    /// Of triangles by their corners.
     pub fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Self {
         let bounds = |corners: &[u32; 3]| {
             let [a, b, c] = corners.map(|k| Vec3A::from_array(positions[k as usize]));
@@ -29,7 +28,7 @@ impl Hierarchy {
     }
 }
 
-/// The nodes in the order of a walk that looks at first children first.
+/// The nodes in depth-first order, first children first.
 fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
     let mut nodes = Vec::with_capacity(built.nodes.len());
     let mut open: Vec<u32> = vec![0];
@@ -46,7 +45,7 @@ fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
             open.extend([node.first + 1, node.first]);
         }
     }
-    // From the back every subtree is known when its root comes.
+    // From the back, every subtree is complete when its root follows.
     let mut sizes: Vec<u32> = Vec::new();
     for index in (0..nodes.len()).rev() {
         let node = &mut nodes[index];
@@ -74,7 +73,8 @@ mod tests {
         (positions, triangles)
     }
 
-    /// The walk of `nearby.wgsl`: triangles of the leaves whose boxes hold `point`, and how many nodes were looked at.
+    /// The traversal of `nearby.wgsl`: the triangles of leaves whose boxes contain `point`, and the number of visited
+    /// nodes.
     fn walk(hierarchy: &Hierarchy, point: [f32; 3]) -> (Vec<u32>, usize) {
         let (mut found, mut looked_at, mut index) = (Vec::new(), 0, 0);
         while let Some(node) = hierarchy.nodes.get(index) {

@@ -1,4 +1,4 @@
-//! Which of the casters a straight light's map looks at: those in its view.
+//! Selects the casters in the view of a straight light's map.
 
 use std::ops::Range;
 
@@ -10,12 +10,12 @@ use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf};
 use crate::gpu_structs::Mat4;
 use crate::shadow_settings::Culling;
 
-/// A source is as large as this share of its distance: rounding.
+/// Size of a source as a share of its distance, for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// The opaque indices of leaves that may be seen by `clip_from_scene`, and what they are of as that view has it: `Closed`
-/// where their fronts are counter-clockwise. Light begins at `source`, in scene space, or where that is `None` outside of
-/// the scene; what is closed around it is `Open`.
+/// Index ranges of opaque leaves that `clip_from_scene` may see, with their component in that view: `Closed` if front
+/// faces are counter-clockwise. Light begins at `source`, in scene space; `None` means outside the scene. Closed
+/// components around the source count as `Open`.
 pub(crate) fn visible_runs(
     casters: &Casters,
     clip_from_scene: &Mat4,
@@ -35,8 +35,8 @@ pub(crate) fn visible_runs(
     runs
 }
 
-/// Hands over the leaves without alpha tests that may be seen by `clip_from_scene`, and what they are of as light that begins
-/// at `source` has it.
+/// Passes leaves without alpha tests that `clip_from_scene` may see to a callback, with their component for light from
+/// `source`.
 pub(crate) fn leaves_in_view(
     casters: &Casters,
     clip_from_scene: &Mat4,
@@ -76,16 +76,16 @@ fn in_f64(matrix: &Mat4) -> DMat4 {
     DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
 }
 
-/// `normal . p + offset` is zero or more on the inner side of each of the four sides of the picture.
+/// Planes of the four sides of the picture, with `normal . p + offset` zero or more inside.
 fn planes(clip_from_scene: &DMat4) -> [(DVec3, f64); 4] {
     let [x, y, w] = [0, 1, 3].map(|row| clip_from_scene.row(row));
     [w + x, w - x, w + y, w - y].map(|plane| (plane.truncate(), plane.w))
 }
 
-/// Whether the picture shows clockwise what is counter-clockwise seen from where light comes from.
+/// True if the picture shows counter-clockwise triangles clockwise, seen from the light.
 fn is_mirrored(clip_from_scene: &DMat4) -> bool {
     let [x, y, z, w] = [0, 1, 2, 3].map(|row| clip_from_scene.row(row).truncate());
-    // Without perspective depth tells which way light goes: it falls along that.
+    // In orthographic projection, depth gives the direction of light: it decreases along it.
     let forward = if w == DVec3::ZERO { -z } else { w };
     DMat3::from_cols(x, y, forward).determinant() > 0.0
 }

@@ -1,10 +1,10 @@
-//! What each light alone adds to a view, kept from picture to picture, and sums of that.
+//! Layers: the contribution of each light to a view, cached between pictures, and sums of layers.
 //!
-//! A layer is what a light reflects before factors of all of it ([`light::LightProfile::weights`]). An edit of those, a light that
-//! is switched off and on, and the exposure of a view draw no layer; a light that moves draws its own.
+//! A layer is the light's reflected radiance before factors of the whole light ([`light::LightProfile::lobe_weights`]).
+//! An edit of a factor, an enabled or disabled light, and a view's exposure draw no layer. A moved light draws its own.
 //!
-//! Layers add up in one order, whatever is kept and whatever was edited: four by four where they are more than eight, and those
-//! sums four by four again while they are.
+//! Layers always add up in the same order, regardless of cache and edits: in groups of four if there are more than
+//! eight, and those sums again in groups of four while there are more than eight.
 
 use std::task::Poll;
 
@@ -23,24 +23,24 @@ use crate::pause::{DrawnPiece, Pause};
 use crate::tile::Tile;
 use crate::{Gpu, RenderError};
 
-/// How many layers, or sums, are added up at once where all are too many. One of 64 lights that moves is added to three others,
-/// then their sum to three, and theirs to three.
+/// Layers or sums per intermediate sum. One moving light of 64 is added to three others, their sum to three, and that
+/// to three.
 const GROUP: usize = 4;
 
-/// Who draws the layers of a view and adds them up: the device, or the processor.
+/// Draws and sums the layers of a view, on the GPU or the CPU.
 pub(crate) trait LayerPainter {
-    /// What a layer is held in; clones share it.
+    /// Storage of a layer; clones share it.
     type Layer: Clone + Send + 'static;
-    /// What a sum is held in; clones share it.
+    /// Storage of a sum; clones share it.
     type Sum: Clone + Send + 'static;
-    /// What a light and its map are looked up by.
+    /// A light with its map, ready for lookups.
     type Light;
-    /// What adds up to a picture, or to a sum: at least one and at most [`TERMS`] layers or sums.
+    /// Terms of a picture or a sum: at least one and at most [`TERMS`] layers or sums.
     type Terms;
     const LAYER_BYTES_PER_PIXEL: u64;
     const SUM_BYTES_PER_PIXEL: u64;
 
-    /// As [`ShadowMaps::ready_light`], by who draws layers.
+    /// Calls [`ShadowMaps::ready_light`] for this backend.
     fn ready_light(
         &mut self,
         shadow_maps: &mut ShadowMaps,
@@ -48,8 +48,8 @@ pub(crate) trait LayerPainter {
         light: (&LightInstance, MapScale),
     ) -> Result<Option<ReadyLight<Self::Light>>, RenderError>;
 
-    /// Draws what `light` alone adds to `pixels`, `[x, y, width, height]`, and nothing elsewhere; over a layer that
-    /// nobody needs any more where there is one. That is a [`crate::FrameStage::Light`].
+    /// Draws the contribution of `light` to `pixels`, `[x, y, width, height]`, and zero elsewhere. Reuses the storage
+    /// of `over`, which is no longer needed. Records [`crate::FrameStage::Light`].
     fn draw_layer(
         &mut self,
         light: &ReadyLight<Self::Light>,
@@ -57,64 +57,62 @@ pub(crate) trait LayerPainter {
         over: Option<Self::Layer>,
     ) -> Result<Self::Layer, RenderError>;
 
-    /// Draws a sum, over one that nobody needs any more where there is one. That is a [`crate::FrameStage::Sum`].
+    /// Draws a sum. Reuses the storage of `over`, which is no longer needed. Records [`crate::FrameStage::Sum`].
     fn draw_sum(&mut self, terms: &Self::Terms, over: Option<Self::Sum>) -> Result<Self::Sum, RenderError>;
 
-    /// Layers with their factors.
+    /// Terms from layers with their factors.
     fn terms_of_layers(&self, layers: &[GpuTerm<Self::Layer>]) -> Self::Terms;
 
-    /// Sums as they are.
+    /// Terms from sums, unweighted.
     fn terms_of_sums(&self, sums: &[Self::Sum]) -> Self::Terms;
 
-    /// Waits for all that has been drawn.
+    /// Waits until all layers are drawn.
     fn finish(&mut self) -> Result<(), RenderError>;
 }
 
-/// The layers of a view whose G-buffer stays the same, and their sums, in what they are held in.
+/// The layers of a view, valid while its G-buffer is, and their sums.
 #[derive(Debug)]
 pub(crate) struct Layers<Layer, Sum> {
     lights: Vec<KeptLayer<Layer>>,
-    /// Of groups of lights, then of groups of those, level by level.
+    /// Sums of groups of lights, then sums of groups of those, level by level.
     sums: Vec<Vec<KeptSum<Sum>>>,
 }
 
 #[derive(Debug)]
 struct KeptLayer<Layer> {
     light: LightId,
-    /// The light's revision of what it shows; `None` of nothing.
+    /// Revision of the light that the layer shows; `None` if invalid.
     radiance_revision: Option<LightDigest>,
-    /// How fine the map was that it was drawn with.
+    /// Scale of the shadow map that it was drawn with.
     shadow_map: MapScale,
-    /// `None` where the light reaches nothing that is seen.
+    /// `None` if the light reaches no visible surface.
     layer: Option<Evictable<Layer>>,
 }
 
 #[derive(Debug)]
 struct KeptSum<Sum> {
-    /// The lights that it is of, each with its revision of all that a picture depends on.
+    /// Its lights, each with the revision of everything that a picture depends on.
     light_revisions: Vec<(LightId, LightDigest)>,
-    /// How fine maps had to be when it was drawn.
+    /// Requested scale of shadow maps when it was drawn.
     shadow_map: MapScale,
     sum: Evictable<Sum>,
 }
 
-/// What layers are drawn with.
 pub(crate) struct LayerWork<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a GpuScene,
     pub raster: &'a CameraRaster,
-    /// Pixels.
+    /// In pixels.
     pub size: [u32; 2],
-    /// How fine maps have to be.
     pub shadow_map: MapScale,
     pub shadow_maps: &'a mut ShadowMaps,
     pub pass_runs: &'a mut PassRuns,
-    /// Says after each piece whether the picture pauses; `None` where it never does.
+    /// Decides after each piece if the picture pauses; `None` if it never does.
     pub pause: Option<Pause<'a>>,
 }
 
 impl LayerWork<'_> {
-    /// Whether the picture pauses after a piece, which is waited for.
+    /// Waits for a piece. Returns true if the picture pauses after it.
     fn pauses(&mut self, painter: &mut impl LayerPainter, piece: DrawnPiece) -> Result<bool, RenderError> {
         let Some(pause) = self.pause else { return Ok(false) };
         painter.finish()?;
@@ -122,7 +120,7 @@ impl LayerWork<'_> {
     }
 }
 
-/// Whether layers of so many lights and their sums take at most half of the budget of bytes.
+/// True if the layers of `light_count` lights and their sums take at most half of `budget`, in bytes.
 pub(crate) fn do_layers_fit<P: LayerPainter>(budget: u64, size: [u32; 2], light_count: usize) -> bool {
     let lights = light_count as u64;
     let bytes_a_pixel =
@@ -137,13 +135,13 @@ impl<Layer, Sum> Default for Layers<Layer, Sum> {
 }
 
 impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, Sum> {
-    /// Makes each anew when it is next asked for.
+    /// Marks all layers and sums as invalid, and keeps their storage.
     pub fn invalidate(&mut self) {
         self.lights.iter_mut().for_each(|layer| layer.radiance_revision = None);
         self.sums.iter_mut().flatten().for_each(|sum| sum.light_revisions.clear());
     }
 
-    /// Where the content of `light` is held, drawn with a map that is fine enough.
+    /// The layer of `light` if it is valid and was drawn with a map of at least that scale.
     fn cached_layer(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
         let shows = Some(light.light.revisions().radiance);
         let kept =
@@ -152,7 +150,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         layer.take().inspect(|held| layer.put(held.clone()))
     }
 
-    /// Whether `light` reaches a pixel; where it reaches none, that is kept as its layer.
+    /// True if `light` reaches a pixel. If not, caches that fact as its layer.
     fn reaches_visible_pixels(&mut self, work: &LayerWork, light: &LightInstance) -> bool {
         let shows = Some(light.light.revisions().radiance);
         let known = self.lights.iter().find(|kept| (kept.light, kept.radiance_revision) == (light.id, shows));
@@ -173,7 +171,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         reaches
     }
 
-    /// Why the layer of `light` has to be drawn.
+    /// Cause for drawing the layer of `light`.
     fn cause(&self, light: &LightInstance) -> Cause {
         match self.lights.iter().find(|kept| kept.light == light.id) {
             None => Cause::First,
@@ -184,7 +182,6 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         }
     }
 
-    /// Keeps what shows `light` now.
     fn keep(
         &mut self,
         (gpu, bytes): (&Gpu, u64),
@@ -205,19 +202,19 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         self.lights.push(KeptLayer { light: light.id, radiance_revision: shows, shadow_map, layer });
     }
 
-    /// Takes out the layer that there is of a light, whatever it shows.
+    /// Takes out the cached layer of a light, even if it is invalid.
     fn take(&self, light: &LightInstance) -> Option<Layer> {
         self.lights.iter().find(|kept| kept.light == light.id)?.layer.as_ref()?.take()
     }
 
-    /// Brings the layers of `lights` up to date, and adds them up to few terms: what a picture is besides its fill. `None` where no
-    /// light adds anything. Pending where the picture pauses: what has been drawn is kept, and called again this goes on.
+    /// Updates the layers of `lights` and sums them to a few terms: a picture without its fill. `None` if no light
+    /// contributes. Pending if the picture pauses; the next call continues with the layers drawn so far.
     pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut LayerWork, &mut P),
         lights: &[LightInstance],
     ) -> Result<Poll<Option<P::Terms>>, RenderError> {
-        // Others shine all the same; `light::SceneBounds` tells who asks.
+        // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
         let is_there = |light: &&LightInstance| {
             !light.light.light_profile().is_dark() && work.scene.posed.bounds().check(&light.light).is_ok()
         };
@@ -268,7 +265,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         Ok(Poll::Ready(Some(painter.terms_of_sums(&sums))))
     }
 
-    /// The layers of some lights with their weights, drawn where they are not held. Pending where the picture pauses.
+    /// Layers of some lights with their factors; draws those that are not cached. Pending if the picture pauses.
     fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut LayerWork, &mut P),
@@ -292,7 +289,8 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         Ok(Poll::Ready(terms))
     }
 
-    /// `None` where the light reaches nothing that is seen; pending where the picture pauses, with the light's map drawn.
+    /// Draws a light's layer. `None` if the light reaches no visible surface. Pending if the picture pauses after the
+    /// light's map.
     fn draw_layer<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut LayerWork, &mut P),
@@ -302,7 +300,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         let Some(ready) = ready else { return Ok(Poll::Ready(None)) };
         if let Some(cause) = ready.shadow_map_cause {
             work.pass_runs.note(Pass::ShadowMap, Some(light.id), cause);
-            // A map that passes is drawn again after a pause.
+            // A map without room in the budget would be drawn again after a pause.
             if ready.transient_map.is_none() && work.pauses(painter, DrawnPiece::ShadowMap)? {
                 return Ok(Poll::Pending);
             }
@@ -372,7 +370,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     }
 }
 
-/// Factors of a layer of `light`: of what is scattered, and of what is mirrored; linear RGB.
+/// Factors of a layer of `light`, for scattered and for mirrored light; linear RGB.
 pub(crate) fn factors(light: &CheckedLight) -> [[f32; 3]; 2] {
     light.light_profile().lobe_weights().map(|weight| weight.min(DVec3::splat(LARGE)).as_vec3().to_array())
 }

@@ -1,16 +1,15 @@
-//! The picture: a headless wgpu renderer of a [`scene::Scene`] under its lights.
+//! Draws pictures of a [`scene::Scene`] under its lights: a headless renderer on wgpu.
 //!
-//! Geometry is posed once a scene ([`Renderer::set_scene`]) into scene space: world axes, with the origin at
-//! the centre of the scene's bounds, so that f32 on the GPU keeps its precision wherever the scene stands. A
-//! picture ([`Renderer::render`]) is a G-buffer, a shadow map a light and one additive pass a light. Shadow
-//! maps stay while nothing they depend on changes, and so do, for each viewer, its G-buffer and its last
-//! picture, as long as there is room ([`MemoryBudget`]).
+//! A picture ([`Renderer::render`]) is a G-buffer, one shadow map per light and one additive pass per light. Everything
+//! that a picture shares with an earlier one is cached within a [`MemoryBudget`]. Interactive pictures
+//! ([`Renderer::render_display`]) sum one cached layer per light, so an edit draws the edited light alone. Other
+//! pictures are drawn in tiles ([`TiledPicture`]), so that interactive ones can come between.
 //!
-//! A picture of one sample for a screen ([`Renderer::render_display`]), as a hand on the mouse waits for it, is added up of
-//! what each light alone adds, which is kept too: an edit draws the light that it is of.
+//! [`Renderer::set_scene`] uploads geometry in scene space: world axes with the origin at the center of the scene's
+//! bounds, so that f32 keeps its precision wherever the scene is.
 //!
-//! A picture that nobody waits for with a hand on the mouse is drawn in tiles ([`TiledPicture`]), so that other
-//! pictures can come between.
+//! The crate knows no JSON, command line or network. Begin with [`Renderer`], [`Gpu`] and [`Backend`] (GPU or CPU),
+//! then the modules `layers` and `lights` (shadow maps).
 
 #![expect(
     clippy::disallowed_methods,

@@ -1,5 +1,4 @@
-//! The passes that turn a G-buffer into values: the fill, quantities of the surface, and one additive pass a
-//! light, or one that draws what it alone adds.
+//! Passes from the G-buffer to values: the fill, AOVs of the surface, and one additive pass or one layer per light.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -10,9 +9,9 @@ use wgpu::{
 
 use crate::{Aov, Gpu, shaders};
 
-/// Radiance and every AOV: raw values, added up in f32.
+/// Format of radiance and every AOV: raw values, added up in f32.
 pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba32Float;
-/// What a light alone adds: see `terms.wgsl`.
+/// Format of a layer; see `terms.wgsl`.
 pub(crate) const LAYER_FORMAT: TextureFormat = TextureFormat::Rgba32Uint;
 
 const ADD: BlendState = {
@@ -24,8 +23,7 @@ const ADD: BlendState = {
     BlendState { color: sum, alpha: sum }
 };
 
-/// Passes of one module by the constants that it is compiled with and whether they are for lights with links, each made when
-/// first wanted.
+/// Passes of one module, by its compiled-in constants and by use of links. Each is compiled at first use.
 #[derive(Debug)]
 pub(crate) struct PassVariants<K>(Mutex<Vec<Variant<K>>>);
 
@@ -41,7 +39,7 @@ impl<K: Copy + PartialEq> PassVariants<K> {
         Self(Mutex::default())
     }
 
-    /// The pass with those constants, for lights with links where `linked`; the first time `make` makes it.
+    /// Returns the pass with those constants, for lights with links if `linked`. `make` compiles it at first use.
     pub fn get(&self, constants: K, linked: bool, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
         let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |known: &&Variant<K>| (known.constants, known.linked) == (constants, linked);
@@ -54,19 +52,18 @@ impl<K: Copy + PartialEq> PassVariants<K> {
     }
 }
 
-/// A module of fullscreen entry points that add to the picture: one an AOV, `fs_` and its name. Pipelines are
-/// made when first wanted.
+/// A module of fullscreen entry points that add to the picture: one per AOV, `fs_` and its name. Pipelines are compiled
+/// at first use.
 #[derive(Debug)]
 pub(crate) struct LightingPass {
     layout: PipelineLayout,
     module: ShaderModule,
     pipelines: [OnceLock<RenderPipeline>; Aov::NAMES.len()],
-    /// Of a light's own layer.
     layer: OnceLock<RenderPipeline>,
 }
 
 impl LightingPass {
-    /// `groups` begin with the view and the surface.
+    /// `groups` begin with the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, label: &str, wgsl: &str, groups: &[&BindGroupLayout]) -> Self {
         Self {
             layout: gpu.pipeline_layout(label, groups),
@@ -76,15 +73,14 @@ impl LightingPass {
         }
     }
 
-    /// Of a light: `groups` are those of the view, the surface, the light and links. Which triangles count is compiled in
-    /// where it is not `linked`.
+    /// A pass of a light. `groups` are the layouts of the view, the surface, the light and links. Without `linked`, all
+    /// triangles count, which is compiled in.
     pub fn of_light(gpu: &Gpu, label: &str, wgsl: &str, linked: bool, groups: [&BindGroupLayout; 4]) -> Self {
         let count = if linked { 4 } else { 3 };
         Self::new(gpu, label, &shaders::lighting_pass(wgsl, linked, gpu.has_subgroups()), &groups[..count])
     }
 
-    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` are what the pass binds after view and
-    /// surface.
+    /// Adds `aov` within `pixels`, `[x, y, width, height]`. `groups` follow those of the view and the surface.
     pub fn draw(&self, gpu: &Gpu, pass: &mut RenderPass, aov: Aov, groups: &[&BindGroup], pixels: [u32; 4]) {
         let pipeline = self.pipelines[aov as usize].get_or_init(|| {
             let entry_point = format!("fs_{}", aov.name());
@@ -93,7 +89,7 @@ impl LightingPass {
         draw_within(pass, pipeline, groups, pixels);
     }
 
-    /// Draws what a light alone scatters and mirrors within `pixels`, before factors of all of it.
+    /// Draws a light's scattered and mirrored radiance within `pixels`, before factors of the whole light.
     pub fn draw_layer(&self, gpu: &Gpu, pass: &mut RenderPass, groups: &[&BindGroup], pixels: [u32; 4]) {
         let pipeline = self.layer.get_or_init(|| {
             gpu.fullscreen_pipeline(&self.layout, &self.module, "fs_layer", &[LAYER_FORMAT], None)

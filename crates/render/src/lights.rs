@@ -1,4 +1,4 @@
-//! What is kept of each light from picture to picture: above all its shadow map.
+//! Shadow maps and other data of lights, cached between pictures.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ use crate::shadow_settings::{Culling, MapSize};
 use crate::straight::{StraightLight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// The shadow maps of one scene's lights, whoever needs them.
+/// Shadow maps of one scene's lights, shared by all views.
 #[derive(Debug)]
 pub(crate) struct ShadowMaps {
     maps: Vec<KeptMap>,
@@ -34,21 +34,21 @@ pub(crate) struct ShadowMaps {
     known_links: KnownLinks,
     pub coarse: CoarseCasters,
     shadows: ShadowSettings,
-    /// Which map of each light was drawn last by each who draws them, and how large.
+    /// Key and size of the map that each backend drew last for each light.
     drawn: BTreeMap<(LightId, Backend), (MapKey, MapSize)>,
 }
 
-/// Who draws lights' maps: the device, or the processor.
+/// Draws the maps of lights, on the GPU or the CPU.
 pub(crate) trait MapPainter {
-    /// What a light and its map are looked up by.
+    /// A light with its map, ready for lookups.
     type Light;
     const BACKEND: Backend;
 
-    /// What a map of `light` of that size can be drawn in; nothing yet.
+    /// Creates storage for a map of `light` of that size; nothing is drawn.
     fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot;
 
-    /// Brings `slot`, which is made for such lights, up to date. Returns the light in place and whether its map was
-    /// drawn: of those casters that `linked` leaves, or of coarse ones where there are any and they serve.
+    /// Updates `slot`, which was created for such a light. Returns the placed light, and true if its map was drawn:
+    /// with the casters that `linked` leaves, or with coarse ones if there are any that are accurate enough.
     fn prepare(
         &mut self,
         slot: &mut LightSlot,
@@ -58,33 +58,31 @@ pub(crate) trait MapPainter {
     ) -> Result<(Self::Light, bool), RenderError>;
 }
 
-/// What maps of bent lights are drawn with.
 pub(crate) struct MapBuilders<'a> {
     pub bent_buffers: &'a mut BentMapBuffers,
     pub native_builders: &'a mut NativeMapBuilders,
-    /// Casters of fewer triangles, where the map is a coarse one that may have them.
+    /// Simplified casters, if the map is coarse and may use them.
     pub coarse: Option<&'a SimplifiedCasters>,
 }
 
 #[derive(Debug)]
 struct KeptMap {
     slot: Evictable<LightSlot>,
-    /// Whether a picture under way needs it, or it shows its light as the latest picture of that has it.
+    /// True if a picture under way needs it, or if it is the map of its light in the latest picture.
     needed: bool,
-    /// What of the scene counts for its light, where that has links.
+    /// Triangles selected by the light's links, if it has any.
     linked: Option<Arc<LinkedCasters>>,
 }
 
-/// Who draws, and the maps of the picture that is or was drawn last.
+/// A view and the maps of its latest picture.
 #[derive(Debug)]
 struct MapUser {
     slot: ViewSlot,
     maps: Vec<MapKey>,
-    /// Whether that picture is finished.
     is_finished: bool,
 }
 
-/// A map, by who draws it of which light.
+/// A map, by backend and shape of light.
 #[derive(Debug)]
 pub(crate) enum LightSlot {
     Straight(Box<StraightSlot>),
@@ -92,24 +90,23 @@ pub(crate) enum LightSlot {
     Native(Box<NativeSlot>),
 }
 
-/// A light whose shadows are up to date, in the form of who draws it.
+/// A light with a valid map, in the form of its backend.
 #[derive(Debug)]
 pub(crate) struct ReadyLight<Light> {
     pub light: Light,
-    /// What it may reach: `[x, y, width, height]`.
+    /// Pixels that it may reach: `[x, y, width, height]`.
     pub pixels: [u32; 4],
-    /// What of the scene counts for it, where it has links.
+    /// Triangles selected by its links, if it has any.
     pub linked: Option<Arc<LinkedCasters>>,
-    /// How fine its shadow map is.
     pub shadow_map: MapScale,
-    /// Why its shadow map had to be drawn, where it had.
+    /// Cause for drawing its shadow map; `None` if the cached one was valid.
     pub shadow_map_cause: Option<Cause>,
-    /// There is no room to keep its map, which lives as long as this.
+    /// Accounts for the map if the budget has no room to cache it. The map lives as long as this.
     pub transient_map: Option<Reservation>,
 }
 
 impl LightSlot {
-    /// Whether a map of a light found by `rays`, which has that size, can be drawn here by `backend`.
+    /// True if `backend` can draw a map of that size here, for a light with those `rays`.
     fn fits(&self, backend: Backend, rays: &LightRays, size: MapSize) -> bool {
         match (self, backend, rays) {
             (Self::Bendy(slot), Backend::Wgpu, LightRays::Bent(_)) => slot.size() == size,
@@ -160,12 +157,11 @@ impl ShadowMaps {
         }
     }
 
-    /// How maps are made.
     pub fn shadows(&self) -> &ShadowSettings {
         &self.shadows
     }
 
-    /// Makes maps by other settings; drops those there are. Returns whether the settings are others.
+    /// Sets the shadow settings. If they differ, drops all maps and returns true.
     pub fn set_shadows(&mut self, shadows: ShadowSettings) -> bool {
         let other = self.shadows != shadows;
         if other {
@@ -175,7 +171,7 @@ impl ShadowMaps {
         other
     }
 
-    /// Draws every map anew when it is next asked for.
+    /// Marks every map as invalid, and keeps its storage.
     pub fn invalidate(&mut self) {
         for map in &mut self.maps {
             if let Some(mut slot) = map.slot.take() {
@@ -205,15 +201,14 @@ impl ShadowMaps {
         }
     }
 
-    /// Drops every map.
     pub fn clear(&mut self) {
         self.maps.clear();
         self.users.clear();
         self.bent_buffers.clear_deferred();
     }
 
-    /// `slot` draws `lights` over the scene of that revision from now on. Maps that nobody needs any more are the
-    /// first to be made those of other lights: so are those of lights as finished pictures of others still show them, or a drag
+    /// Begins a picture of `slot` with `lights`, over the scene of that revision. Maps that no picture needs are the
+    /// first to be reused for other lights. That includes lights as other views' finished pictures show them, or a drag
     /// would leave a map for each view that watches it.
     pub fn begin(&mut self, slot: ViewSlot, lights: &[LightInstance], revision: u64) {
         self.maps.retain(|map| map.slot.is_present());
@@ -231,7 +226,7 @@ impl ShadowMaps {
         self.update_needed_maps();
     }
 
-    /// The picture of `slot` is finished: it needs no map any more of a light that another has drawn otherwise since.
+    /// Ends the picture of `slot`. It no longer needs a map of a light that another view has drawn in a later state.
     pub fn finish(&mut self, slot: ViewSlot) {
         if let Some(user) = self.users.iter_mut().find(|user| user.slot == slot) {
             user.is_finished = true;
@@ -239,13 +234,13 @@ impl ShadowMaps {
         }
     }
 
-    /// `slot` needs no lights any more; their maps stay while there is room.
+    /// Releases the lights of `slot`. Their maps stay while there is room.
     pub fn release_view(&mut self, slot: ViewSlot) {
         self.users.retain(|user| user.slot != slot);
         self.update_needed_maps();
     }
 
-    /// `slot` needs no lights any more, and the maps that only it needed go.
+    /// Releases the lights of `slot`, and drops the maps that no other view needs.
     pub fn drop_view(&mut self, slot: ViewSlot) {
         let Some(index) = self.users.iter().position(|user| user.slot == slot) else { return };
         let gone = self.users.remove(index);
@@ -265,9 +260,9 @@ impl ShadowMaps {
         }
     }
 
-    /// Brings the shadows of `light` up to date, in a map that is at least as fine as `scale` asks for: one that is there in
-    /// full serves for half. `None`, and nothing drawn, where no pixel of the picture can be lit. Refuses a light that is out
-    /// of the scene's reach, before anything is changed.
+    /// Updates the shadows of `light`, in a map of at least the given scale; a cached full map serves for half. Returns
+    /// `None`, and draws nothing, if the light reaches no pixel of the picture. Returns an error, before any change, if
+    /// the light is out of the scene's reach.
     pub fn ready_light<P: MapPainter>(
         &mut self,
         (gpu, painter): (&Gpu, &mut P),
@@ -276,7 +271,7 @@ impl ShadowMaps {
     ) -> Result<Option<ReadyLight<P::Light>>, RenderError> {
         let light = &*instance.light;
         let key = MapKey::of(instance, scene.revision);
-        // A light whose shadows were switched off has another map of no size, and the one from before.
+        // A light whose shadows are off has a map of size 1, apart from the one before.
         let known_of = |size: MapSize| {
             let shows =
                 |slot: &LightSlot| slot.map_key() == Some(key) && slot.fits(P::BACKEND, light.rays(), size);
@@ -306,7 +301,7 @@ impl ShadowMaps {
         };
         let shadows = &shadows;
         let linked = self.known_links.get(gpu, &passes.group_layouts.links, scene, light.light());
-        // What a light's links leave, and what strays already, is drawn as it is.
+        // Casters that are reduced by links or already simplified are used unchanged.
         let is_coarse =
             known.is_none() && shadow_map != MapScale::Full && matches!(light.rays(), LightRays::Bent(_));
         let coarse = if is_coarse && linked.is_none() && shadows.mesh_error == 0.0 {
@@ -335,8 +330,7 @@ impl ShadowMaps {
         }))
     }
 
-    /// Puts a map back, or keeps a new one where there is room. Where there is none, the line that counts it until
-    /// it is dropped.
+    /// Puts a map back, or caches a new one if there is room. Otherwise returns the reservation that accounts for it.
     fn keep(
         &mut self,
         gpu: &Gpu,
@@ -359,8 +353,8 @@ impl ShadowMaps {
         None
     }
 
-    /// Draws the triangles of `light`'s shadow map into a picture of `size` pixels. A spotlight is one that was bent
-    /// into one segment.
+    /// Draws the triangles of `light`'s shadow map into a picture of `size` pixels. A spotlight is first bent into one
+    /// segment.
     pub fn draw_wireframe(
         &mut self,
         gpu: &Gpu,
@@ -385,15 +379,15 @@ impl ShadowMaps {
     }
 }
 
-/// Whether a picture under way needs the map, or it is as the latest picture of its light has it. The latest of `users` to begin is
-/// the last.
+/// True if a picture under way needs the map, or if it is the map of its light in the latest picture. `users` are in
+/// the order of their latest pictures.
 fn is_needed(users: &[MapUser], map: MapKey) -> bool {
     let mut of_light =
         users.iter().rev().flat_map(|user| user.maps.iter().filter(|key| key.light() == map.light()));
     of_light.next() == Some(&map) || users.iter().any(|user| !user.is_finished && user.maps.contains(&map))
 }
 
-/// The pixels that `light` may reach, `[x, y, width, height]`; `None` where it reaches none.
+/// Pixels that `light` may reach, `[x, y, width, height]`; `None` if it reaches none.
 pub(crate) fn reachable_pixels(
     light: &CheckedLight,
     (scene, raster): (&GpuScene, &CameraRaster),
@@ -410,7 +404,7 @@ pub(crate) fn reachable_pixels(
     Some(raster.bounds_of(&corners_in_world)).filter(|[_, _, width, height]| *width > 0 && *height > 0)
 }
 
-/// How large the map of `light` is; least, to have something to bind, where nothing shadows it.
+/// Size of the map of `light`. A light without shadows has the smallest size, because a binding must not be empty.
 fn map_size_of(light: &CheckedLight, shadows: &ShadowSettings) -> MapSize {
     let size = match StraightLight::of(light) {
         Some(straight) => straight.map_size(shadows),

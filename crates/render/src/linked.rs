@@ -1,4 +1,4 @@
-//! What of a scene counts for a light, by its links.
+//! Selects the triangles of a scene that a light lights and that cast its shadows, by its links.
 
 use std::sync::{Arc, OnceLock, Weak};
 
@@ -16,28 +16,27 @@ use crate::memory::{MemoryKind, Reservation};
 use crate::pipeline::UINT_TEXTURE;
 use crate::{Gpu, RenderError, gpu_structs};
 
-/// Group 3 of the lighting passes of lights that have links; see `links.wgsl`.
+/// Group 3 of the lighting passes of lights with links; see `links.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
 
-/// Texels of a row of bits.
+/// Texels per row of the texture of bits.
 const TEXELS_PER_ROW: usize = 1024;
 
 /// `lightLink` and `shadowLink` of a light.
 type LinkPair = [Option<Links>; 2];
 
-/// What a light's links leave of a scene.
+/// Triangles of a scene that a light's links select.
 #[derive(Debug)]
 pub(crate) struct LinkedCasters {
     /// Group 3 of its lighting pass.
     pub group: BindGroup,
-    /// What the texture of that group holds, where the processor draws: a bit a triangle, 32 a word; `[0]` says whether the
-    /// light lights it, `[1]` whether it throws shadows.
+    /// Content of that group's texture, for the native backend: one bit per triangle, 32 per word. `[0]` is set if the
+    /// light lights the triangle, `[1]` if the triangle casts shadows.
     pub host_bits: Option<Arc<[[u32; 2]]>>,
-    /// One a node: whether it throws shadows; `None` where all do.
+    /// One per node, true if it casts shadows; `None` if all do.
     casts_shadows: Option<Vec<bool>>,
-    /// Made when a map is first drawn.
+    /// Made when the first map is drawn.
     casters: OnceLock<LinkedCasterMeshes>,
-    /// Counts the bits.
     _memory: Reservation,
 }
 
@@ -46,16 +45,15 @@ struct LinkedCasterMeshes {
     casters: Casters,
     alpha_tested: Vec<MaterialDraw>,
     alpha_tests: Option<GpuAlphaTests>,
-    /// Counts its buffers.
     _memory: Reservation,
 }
 
-/// What links leave of scenes, by the scene's revision and the links, for as long as somebody has it.
+/// Selections in use, by the scene's revision and the links.
 #[derive(Debug, Default)]
 pub(crate) struct KnownLinks(Vec<((u64, LinkPair), Weak<LinkedCasters>)>);
 
 impl KnownLinks {
-    /// What the links of `light` leave of `scene`; `None` where it has none.
+    /// Returns the selection of `light` in `scene`; `None` if the light has no links.
     pub fn get(
         &mut self,
         gpu: &Gpu,
@@ -78,8 +76,8 @@ impl KnownLinks {
     }
 }
 
-/// What throws shadows in a light, by what its links leave of `scene` where it has any. It may stray from the surface by
-/// `mesh_error`, in world units.
+/// Shadow casters of a light, selected by its links if it has any. They are within `mesh_error` of the surface, in
+/// world units.
 pub(crate) fn caster_set<'a>(
     gpu: &Gpu,
     scene: &'a GpuScene,
@@ -167,8 +165,8 @@ impl LinkedCasterMeshes {
     }
 }
 
-/// The draws of `runs`, which all have an alpha test, and those tests, by the numbers that triangles have where only those
-/// are left.
+/// The draws of `runs`, all of which are alpha-tested, and their tests. Triangles are numbered among those of `runs`
+/// alone.
 fn linked_alpha_tests<'a>(
     gpu: &Gpu,
     scene: &GpuScene,

@@ -1,16 +1,15 @@
-//! What a shadow map is of.
+//! Keys of shadow maps.
 
 use light::{LightDigest, LightId, LightInstance};
 
 use crate::pass_runs::Cause;
 
-/// Which light's map over which scene.
+/// Identifies a light's map over a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MapKey {
     light: LightId,
-    /// The light's revision of what its map depends on.
+    /// Revision of the light's values that its map depends on.
     revision: LightDigest,
-    /// The scene's.
     scene: u64,
 }
 
@@ -19,12 +18,11 @@ impl MapKey {
         Self { light: instance.id, revision: instance.light.revisions().shadow_map, scene }
     }
 
-    /// Whose map it is.
     pub fn light(&self) -> LightId {
         self.light
     }
 
-    /// Why a map with this key has to be drawn where the last one of its light had that key.
+    /// Cause for drawing a map with this key after one of the same light with the key `before`.
     pub fn cause_after(&self, before: &Self) -> Cause {
         if before.scene != self.scene {
             Cause::Scene

@@ -1,4 +1,4 @@
-//! Materials on the GPU: a bind group a draw.
+//! Materials on the GPU: one bind group per draw.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -19,29 +19,27 @@ use crate::{Gpu, RenderError, gpu_structs};
 /// Group 1 of the passes that draw triangles; see `material.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING, COLOR_TEXTURE, FILTERING];
 
-/// A run of triangles and what it is drawn with.
+/// A run of triangles with its material.
 #[derive(Clone, Debug)]
 pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
-    /// Whether it has a picture of its colour, and one of metallic and roughness.
+    /// Flags for a color texture and for a metallic-roughness texture.
     pub has_textures: [bool; 2],
     pub is_alpha_tested: bool,
     pub double_sided: bool,
 }
 
-/// The materials of a scene's draws.
 pub(crate) struct Materials {
-    /// Those without an alpha test first.
+    /// Draws without an alpha test come first.
     pub draws: Vec<MaterialDraw>,
-    /// `None` where no draw has one.
+    /// `None` if no draw is alpha-tested.
     pub alpha_tests: Option<GpuAlphaTests>,
-    /// Bytes of the textures of `draws`.
     pub texture_bytes: u64,
 }
 
 impl Materials {
-    /// Those of `scene`, uploaded; `draws` are its runs of triangles.
+    /// Uploads the materials of `scene`; `draws` are its runs of triangles.
     pub fn new(
         gpu: &Gpu,
         layout: &BindGroupLayout,
@@ -106,18 +104,17 @@ impl Materials {
     }
 }
 
-/// What has been uploaded so far.
 struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
     /// By image and encoding.
     uploaded: HashMap<(Option<usize>, Encoding), TextureView>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
-    /// By image: where its alpha lies among the texels.
+    /// Position of each image's alpha among the texels.
     alpha: HashMap<Option<usize>, AlphaPicture>,
-    /// The alpha of what is tested.
+    /// Alpha of tested textures.
     texels: Vec<u8>,
-    /// Of all textures.
+    /// Bytes of all textures.
     bytes: u64,
 }
 
@@ -130,7 +127,7 @@ impl Textures<'_> {
         })
     }
 
-    /// The picture and sampler of `texture`.
+    /// View and sampler of `texture`, which is uploaded at first use.
     fn get(
         &mut self,
         texture: Option<TextureRef>,
@@ -167,8 +164,9 @@ impl Textures<'_> {
     }
 }
 
-/// Colours are decoded once and stored linear: samplers decode sRGB by approximations, and 16 bits round by a fortieth of
-/// the least step of sRGB at most. A device without such has halves, which round by 1/2048 of a colour at most.
+/// Texture format of an encoding. Colors are decoded once and stored as linear values. Samplers decode sRGB
+/// approximately, while 16 bits round by at most a fortieth of the smallest step of sRGB. A device without such a
+/// format uses halves, which round by at most 1/2048 of a color.
 fn format(gpu: &Gpu, encoding: Encoding) -> TextureFormat {
     match encoding {
         Encoding::Linear => TextureFormat::Rgba8Unorm,

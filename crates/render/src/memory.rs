@@ -1,31 +1,30 @@
-//! What is kept on a device, in bytes: one budget for all renderers, and what goes when there is too much.
+//! Accounts for memory on a device: one budget for all renderers, and eviction if it is exceeded.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// What memory is kept for.
+/// Purpose of memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MemoryKind {
     /// Geometry and textures of scenes.
     Scenes,
-    /// Shadow maps.
     ShadowMaps,
-    /// What bent shadow maps are made in.
+    /// Work buffers of bent shadow maps.
     ShadowWork,
-    /// What viewers' pictures are drawn into.
+    /// Targets of viewers' pictures.
     Views,
-    /// What each light alone adds to viewers' pictures.
+    /// Layers: contributions of each light to viewers' pictures.
     Layers,
-    /// Pictures that are drawn in tiles: a tile, and what there is of the picture.
+    /// Pictures drawn in tiles: a tile, and the picture so far.
     Tiled,
 }
 
 impl MemoryKind {
-    /// All of them, in the order of the variants.
+    /// All kinds, in the order of the variants.
     pub const ALL: [Self; 6] =
         [Self::Scenes, Self::ShadowMaps, Self::ShadowWork, Self::Views, Self::Layers, Self::Tiled];
 
-    /// A name for programs.
+    /// Identifier for programs.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scenes => "scenes",
@@ -38,18 +37,18 @@ impl MemoryKind {
     }
 }
 
-/// How much memory of a device is in use, and how much may be. Clones share it.
+/// Memory of a device in use, and its limit. Clones share it.
 ///
-/// Each allocation of some size is counted with its bytes. Those that can be made again are only kept: where room is
-/// short they go, first what no view or picture under way needs, then what was used longest ago. What the picture
-/// that is being drawn has used stays until it is done: its bytes and those of scenes and tiles can pass the budget.
+/// Each large allocation is counted with its bytes. Data that can be made again is cached: if memory is short, the
+/// account first evicts data that no view or picture under way needs, then the least recently used. Data that the
+/// current picture has used stays until the picture ends. Its bytes, and those of scenes and tiles, can exceed the
+/// budget.
 #[derive(Clone, Debug)]
 pub struct MemoryBudget(Arc<Mutex<Account>>);
 
 #[derive(Debug)]
 struct Account {
     budget: u64,
-    /// Counts pictures that were begun.
     picture_number: u64,
     last_id: u64,
     allocations: BTreeMap<u64, Allocation>,
@@ -58,10 +57,10 @@ struct Account {
 struct Allocation {
     kind: MemoryKind,
     bytes: u64,
-    /// When it was last used.
+    /// Number of the picture that last used it.
     used: u64,
     needed: bool,
-    /// Drops what it is of; `None` where that cannot be made again.
+    /// Evicts the data; `None` if it cannot be made again.
     evict: Option<Box<dyn FnOnce() + Send>>,
 }
 
@@ -72,10 +71,10 @@ impl std::fmt::Debug for Allocation {
 }
 
 impl MemoryBudget {
-    /// What is kept at most where nobody says otherwise: the maps of 200 lights and a dozen large views.
+    /// Default budget: the maps of 200 lights and a dozen large views.
     pub const DEFAULT_BUDGET: u64 = 4 << 30;
 
-    /// An empty one; `budget` is in bytes.
+    /// An empty account; `budget` is in bytes.
     pub fn new(budget: u64) -> Self {
         Self(Arc::new(Mutex::new(Account {
             budget,
@@ -85,7 +84,7 @@ impl MemoryBudget {
         })))
     }
 
-    /// Bytes that are kept at most, but for what a picture needs at once.
+    /// Largest number of cached bytes. A single picture may need more.
     pub fn budget(&self) -> u64 {
         self.account().budget
     }
@@ -105,18 +104,18 @@ impl MemoryBudget {
         self.account().total()
     }
 
-    /// Another picture is begun: what earlier ones have used may go.
+    /// Begins a picture. Data that only earlier pictures have used may be evicted.
     pub(crate) fn begin_picture(&self) {
         self.account().picture_number += 1;
     }
 
-    /// Counts what lives as long as the answer.
+    /// Counts bytes for as long as the reservation lives.
     pub(crate) fn reserve(&self, kind: MemoryKind, bytes: u64) -> Reservation {
         self.make_room(bytes);
         Reservation { allocation: self.add(kind, bytes, None), memory: self.clone() }
     }
 
-    /// Counts what may go when room is short.
+    /// Caches a value that may be evicted.
     pub(crate) fn keep<T: Send + 'static>(&self, kind: MemoryKind, bytes: u64, value: T) -> Evictable<T> {
         self.make_room(bytes);
         let value = Arc::new(Mutex::new(Some(value)));
@@ -131,7 +130,7 @@ impl MemoryBudget {
         }
     }
 
-    /// Lets go of as much as makes room for so many bytes, and says whether there is room now.
+    /// Evicts data to make room for `bytes`. Returns true if there is room.
     pub(crate) fn make_room(&self, bytes: u64) -> bool {
         let mut gone = Vec::new();
         let mut account = self.account();
@@ -146,7 +145,7 @@ impl MemoryBudget {
             gone.extend(account.allocations.remove(&first).and_then(|allocation| allocation.evict));
         }
         let room = account.total() + bytes <= account.budget;
-        // What goes may hold reservations of its own.
+        // Evicted data may hold reservations of its own.
         drop(account);
         for evict in gone {
             evict();
@@ -179,7 +178,7 @@ impl Account {
     }
 }
 
-/// Bytes of the budget, given back when this is dropped.
+/// Bytes of the budget, released on drop.
 #[derive(Debug)]
 pub(crate) struct Reservation {
     allocation: u64,
@@ -189,12 +188,12 @@ pub(crate) struct Reservation {
 impl Drop for Reservation {
     fn drop(&mut self) {
         let allocation = self.memory.account().allocations.remove(&self.allocation);
-        // Outside of the lock: what it would drop may hold reservations of its own.
+        // After the lock is released: the dropped data may hold reservations of its own.
         drop(allocation);
     }
 }
 
-/// Something that can be made again, and is gone where others needed its room.
+/// A cached value that can be made again, and may have been evicted.
 #[derive(Debug)]
 pub(crate) struct Evictable<T> {
     value: Arc<Mutex<Option<T>>>,
@@ -202,7 +201,7 @@ pub(crate) struct Evictable<T> {
 }
 
 impl<T> Evictable<T> {
-    /// Takes it out for use, and so as used now; `None` where it is gone.
+    /// Takes the value out and marks it as used now; `None` if it was evicted.
     pub fn take(&self) -> Option<T> {
         let mut account = self.reservation.memory.account();
         let now = account.picture_number;
@@ -212,21 +211,20 @@ impl<T> Evictable<T> {
         lock(&self.value).take()
     }
 
-    /// Puts it back.
     pub fn put(&self, value: T) {
-        // Where it was evicted meanwhile, there is no room for it.
+        // An allocation evicted meanwhile has no room for the value.
         let account = self.reservation.memory.account();
         if account.allocations.contains_key(&self.reservation.allocation) {
             *lock(&self.value) = Some(value);
         }
     }
 
-    /// Looks at it without using it.
+    /// Reads the value without marking it as used.
     pub fn peek<R>(&self, look: impl FnOnce(&T) -> R) -> Option<R> {
         lock(&self.value).as_ref().map(look)
     }
 
-    /// Says whether a view or a picture under way needs it.
+    /// Sets the flag that a view or a picture under way needs the value.
     pub fn set_needed(&self, needed: bool) {
         if let Some(allocation) =
             self.reservation.memory.account().allocations.get_mut(&self.reservation.allocation)
@@ -235,7 +233,7 @@ impl<T> Evictable<T> {
         }
     }
 
-    /// Counts it with so many bytes from now on; what is in use has grown or shrunk.
+    /// Changes the number of bytes of a value that grew or shrank while in use.
     pub fn resize(&self, bytes: u64) {
         let Reservation { allocation, memory } = &self.reservation;
         let before =
@@ -246,13 +244,13 @@ impl<T> Evictable<T> {
         }
     }
 
-    /// Whether it is still there.
+    /// True unless evicted or taken out.
     pub fn is_present(&self) -> bool {
         lock(&self.value).is_some()
     }
 }
 
-/// A thread that panicked while it held this has left whole numbers behind.
+/// Ignores poisoning: a thread that panicked with the lock has left consistent numbers.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -261,7 +259,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 mod tests {
     use super::*;
 
-    /// Keeps three things of 10 bytes, each used by a picture of its own.
+    /// Caches three values of 10 bytes, each used by a different picture.
     fn three(memory: &MemoryBudget) -> [Evictable<u8>; 3] {
         [0, 1, 2].map(|value| {
             memory.begin_picture();

@@ -1,27 +1,27 @@
-//! Mip levels by area averaging, in linear light where the picture is sRGB.
+//! Mip levels by area averaging, in linear light for sRGB images.
 
 use half::f16;
 use wgpu::TextureFormat;
 
-/// How the bytes of a picture are to be read.
+/// Encoding of an image's bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Encoding {
-    /// Colour: sRGB-encoded RGB, linear alpha.
+    /// Color: sRGB-encoded RGB, linear alpha.
     Srgb,
     /// Data: all channels linear.
     Linear,
 }
 
-/// A picture and its mip levels as textures have them.
+/// An image and its mip levels, in a texture format.
 #[derive(Debug)]
 pub(crate) struct MipChain {
-    /// One level after the other, from the full size down.
+    /// Levels in order, from the full size down.
     pub bytes: Vec<u8>,
     pub format: TextureFormat,
     pub levels: u32,
 }
 
-/// The mip levels of an RGBA8 picture, down to one pixel, all of them linear; each is rounded once.
+/// Computes the mip levels of an RGBA8 image, down to one pixel. All are linear, and each is rounded once.
 pub(crate) fn mip_chain(
     (width, height): (u32, u32),
     rgba8: &[u8],
@@ -43,7 +43,6 @@ pub(crate) fn mip_chain(
     chain
 }
 
-/// The bytes of a level.
 fn encode_level(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
     let channels = level.as_flattened().iter();
     match format {
@@ -78,7 +77,7 @@ fn halved(level: &[[f32; 4]], width: usize, height: usize) -> (Vec<[f32; 4]>, us
     (out, half_width, half_height)
 }
 
-/// The texels that texel `index` of `half` covers among `full` and the share of it that each fills.
+/// The texels of `full` that texel `index` of `half` covers, each with its share.
 ///
 /// `full` is `2 half`, `2 half + 1`, or 1 with `half` 1.
 fn taps(index: usize, full: usize, half: usize) -> [(usize, f32); 3] {
@@ -125,8 +124,8 @@ mod tests {
     fn odd_sizes_share_the_middle_texel() {
         // Three texels into one: a third each.
         assert_eq!(bytes(3, 1, &[[30; 4], [60; 4], [90; 4]].concat())[12..], [60; 4]);
-        // Five into two: 2.5 texels each, the middle one in both: (10 + 20 + 30 / 2) / 2.5 and (30 / 2 + 40 +
-        // 50) / 2.5.
+        // Five into two: 2.5 texels each, the middle one in both: (10 + 20 + 30 / 2) / 2.5 and (30 / 2 + 40 + 50) /
+        // 2.5.
         let row: Vec<u8> = [10, 20, 30, 40, 50].into_iter().flat_map(|v| [v; 4]).collect();
         let chain = bytes(5, 1, &row);
         assert_eq!(chain[20..28], [18, 18, 18, 18, 42, 42, 42, 42]);
@@ -136,14 +135,14 @@ mod tests {
     #[test]
     fn colours_average_in_linear_light() {
         let checker = [[0, 0, 0, 255], [255, 255, 255, 255], [255, 255, 255, 255], [0, 0, 0, 255]].concat();
-        // Averaging what is encoded, the fault, would give 0.214 of the light.
+        // The fault, averaging encoded values, would give 0.214 of the light.
         assert_eq!(colours(2, 2, &checker)[16..], [32768, 32768, 32768, 65535]);
         assert_eq!(bytes(2, 2, &checker)[16..], [128, 128, 128, 255]);
     }
 
     #[test]
     fn a_plain_colour_stays() {
-        // By sRGB's formula in f64.
+        // Expected values from sRGB's formula in f64.
         let stored = [37852, 60, 4864, 32896];
         for (width, height) in [(1, 1), (7, 3), (16, 16), (1, 9)] {
             let picture = [200, 3, 77, 128].repeat(width * height);
@@ -152,7 +151,7 @@ mod tests {
         }
     }
 
-    /// Of halves, which have 11 bits, too.
+    /// Includes halves, which have 11 bits.
     #[test]
     fn formats_hold_colours_to_their_steps() {
         let picture: Vec<u8> = (0..=255).flat_map(|byte| [byte; 4]).collect();

@@ -1,4 +1,4 @@
-//! Layers and their sums in memory, drawn by the processor.
+//! Layers and their sums on the CPU.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::passes::Passes;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError};
 
-/// Draws layers of what pixels see.
+/// Draws layers over the surfaces of pixels.
 pub(crate) struct NativeLayers<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
@@ -25,7 +25,7 @@ pub(crate) struct NativeLayers<'a> {
     pub surfaces: &'a Surfaces,
 }
 
-/// What adds up, in what it is held in.
+/// Terms of a picture or a sum.
 #[derive(Debug)]
 pub(crate) enum NativeTerms {
     Layers(Vec<GpuTerm<Arc<LightLayer>>>),
@@ -33,7 +33,7 @@ pub(crate) enum NativeTerms {
 }
 
 impl NativeTerms {
-    /// Does `work` with them as the processor adds them up.
+    /// Passes the terms to `work` in the form of `relight`.
     pub fn with<'a, T>(&'a self, work: impl FnOnce(relight::LayerTerms) -> T) -> T {
         match self {
             Self::Layers(terms) => {
@@ -104,7 +104,7 @@ impl LayerPainter for NativeLayers<'_> {
     }
 
     fn finish(&mut self) -> Result<(), RenderError> {
-        // The processor has drawn it when it returns.
+        // The CPU has drawn everything when a call returns.
         Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Lights as the processor draws them, and who draws their maps.
+//! Lights of the native backend, and its map painter.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ use crate::shadow_settings::MapSize;
 use crate::straight::StraightLight;
 use crate::{Gpu, RenderError, ShadowSettings, native_straight};
 
-/// A light in place, with its map where anything shadows it.
+/// A placed light, with its map if it casts shadows.
 #[derive(Debug)]
 pub(crate) struct NativeLight {
     pub light: relight::RelitLight,

@@ -1,4 +1,4 @@
-//! A shadow map in memory, drawn by the processor.
+//! Shadow maps in CPU memory, for the native backend.
 
 use std::sync::Arc;
 
@@ -9,30 +9,29 @@ use crate::map_key::MapKey;
 use crate::shadow_settings::MapSize;
 use crate::straight;
 
-/// What is kept of one light that the processor draws from picture to picture, whatever its shape.
+/// Data of one light, of any shape, that the native backend caches between pictures.
 #[derive(Debug)]
 pub(crate) struct NativeSlot {
     size: MapSize,
-    /// What the map shows, and the map.
+    /// Key of the map, and the map.
     pub shown: Option<(MapKey, FittedMap)>,
 }
 
-/// A map, and how it is fitted.
 #[derive(Debug)]
 pub(crate) struct FittedMap {
     pub map: Arc<DepthMap>,
     pub fitted: MapFit,
 }
 
-/// How the map of a light is fitted to a scene.
+/// Fit of a light's map to a scene.
 #[derive(Debug)]
 pub(crate) enum MapFit {
-    /// `None` where nothing shadows the light.
+    /// `None` if the light casts no shadows.
     Bent(Option<Box<MapShape>>),
     Straight(straight::Fitted),
 }
 
-/// Memory of making maps, kept from one to the next.
+/// Work memory for maps, kept from one to the next.
 #[derive(Debug, Default)]
 pub(crate) struct NativeMapBuilders {
     pub bent: BentMapBuilder,
@@ -40,27 +39,24 @@ pub(crate) struct NativeMapBuilders {
 }
 
 impl NativeSlot {
-    /// Of a map of that size.
+    /// A slot for a map of `size`.
     pub fn new(size: MapSize) -> Self {
         Self { size, shown: None }
     }
 
-    /// Draws the map anew when it is next asked for.
     pub fn invalidate(&mut self) {
         self.shown = None;
     }
 
-    /// How large its map is.
     pub fn size(&self) -> MapSize {
         self.size
     }
 
-    /// What its map shows.
     pub fn map_key(&self) -> Option<MapKey> {
         self.shown.as_ref().map(|(key, _)| *key)
     }
 
-    /// Memory for a map: that of the one before where nobody looks at it any more.
+    /// Memory for a map: that of the previous map if nothing else uses it.
     pub fn map(&mut self) -> DepthMap {
         let before = self.shown.take().and_then(|(_, shown)| Arc::into_inner(shown.map));
         before.unwrap_or_else(|| DepthMap::new(self.size.side as usize, self.size.layers as usize))

@@ -1,4 +1,4 @@
-//! A light with straight rays that the processor draws: its numbers for `relight`, and its map.
+//! Lights with straight rays on the CPU: the light's numbers for `relight`, and its map.
 
 use glam::{DMat3, DMat4, DVec3, DVec4, Mat4, Vec4Swizzles};
 use relight::{
@@ -22,12 +22,12 @@ use crate::stages::FrameStage;
 use crate::straight::{Placed, StraightLight};
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs};
 
-/// Casters of which a light's map looks at some.
 #[derive(Debug, Default)]
 struct VisibleCasters {
-    /// One a face: first triangle of a leaf, and how many it has with its [`crate::shells::TriangleComponent`] above 16 bits.
+    /// One list per face: the first triangle of each leaf, and its number of triangles in the low 16 bits with its
+    /// [`crate::closed_components::TriangleComponent`] above.
     leaves: Vec<Vec<[u32; 2]>>,
-    /// Blocks of vertices.
+    /// Indices of blocks of vertices.
     blocks: Vec<u32>,
     triangles: u64,
 }
@@ -56,7 +56,7 @@ impl VisibleCasters {
     }
 }
 
-/// Draws the map of a light in place into one of its size: of those casters that `linked` leaves.
+/// Draws the map of a placed light into `into`, with the casters that `linked` leaves.
 pub(crate) fn draw_map(
     (gpu, work): (&Gpu, &mut StraightMapBuilder),
     (light, placed): (StraightLight, &Placed),
@@ -83,7 +83,7 @@ pub(crate) fn draw_map(
         faces: &faces,
     };
     let host = casting.casters.host.as_deref().expect("it is there where the processor draws");
-    // Of each draw, or of each run that links leave, the test of the same number.
+    // Draw or linked run `k` has test `k`.
     let run = |(draw, test): (&MaterialDraw, u32)| AlphaTestedRun {
         triangles: draw.indices.start / 3..draw.indices.end / 3,
         test,
@@ -105,7 +105,7 @@ pub(crate) fn draw_map(
     Ok(())
 }
 
-/// From light space to places and values: as they are, or across the light with the depth.
+/// Matrix from light space to map space: the identity, or for parallel rays (x, y, 1, depth).
 fn map_from_light(views: &MapViews) -> DMat4 {
     match (views.near, &views.clip_from_light[..]) {
         (None, [Some(clip_from_light)]) => {
@@ -115,14 +115,14 @@ fn map_from_light(views: &MapViews) -> DMat4 {
     }
 }
 
-/// From places to (x, y, w) of a face.
+/// Matrix from map space to (x, y, w) of a face.
 fn clip_from_map(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
     let Some(clip_from_light) = clip_from_light else { return DMat3::IDENTITY };
     let [x, y, z, w] = [0, 1, 2, 3].map(|k| clip_from_light.col(k)).map(Vec4Swizzles::xyw);
     DMat3::from_cols(x, y, if views.near.is_some() { z } else { w })
 }
 
-/// The light in place, as the processor draws it.
+/// The placed light in the form of `relight`.
 pub(crate) fn relit_light(placed: &Placed, filter: ShadowFilter) -> relight::RelitLight {
     let matrix = |columns: &gpu_structs::Mat4| Mat4::from_cols_array_2d(columns);
     let end = |range: f32| (range > 0.0).then_some(range);

@@ -1,4 +1,4 @@
-//! What the processor lights of a view or a tile, and what that adds up to.
+//! Surfaces, layers and sums of a view or a tile on the native backend.
 
 use std::sync::Arc;
 use std::task::Poll;
@@ -17,20 +17,19 @@ use crate::stages::FrameStage;
 use crate::tile::Tile;
 use crate::{Gpu, RenderError, gpu_structs};
 
-/// What pixels see, in memory, and what lights add to that.
+/// Surfaces of pixels in CPU memory, with the light on them.
 #[derive(Debug, Default)]
 pub(crate) struct NativeTargets {
-    /// Of the G-buffer as it was drawn last; `None` until they are asked for.
+    /// Surfaces of the latest G-buffer; `None` until needed.
     surfaces: Option<Surfaces>,
-    /// What each light alone adds.
     layers: Layers<Arc<LightLayer>, Arc<LayerSum>>,
-    /// What the lights so far add to the sample that is being drawn.
+    /// Sum of the lights so far in the current sample.
     sample_sum: LayerSum,
-    /// The samples before it: linear RGBA, rows from the top.
+    /// Sum of the samples before it: linear RGBA, rows from the top.
     radiance: Vec<[f32; 4]>,
 }
 
-/// What the pixels of a G-buffer see that was drawn with `view`.
+/// Unpacks the surfaces of a G-buffer that was drawn with `view`.
 pub(crate) fn surfaces(
     gpu: &Gpu,
     scene: &GpuScene,
@@ -58,36 +57,34 @@ fn camera(view: &gpu_structs::View) -> CameraRays {
 }
 
 impl NativeTargets {
-    /// Of all that it holds but layers, for so many pixels.
+    /// Largest size in bytes, without layers, for pictures of `size`.
     pub fn max_bytes(size: [u32; 2]) -> u64 {
         let (blocks, [width, height]) = (Surfaces::max_blocks(size), size.map(u64::from));
         Surfaces::bytes_of(blocks) + LayerSum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
     }
 
-    /// Of what it holds but layers.
+    /// Bytes, without layers.
     pub fn bytes(&self) -> u64 {
         let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
         surfaces + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
     }
 
-    /// Whether it has what pixels see.
     pub fn has_surfaces(&self) -> bool {
         self.surfaces.is_some()
     }
 
-    /// Takes over what pixels see now.
     pub fn set_surfaces(&mut self, surfaces: Surfaces) {
         self.surfaces = Some(surfaces);
     }
 
-    /// Pixels see something else.
+    /// Drops the surfaces, and marks the layers as invalid.
     pub fn invalidate(&mut self) {
         self.surfaces = None;
         self.layers.invalidate();
     }
 
-    /// What a screen shows of layers of `lights`, which are brought up to date, and of so much of the fill. Pending where the
-    /// picture pauses.
+    /// Updates the layers of `lights`, and returns a screen's bytes of their sum with the fill. Pending if the picture
+    /// pauses.
     pub fn draw_layers(
         &mut self,
         passes: &Passes,
@@ -107,7 +104,7 @@ impl NativeTargets {
         Ok(Poll::Ready(bytes))
     }
 
-    /// No light has added anything to the sample that begins.
+    /// Begins a sample with a sum of zero.
     pub fn begin_sample(&mut self, gpu: &Gpu) {
         relight::sum(
             gpu.workers(),
@@ -117,7 +114,7 @@ impl NativeTargets {
         );
     }
 
-    /// Adds `light`, which is `ready`, to the sample. It reaches pixels of the picture, of which this is `tile`.
+    /// Adds `light` to the sample. `ready` has pixels of the whole picture, of which this is `tile`.
     pub fn add_light(
         &mut self,
         (gpu, scene): (&Gpu, &GpuScene),
@@ -142,7 +139,7 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Has how much of `ready` nothing is in the way of where else radiance is. It reaches pixels of the picture, of which this is
+    /// Writes the visibility of `ready` into the radiance. `ready` has pixels of the whole picture, of which this is
     /// `tile`.
     pub fn draw_visibility(
         &mut self,
@@ -164,7 +161,7 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Adds the sample with its weight, and so much of the fill, to those before it; to nothing if it is the `first`.
+    /// Adds the sample and the fill, times `weight`, to the radiance; the first sample clears it.
     pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, (fill_factor, weight): (f32, f32)) {
         let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);
@@ -177,7 +174,7 @@ impl NativeTargets {
         gpu.stages.record_stage(FrameStage::Sum);
     }
 
-    /// What the samples have added up to: linear RGBA, rows from the top.
+    /// Sum of the samples: linear RGBA, rows from the top.
     pub fn radiance(&self) -> &[[f32; 4]] {
         &self.radiance
     }

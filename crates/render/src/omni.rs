@@ -1,4 +1,4 @@
-//! An omni light: its map has the six faces of a cube about it.
+//! Omni lights. The map has the six faces of a cube around the light.
 
 use glam::{DAffine3, DMat4, DVec3};
 use light::{LightProfile, MAX_EXTENT, Omni};
@@ -11,23 +11,23 @@ use crate::omni_faces::{CubeFace, FACES, FittedCube};
 use crate::shadow_settings::MapSize;
 use crate::{ShadowSettings, gpu_structs};
 
-/// How near to the source a map begins that would begin in it, as a share of the way to the scene's far end: near enough
+/// Near plane of a map that would begin at the source, as a share of the distance to the scene's far end: near enough
 /// for a bulb in its shade.
 const NEAR_SHARE: f64 = 1e-3;
 
-/// An omni light in place: its numbers for one scene.
+/// A placed omni light: its numbers for one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuOmni {
     pub uniform: gpu_structs::Omni,
-    /// The same as in `between`.
+    /// The profile in `uniform`, in f64.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
-/// The convex hull of these world positions holds all that a light lights of a scene; none where it lights nothing.
+/// World positions whose convex hull contains everything that a light can light in a scene; empty if it lights nothing.
 pub(crate) fn corners_in_world(omni: &Omni, posed: &PosedScene) -> Vec<DVec3> {
     let source = omni.translation - posed.origin_in_world;
-    // What of the scene's box is in the light's range.
+    // The part of the scene's box within the light's range.
     let range = DVec3::splat(omni.range.unwrap_or(f64::INFINITY));
     let (low, high) = ((source - range).max(-posed.half_extent), (source + range).min(posed.half_extent));
     let corner = |k: u32| {
@@ -39,12 +39,11 @@ pub(crate) fn corners_in_world(omni: &Omni, posed: &PosedScene) -> Vec<DVec3> {
     corners.map(corner).collect()
 }
 
-/// How large a light's map is.
 pub(crate) fn map_size(shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(FACES)
 }
 
-/// The faces of a light's map over `scene`.
+/// Fits the faces of a light's map over `scene`.
 pub(crate) fn fit_map(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings) -> FittedCube {
     FittedCube::new(
         light_from_scene(omni, scene.posed.origin_in_world),
@@ -60,7 +59,7 @@ fn light_from_scene(omni: &Omni, scene_origin: DVec3) -> DAffine3 {
 }
 
 impl GpuOmni {
-    /// Places a checked light within reach of a scene, to which its map was fitted.
+    /// Places a checked light within reach of a scene, with its fitted map.
     pub fn new(omni: &Omni, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedCube) -> Self {
         let posed = &scene.posed;
         let light_from_scene = light_from_scene(omni, posed.origin_in_world);

@@ -1,47 +1,45 @@
-//! The six faces of an omni light's shadow map, each a perspective picture that is fitted to what casts shadows there.
+//! The six faces of an omni light's shadow map: perspective pictures, each fitted to its casters.
 
 use glam::{DAffine3, DMat4, DVec2, DVec3, DVec4};
 
 use crate::clusters::{ClusterBounds, Clusters, OpenSide};
 
-/// How many there are: +x, -x, +y, -y, +z and -z in the light's axes, as `omni_lookup.wgsl` has them.
+/// Number of faces: +x, -x, +y, -y, +z and -z in the light's axes, as in `omni_lookup.wgsl`.
 pub(crate) const FACES: usize = 6;
 
-/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+/// Margin around casters in texels, so that the filter reads only texels that are drawn.
 const MARGIN_TEXELS: f64 = 2.0;
-/// A face shows no less than this share of itself, and neither way less than a quarter of the other way: finer texels
-/// than that are lost in the rounding of positions.
+/// Smallest fitted share of a face. Neither axis is fitted to less than a quarter of the other. Finer texels are below
+/// the rounding error of positions.
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
 
-/// A face: what of it is drawn, as slopes to the right and up, over the way ahead.
+/// The drawn part of a face, in slopes right / ahead and up / ahead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubeFace {
     index: usize,
-    /// Middle of what is drawn.
     pub middle: DVec2,
-    /// Half its size.
+    /// Half the size of the drawn part.
     pub half: DVec2,
-    /// Nothing casts shadows where this is false: it need not be drawn.
+    /// False if there are no casters: the face need not be drawn.
     pub has_casters: bool,
 }
 
-/// All faces, fitted to a scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FittedCube {
     pub faces: [CubeFace; FACES],
-    /// No caster is less far ahead on its face; infinity where there is none.
+    /// Least distance ahead of any caster on its face; infinity without casters.
     pub nearest: f64,
 }
 
-/// Light axes that are right and up on a face, and which way is ahead: that way along the axis that is left.
+/// Indices of the light axes that point right and up on a face, and the index and sign of the one that points ahead.
 fn axes(index: usize) -> ([usize; 2], usize, f64) {
     let ahead = index / 2;
     ([(ahead + 1) % 3, (ahead + 2) % 3], ahead, if index.is_multiple_of(2) { 1.0 } else { -1.0 })
 }
 
 impl CubeFace {
-    /// Reversed depth that starts at `near` and has no end.
+    /// Projection with reversed depth, from `near` to infinity.
     pub fn clip_from_light(&self, near: f64) -> DMat4 {
         let ([right, up], ahead, sign) = axes(self.index);
         let mut columns = [DVec4::ZERO; 3];
@@ -54,30 +52,29 @@ impl CubeFace {
     }
 }
 
-/// What of a face boxes cover.
+/// The part of a face that boxes cover.
 #[derive(Clone, Copy, Debug)]
 struct Cover {
     low: DVec2,
     high: DVec2,
-    /// The least way ahead.
     nearest: f64,
 }
 
 impl Cover {
     const NOTHING: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, nearest: f64::INFINITY };
 
-    /// That of a box along the light's axes on a face whose slopes go up to `widest`; `None` where none of it is there.
+    /// Cover of a box along the light's axes on a face with slopes up to `widest`; `None` if no part of it is there.
     fn of((min, max): (DVec3, DVec3), index: usize, widest: f64) -> Option<Self> {
         let ([right, up], ahead, sign) = axes(index);
         let [a, b] = [min[ahead] * sign, max[ahead] * sign];
         let (nearest, farthest) = (a.min(b), a.max(b));
-        // What is on the face is aside by `widest` of the way ahead at most.
+        // A point on the face is aside by at most `widest` times its distance ahead.
         let aside = |axis: usize| min[axis].max(-max[axis]).max(0.0) / widest;
         let nearest = nearest.max(aside(right)).max(aside(up)).max(0.0);
         if nearest > farthest || farthest <= 0.0 {
             return None;
         }
-        // A slope is farthest from 0 where its point is nearest; what reaches the source goes every way.
+        // A slope is largest at the nearest point. A box that reaches the source covers all slopes.
         let slope = |aside: f64, over: f64, every: f64| if over > 0.0 { aside / over } else { every };
         let least = |axis: usize| slope(min[axis], if min[axis] > 0.0 { farthest } else { nearest }, -widest);
         let most = |axis: usize| slope(max[axis], if max[axis] > 0.0 { nearest } else { farthest }, widest);
@@ -98,18 +95,18 @@ impl Cover {
 }
 
 impl FittedCube {
-    /// Of a light without a map.
+    /// Faces of a light without a map.
     pub fn none() -> Self {
         let face = |index| CubeFace { index, middle: DVec2::ZERO, half: DVec2::ONE, has_casters: false };
         Self { faces: std::array::from_fn(face), nearest: f64::INFINITY }
     }
 
-    /// Of `side` texels, fitted to `clusters`.
+    /// Faces of `side` texels, fitted to `clusters`.
     pub fn new(light_from_scene: DAffine3, clusters: &Clusters, side: f64) -> Self {
         let source = light_from_scene.inverse().translation;
-        // What starts inside of a side of the scene's bounds leaves through it for good.
+        // Light that starts inside a side of the scene's bounds leaves through it and does not return.
         let comes_in = |side: &OpenSide| side.height(source) >= 0.0;
-        // Beyond its edge a face is drawn as far as the filter reaches.
+        // Beyond its edge a face is drawn as far as the filter reads.
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
         let in_light = |cluster: &ClusterBounds| {
             let m = light_from_scene.matrix3;
@@ -137,7 +134,7 @@ impl FittedCube {
             let half = (high - low) / 2.0;
             let least = (half.max_element() * SMALLEST_RATIO).max(SMALLEST_SHARE);
             let half = (half.max(DVec2::splat(least)) * grown).min(DVec2::splat(grown));
-            // Grown, but no farther than the filter reaches.
+            // Grown, but no farther than the filter reads.
             let room = DVec2::splat(grown) - half;
             CubeFace { index, middle: ((low + high) / 2.0).clamp(-room, room), half, has_casters: casts }
         });

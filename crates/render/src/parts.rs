@@ -1,11 +1,12 @@
-//! Rectangles of pixels in parts, so that others can come between.
+//! Parts of pixel rectangles, between which work can yield.
 
-/// Of `[x, y, width, height]`.
+/// Number of pixels of `[x, y, width, height]`.
 pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
-/// Cuts `[x, y, width, height]` into so many bands of rows, as far as there are rows; each with whether it is the last.
+/// Cuts `[x, y, width, height]` into `count` bands of rows, fewer if there are fewer rows. The flag is true for the
+/// last.
 pub(crate) fn row_bands(
     [x, y, width, height]: [u32; 4],
     parts: u32,

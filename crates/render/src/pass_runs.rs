@@ -1,75 +1,69 @@
-//! Which passes pictures came to, and why each was not spared.
+//! Counts passes and their causes.
 
 use light::LightId;
 
-/// How often each pass has run since the renderer was made.
+/// Number of runs of each pass since the renderer was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassCounts {
-    /// Over the scene's triangles for the camera.
+    /// Passes over the scene's triangles for the camera.
     pub gbuffer: u64,
-    /// Over the scene's triangles for a light.
+    /// Passes over the scene's triangles for a light.
     pub shadow: u64,
-    /// Over the picture, once a sample: the fill and all lights; or the fill alone, where lights have layers of their own.
+    /// Passes over the picture, once per sample: the fill and all lights, or the fill alone if lights have layers.
     pub lighting: u64,
-    /// Over the picture, for one light alone.
+    /// Passes over the picture for a single light's layer.
     pub layers: u64,
-    /// Over the picture, for a screen.
+    /// Passes over the picture for a screen.
     pub display: u64,
 }
 
-/// A kind of pass; [`PassCounts`] says over what it runs.
+/// A kind of pass; [`PassCounts`] describes its extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pass {
-    /// What pixels see.
+    /// G-buffer: the surface of each pixel.
     Gbuffer,
-    /// A light's shadow map.
     ShadowMap,
-    /// The fill, and lights that have no layers.
+    /// The fill, and lights without layers.
     Lighting,
-    /// What one light alone adds.
+    /// Layer of a light.
     Layer,
-    /// Layers of some lights, or sums of those, added up.
+    /// Sum of layers, or of such sums.
     Sum,
-    /// The picture for a screen.
+    /// Picture for a screen.
     Display,
 }
 
-/// Why a pass had to run.
+/// Reason why a pass ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// There was nothing of its kind yet.
+    /// Nothing was cached.
     First,
-    /// The scene is another, or its nodes lie elsewhere.
+    /// The scene changed, or its nodes moved.
     Scene,
-    /// The camera moved, or the picture has another size.
+    /// The camera moved, or the size of the picture changed.
     Camera,
-    /// What its pixels see has changed.
     Gbuffer,
-    /// A light has changed.
     Light,
-    /// What there was is not fine enough, or another size.
+    /// The cached result has a lower resolution or another size.
     Resolution,
-    /// What there was had to go for want of room.
+    /// The cached result was evicted for lack of memory.
     Evicted,
-    /// It is not kept: it is of one picture, tile or sample.
+    /// The result is not cached, because it belongs to one picture, tile or sample.
     NotKept,
 }
 
 /// Runs of a pass for one cause in one picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRun {
-    /// What was drawn.
     pub pass: Pass,
-    /// For which light, where it is for one.
+    /// Light of the pass, if it is for one.
     pub light: Option<LightId>,
-    /// Why what there was did not serve.
     pub cause: Cause,
-    /// How often.
     pub runs: u32,
 }
 
 impl PassRun {
-    /// Counts these runs among `all`, with those of the same pass, light and cause.
+    /// Adds these runs to `all`, merged with those of the same pass, light and cause.
     pub fn add_to(self, all: &mut Vec<Self>) {
         let same = |run: &&mut Self| (run.pass, run.light, run.cause) == (self.pass, self.light, self.cause);
         match all.iter_mut().find(same) {
@@ -79,11 +73,10 @@ impl PassRun {
     }
 }
 
-/// What has run.
 #[derive(Debug, Default)]
 pub(crate) struct PassRuns {
     pub counts: PassCounts,
-    /// Of the latest picture or turn, in their order.
+    /// Runs of the latest picture or turn, in order.
     pub runs: Vec<PassRun>,
 }
 

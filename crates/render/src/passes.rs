@@ -1,4 +1,4 @@
-//! The pipelines and the layouts of their bind groups, which outlive scenes and pictures.
+//! Pipelines and the layouts of their bind groups, shared by all scenes and pictures.
 
 use wgpu::BindGroupLayout;
 
@@ -13,7 +13,7 @@ use crate::pipeline::{STORAGE, UNIFORM};
 use crate::straight::StraightPass;
 use crate::{linked, material, shaders};
 
-/// All of them: renderers on one device share these.
+/// All pipelines. Renderers on one device share them.
 #[derive(Debug)]
 pub(crate) struct Passes {
     pub group_layouts: SceneGroupLayouts,

@@ -1,13 +1,13 @@
-//! Pauses of a picture that is drawn in turns.
+//! Pauses of pictures that are drawn in turns.
 
-/// Says after a piece of work whether the picture pauses.
+/// Returns true after a piece of work if the picture pauses.
 pub(crate) type Pause<'a> = &'a dyn Fn(DrawnPiece) -> bool;
 
-/// What has been drawn and waited for.
+/// A piece of work that is drawn and waited for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum DrawnPiece {
-    /// A light's map, whatever the size of the picture.
+    /// The shadow map of a light; its cost does not depend on the picture's size.
     ShadowMap,
-    /// Something of each pixel.
+    /// Work on each pixel.
     Pixels,
 }

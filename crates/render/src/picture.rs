@@ -1,4 +1,4 @@
-//! Pictures, and PNGs of them for people.
+//! Pictures, and their PNG files.
 
 use image::{Rgb, RgbImage};
 use light::LightInstance;
@@ -6,58 +6,58 @@ use png::{BitDepth, ColorType, Compression, SrgbRenderingIntent};
 
 use crate::{Aov, RenderError, View, display};
 
-/// Raw values, linear.
+/// Raw linear values of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Picture {
-    /// Pixels.
+    /// In pixels.
     pub width: u32,
-    /// Pixels.
+    /// In pixels.
     pub height: u32,
-    /// Rows from the top, `width * height` of them.
+    /// Rows from the top, `width * height` pixels.
     pub pixels: Vec<[f32; 4]>,
 }
 
-/// What a PNG has where nothing is seen.
+/// Background of a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Background {
-    /// Black, as a screen shows it.
+    /// Black, as on a screen.
     #[default]
     Black,
-    /// Nothing: the alpha is the share of a pixel in which something is seen, and colours are those of that alone.
+    /// Transparent: alpha is the share of a pixel that surfaces cover, and colors are those of the surfaces alone.
     Transparent,
 }
 
-/// A picture as it comes from the device, for a screen or for programs.
+/// A picture read back for a screen or for programs.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
-    /// RGBA, 8 bits a channel, as a screen shows it; rows from the top.
+    /// RGBA for a screen, 8 bits per channel, rows from the top.
     Display {
-        /// Pixels.
+        /// In pixels.
         width: u32,
-        /// Pixels.
+        /// In pixels.
         height: u32,
-        /// Four a pixel.
+        /// Four bytes per pixel.
         bytes: Vec<u8>,
     },
     /// Linear values.
     Raw(Picture),
-    /// Both, of one drawing: four bytes a pixel as above.
+    /// Both, from one drawing: linear values, and four bytes per pixel as above.
     Both(Picture, Vec<u8>),
 }
 
-/// What of a picture its files need.
+/// Form of a picture that its files need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileNeeds {
-    /// What a screen shows: a PNG of the beauty.
+    /// Bytes of a screen, for a PNG of the beauty.
     Display,
-    /// Its values.
+    /// Linear values.
     Values,
-    /// Both, of one drawing.
+    /// Both, from one drawing.
     Both,
 }
 
 impl FileNeeds {
-    /// Of a quantity as a PNG over that background, as an EXR, or as both.
+    /// Form that the files of an AOV need: a PNG over `png`, an EXR, or both.
     pub fn of(aov: Aov, png: Option<Background>, exr: bool) -> Self {
         let is_shown = aov == Aov::Beauty && png == Some(Background::Black);
         match (is_shown, exr) {
@@ -69,7 +69,7 @@ impl FileNeeds {
 }
 
 impl Pixels {
-    /// The values, where there are any.
+    /// The linear values, if present.
     pub fn values(&self) -> Option<&Picture> {
         match self {
             Self::Raw(picture) | Self::Both(picture, _) => Some(picture),
@@ -77,8 +77,8 @@ impl Pixels {
         }
     }
 
-    /// The bytes of a PNG for people that shows what `view` under `lights` shows: those of the screen where there are some, else as
-    /// [`Picture::to_png`] makes them of the values.
+    /// Encodes a readable PNG of `view` under `lights`: the screen's bytes if present, else the values by
+    /// [`Picture::to_png`].
     pub fn to_png(
         &self,
         view: &View,
@@ -99,12 +99,13 @@ impl Pixels {
 }
 
 impl Picture {
-    /// The bytes of a PNG for people that shows what `view` under `lights` shows, by whatever made it, with an sRGB chunk. Takes a while:
-    /// a large picture takes seconds to compress.
+    /// Encodes a readable PNG, with an sRGB chunk, of a picture of `view` under `lights` by any renderer. Compression
+    /// of a large picture takes seconds.
     ///
-    /// Near is bright; directions and normals are `(x + 1) / 2`, positions a share of the box that all of them fill; t is a ramp over the
-    /// light's segments, dark at joints; (v, w) are hue and distance from the curve; the beauty is tone-mapped as
-    /// [`crate::Renderer::render_display`] does it; a wireframe's edges are white. Pixels without a value are black.
+    /// Depth is bright where near. Directions and normals are `(x + 1) / 2`, positions a share of the box that all of
+    /// them fill. t is a ramp over the light's segments, dark at joints. (v, w) are hue and distance from the curve.
+    /// The beauty is tone-mapped as by [`crate::Renderer::render_display`]. A wireframe's edges are white. Pixels
+    /// without a value are black.
     pub fn to_png(
         &self,
         view: &View,
@@ -126,7 +127,7 @@ impl Picture {
         png_of(view, color_type, &bytes)
     }
 
-    /// The beauty of what is seen alone, where a pixel's edge has some of the black behind it.
+    /// Beauty of the surfaces alone, without the share of black background in edge pixels.
     fn without_background(&self, aov: Aov) -> Self {
         let mut picture = self.clone();
         if aov == Aov::Beauty {
@@ -138,7 +139,7 @@ impl Picture {
     }
 }
 
-/// A PNG of `view`'s size with an sRGB chunk.
+/// Encodes a PNG of `view`'s size with an sRGB chunk.
 fn png_of(view: &View, color_type: ColorType, bytes: &[u8]) -> Result<Vec<u8>, RenderError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, view.width, view.height);
@@ -153,23 +154,23 @@ fn png_of(view: &View, color_type: ColorType, bytes: &[u8]) -> Result<Vec<u8>, R
     Ok(file)
 }
 
-/// The end of t's range in a light: its number of segments, one for a spotlight.
+/// End of t's range in a light: its number of segments, 1 for a spotlight.
 fn segments(instance: Option<&LightInstance>) -> usize {
     instance.and_then(|instance| instance.light.tube()).map_or(1, |tube| tube.n)
 }
 
-/// A colour, each channel 0 to 1, as a screen shows it.
+/// A screen color, each channel 0 to 1.
 type Color = [f32; 3];
 
 /// The picture of `view` for a screen; black where a pixel has no value. `segments` is the end of t's range.
 ///
-/// - depth: near is bright, far dark, over the range there is;
-/// - position: x, y and z over the range that each has;
+/// - depth: near is bright, far is dark, over the range in the picture;
+/// - position: x, y and z over the range of each;
 /// - normal, direction: `(x + 1) / 2`;
 /// - t: a ramp over `[0, segments]`, dark at joints;
 /// - vw: hue by the angle around the curve, brightness by the distance from it in radii;
 /// - beauty: exposed and tone-mapped;
-/// - visibility: as it is;
+/// - visibility: unchanged;
 /// - wireframe: t's ramp with the edges in white, darker outside the tube.
 fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
     let exposure = display::exposure_factor(view.exposure);
@@ -208,7 +209,7 @@ fn visualize(picture: &Picture, view: &View, segments: usize) -> RgbImage {
     })
 }
 
-/// What `display.wgsl` shows of linear radiance: Khronos PBR Neutral, then sRGB.
+/// Tone-maps linear radiance as in `display.wgsl`: Khronos PBR Neutral, then sRGB.
 fn tone_mapped(linear: Color) -> Color {
     const START: f32 = 0.8 - 0.04;
     const DESATURATION: f32 = 0.15;
@@ -230,7 +231,7 @@ fn tone_mapped(linear: Color) -> Color {
     })
 }
 
-/// A pixel that shows no surface, or one that the light does not reach, has an alpha of 0.
+/// True unless the alpha is 0, as for a pixel without a surface, or out of the light's reach.
 fn has_value([.., alpha]: [f32; 4]) -> bool {
     alpha > 0.0
 }
@@ -241,7 +242,7 @@ fn range(picture: &Picture, channel: usize) -> (f32, f32) {
     values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
-/// Whether the pixel to the right or below lies in another segment.
+/// True if the pixel to the right or below is in another segment.
 fn is_at_joint(picture: &Picture, index: usize) -> bool {
     let width = picture.width as usize;
     let here = picture.pixels[index];
@@ -254,14 +255,14 @@ fn is_at_joint(picture: &Picture, index: usize) -> bool {
     })
 }
 
-/// Whether a pixel of a drawing of the light's map lies in the tube.
+/// True if a pixel of a wireframe is in the tube.
 fn is_in_tube(picture: &Picture, index: usize) -> bool {
     let (width, height) = (picture.width as usize, picture.height as usize);
     let from_middle = |at: usize, size: usize| (2 * at + 1) as f32 - size as f32;
     from_middle(index % width, width).hypot(from_middle(index / width, height)) <= width.min(height) as f32
 }
 
-/// A ramp from dark blue over green to yellow, of even steps in lightness, for `x` from 0 to 1.
+/// A ramp from dark blue over green to yellow, uniform in lightness, for `x` from 0 to 1.
 fn ramp(x: f32) -> Color {
     const STOPS: [Color; 5] =
         [[0.17, 0.11, 0.42], [0.12, 0.34, 0.60], [0.10, 0.56, 0.55], [0.45, 0.75, 0.33], [0.99, 0.91, 0.24]];
@@ -271,11 +272,11 @@ fn ramp(x: f32) -> Color {
     std::array::from_fn(|k| STOPS[i][k] + (STOPS[i + 1][k] - STOPS[i][k]) * share)
 }
 
-/// Hue by the angle of (v, w), red along +v; from gray on the curve to full at the tube's edge.
+/// Hue by the angle of (v, w), red along +v; from gray on the curve to full saturation at the tube's edge.
 fn hue_around(v: f32, w: f32) -> Color {
     let (turn, rho) = (w.atan2(v) / std::f32::consts::TAU, v.hypot(w).min(1.0));
     std::array::from_fn(|k| {
-        // Each channel is full within a sixth of a turn of its own hue and gone a third away.
+        // Each channel is full within a sixth of a turn of its own hue and zero a third away.
         let away = (turn - k as f32 / 3.0).rem_euclid(1.0);
         let hue = (2.0 - 6.0 * away.min(1.0 - away)).clamp(0.0, 1.0);
         0.5 + (hue - 0.5) * rho
@@ -288,7 +289,7 @@ mod tests {
 
     use super::*;
 
-    /// The bytes of a row of pixels.
+    /// Bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
         let view = View {

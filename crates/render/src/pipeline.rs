@@ -1,4 +1,4 @@
-//! Short spellings of what every pass describes to wgpu in the same way.
+//! Helpers for wgpu descriptors that all passes share.
 
 use wgpu::{
     BindGroupLayout, BindGroupLayoutEntry, BindingType, BlendState, BufferBindingType, ColorTargetState,
@@ -9,13 +9,12 @@ use wgpu::{
 use crate::Gpu;
 use crate::shadow_settings::MapSize;
 
-/// What a pass may bind, in the order of the bindings.
 pub(crate) const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
 /// A read-only storage buffer.
 pub(crate) const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
-/// A texture that is filtered.
+/// A filtered texture.
 pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: true });
-/// A texture that is only loaded or gathered. Depth is bound so as well: the GL backend cannot load depth
+/// A texture that shaders only load or gather. Depth is bound like this, too: the GL backend cannot load depth
 /// textures.
 pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
 /// The same with layers.
@@ -24,24 +23,20 @@ pub(crate) const RAW_TEXTURE_LAYERS: BindingType = BindingType::Texture {
     view_dimension: TextureViewDimension::D2Array,
     multisampled: false,
 };
-/// A texture of integers.
 pub(crate) const UINT_TEXTURE: BindingType = texture(TextureSampleType::Uint);
-/// A sampler that blends.
 pub(crate) const FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::Filtering);
-/// A sampler that does not.
 pub(crate) const NON_FILTERING: BindingType = BindingType::Sampler(SamplerBindingType::NonFiltering);
 
-/// A shadow map's texture.
 #[derive(Debug)]
 pub(crate) struct MapTarget {
     pub size: MapSize,
-    /// To be read.
+    /// View for reading.
     pub all: wgpu::TextureView,
-    /// To be drawn to.
+    /// Views for drawing, one per layer.
     pub layers: Vec<wgpu::TextureView>,
 }
 
-/// Depth of the G-buffer and of shadow maps.
+/// Depth format of the G-buffer and of shadow maps.
 pub(crate) const DEPTH_FORMAT: TextureFormat = TextureFormat::Depth32Float;
 
 const fn buffer(ty: BufferBindingType) -> BindingType {
@@ -53,7 +48,7 @@ const fn texture(sample_type: TextureSampleType) -> BindingType {
 }
 
 impl Gpu {
-    /// A layout whose binding `i` is `bindings[i]`, seen by vertices and fragments.
+    /// A layout with `bindings[i]` as binding `i`, visible to vertex and fragment shaders.
     pub(crate) fn bind_group_layout(&self, label: &str, bindings: &[BindingType]) -> BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(bindings)
@@ -70,7 +65,7 @@ impl Gpu {
         })
     }
 
-    /// A group whose binding `i` is `resources[i]`.
+    /// A bind group with `resources[i]` as binding `i`.
     pub(crate) fn bind_group(
         &self,
         label: &str,
@@ -106,7 +101,7 @@ impl Gpu {
         })
     }
 
-    /// A pipeline that draws `vs_fullscreen` with `entry_point`, adding to or replacing what is in each target.
+    /// A pipeline that draws `vs_fullscreen` with `entry_point`, and adds to or replaces the content of each target.
     pub(crate) fn fullscreen_pipeline(
         &self,
         layout: &PipelineLayout,
@@ -140,7 +135,7 @@ impl Gpu {
         })
     }
 
-    /// A uniform buffer that holds a `T`, to be written later.
+    /// An uninitialized uniform buffer for a `T`.
     pub(crate) fn uniform_buffer<T>(&self, label: &str) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -150,7 +145,7 @@ impl Gpu {
         })
     }
 
-    /// A texture that is drawn to and then read, by shaders or by copies.
+    /// A texture to draw to, and then to read in shaders or copy.
     pub(crate) fn target(
         &self,
         label: &str,
@@ -161,7 +156,7 @@ impl Gpu {
         self.layered_target(label, wgpu::Extent3d { width, height, depth_or_array_layers: 1 }, format)
     }
 
-    /// The layers of a shadow map: all of them to be read, and each to be drawn to.
+    /// A shadow map's texture, with a view of all layers for reading and one of each for drawing.
     pub(crate) fn map_target(&self, label: &str, size: MapSize) -> MapTarget {
         let extent =
             wgpu::Extent3d { width: size.side, height: size.side, depth_or_array_layers: size.layers };
@@ -197,12 +192,12 @@ impl Gpu {
     }
 }
 
-/// Reversed z: what is nearer has more.
+/// Depth test with reversed z: nearer points have greater depths.
 pub(crate) fn reversed_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Greater)
 }
 
-/// Of bent shadow maps, whose depth grows along the light.
+/// Depth test of bent shadow maps, whose depth increases along the light.
 pub(crate) fn least_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Less)
 }
@@ -217,7 +212,7 @@ fn depth_test(passes: wgpu::CompareFunction) -> wgpu::DepthStencilState {
     }
 }
 
-/// A depth attachment that starts at infinity, or goes on.
+/// A depth attachment that is cleared to infinity, or loaded.
 pub(crate) fn depth_attachment(
     view: &wgpu::TextureView,
     clear: bool,
@@ -230,7 +225,7 @@ pub(crate) fn depth_attachment(
     }
 }
 
-/// A colour attachment that starts at zero, or goes on.
+/// A color attachment that is cleared to zero, or loaded.
 pub(crate) fn color_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
     let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };

@@ -1,24 +1,24 @@
-//! World positions of what pixels see, from its depths.
+//! World positions of pixels, from their depths.
 
 use glam::{DVec2, DVec3};
 use scene::ViewRay;
 
 use crate::{Aov, Picture, View};
 
-/// What is drawn for a quantity: positions are worked out from depths.
+/// The AOV to draw for `aov`: positions are computed from depths.
 pub(crate) fn rendered_aov(aov: Aov) -> Aov {
     if aov == Aov::Position { Aov::Depth } else { aov }
 }
 
-/// Puts positions in place of depths, along the rays through the middles of `view`'s pixels. They lie as far off as depths are
-/// rounded, 6e-8 of them, and single precision rounds the position itself.
+/// Replaces depths with positions, along the rays through the centers of `view`'s pixels. Their error is that of
+/// depths, 6e-8 relative, plus the rounding of the position itself to f32.
 pub(crate) fn from_depths(view: &View, picture: &mut Picture) {
     let size = [view.width, view.height];
     let ray = |x: f64, y: f64| {
         let ray = ViewRay::new(&view.camera, size, DVec2::new(x, y), DVec3::ZERO);
         (ray.origin, ray.direction)
     };
-    // Both are linear in the pixel.
+    // Origin and direction are linear in the pixel.
     let (first, right, below) = (ray(0.5, 0.5), ray(1.5, 0.5), ray(0.5, 1.5));
     for (index, pixel) in picture.pixels.iter_mut().enumerate() {
         let [depth, .., alpha] = *pixel;

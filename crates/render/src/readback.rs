@@ -1,4 +1,4 @@
-//! From textures and buffers to the processor's memory.
+//! Readback of textures and buffers to CPU memory.
 
 use wgpu::{
     Buffer, BufferUsages, BufferView, COPY_BYTES_PER_ROW_ALIGNMENT, CommandEncoder, MapMode, Texture,
@@ -6,8 +6,8 @@ use wgpu::{
 
 use crate::{Gpu, RenderError};
 
-/// The texels of the upper left corner of `texture`, rows from the top without gaps. Waits for everything submitted
-/// before.
+/// Reads back texels of the upper left corner of `texture`, rows from the top without gaps. Waits for all submitted
+/// work.
 pub(crate) fn read<T: bytemuck::Pod>(
     gpu: &Gpu,
     texture: &Texture,
@@ -42,15 +42,15 @@ pub(crate) fn read<T: bytemuck::Pod>(
     let bytes = map(gpu, &buffer)?;
     let mut texels = Vec::with_capacity(width * height);
     for padded in bytes.chunks_exact(padded_row) {
-        // What is mapped lies at a multiple of 8 bytes, and so do its rows.
+        // Mapped memory is aligned to 8 bytes, and so are its rows.
         texels.extend_from_slice(bytemuck::cast_slice(&padded[..row]));
     }
     Ok(texels)
 }
 
-/// Some rows of textures of one width and height, read back together: `take` is given each with the index of its texture, those of
-/// the first texture from the top, then those of the next. They are copied through `staging`, which is made where it is not there or
-/// too small. Waits for everything submitted before.
+/// Reads back rows of textures of equal width and height in one copy. `take` gets each row with the index of its
+/// texture: those of the first texture from the top, then those of the next. The copy uses `staging`, which is created
+/// if absent or too small. Waits for all submitted work.
 pub(crate) fn read_rows<const N: usize>(
     gpu: &Gpu,
     staging: &mut Option<Buffer>,
@@ -98,7 +98,7 @@ pub(crate) fn read_rows<const N: usize>(
     Ok(())
 }
 
-/// Bytes that textures of one height are copied through, whose rows have so many each.
+/// Bytes of the staging buffer for textures of one height, from the bytes of their rows.
 pub(crate) fn padded_bytes<const N: usize>(rows: [usize; N], height: u32) -> u64 {
     rows.map(|row| (padded(row) * height as usize) as u64).iter().sum()
 }
@@ -117,7 +117,7 @@ fn readback_buffer(gpu: &Gpu, size: u64) -> Buffer {
     })
 }
 
-/// The contents of `buffer`, which can be copied from. Waits for everything submitted before.
+/// Reads back `buffer`, which must permit copies. Waits for all submitted work.
 pub(crate) fn read_buffer<T: bytemuck::Pod>(gpu: &Gpu, buffer: &Buffer) -> Result<Vec<T>, RenderError> {
     let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
     let copy = copy_for_readback(gpu, &mut encoder, buffer);
@@ -132,16 +132,16 @@ pub(crate) fn copy_for_readback(gpu: &Gpu, encoder: &mut CommandEncoder, buffer:
     copy
 }
 
-/// The contents of what [`copy_for_readback`] made. Waits for everything submitted before.
+/// Reads back the buffer from [`copy_for_readback`]. Waits for all submitted work.
 pub(crate) fn read_copy<T: bytemuck::Pod>(gpu: &Gpu, copy: &Buffer) -> Result<Vec<T>, RenderError> {
     Ok(bytemuck::pod_collect_to_vec(&map(gpu, copy)?))
 }
 
-/// The bytes of a buffer that can be mapped.
+/// Maps a buffer and returns its bytes.
 fn map(gpu: &Gpu, buffer: &Buffer) -> Result<BufferView, RenderError> {
     let failed = |why: &dyn std::fmt::Display| RenderError::Gpu(format!("reading results back: {why}"));
     let (sender, receiver) = std::sync::mpsc::sync_channel(1);
-    // The receiver lives until the answer is in.
+    // The receiver lives until the callback has run.
     buffer.map_async(MapMode::Read, .., move |result| sender.send(result).unwrap_or_default());
     gpu.wait()?;
     receiver.recv().map_err(|e| failed(&e))?.map_err(|e| failed(&e))?;

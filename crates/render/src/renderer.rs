@@ -1,4 +1,4 @@
-//! Scenes in, pictures out; and what is kept in between.
+//! The renderer: a scene, its caches and pictures.
 
 mod layered;
 mod native;
@@ -28,11 +28,11 @@ use crate::{
 
 /// Draws pictures of one scene at a time, for any number of viewers.
 ///
-/// A light that is out of the scene's reach ([`light::SceneBounds`]) is left out of the beauty; a picture of its own is
-/// refused.
+/// A light out of the scene's reach ([`light::SceneBounds`]) is left out of the beauty. An AOV of that light is an
+/// error.
 ///
-/// What a picture shares with the one before is not drawn again: each light's shadow map, and for each
-/// [`ViewSlot`] the G-buffer and the picture itself.
+/// A picture reuses the work of earlier ones: each light's shadow map, and for each [`ViewSlot`] the G-buffer and the
+/// picture itself.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Arc<Gpu>,
@@ -45,14 +45,13 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer of an empty scene.
+    /// A renderer with an empty scene.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
         let passes = gpu.with_error_scopes(|| Ok(Passes::new(&gpu)))?;
         Self::with(gpu, Arc::new(passes))
     }
 
-    /// A renderer of another scene, empty at first, by the same pipelines: what this one has compiled, or
-    /// will, serves both.
+    /// A renderer with an empty scene of its own that shares this one's pipelines, including those compiled later.
     pub fn with_same_pipelines(&self) -> Result<Self, RenderError> {
         Self::with(Arc::clone(&self.gpu), Arc::clone(&self.passes))
     }
@@ -69,8 +68,8 @@ impl Renderer {
         Ok(Self { gpu, passes, view_uniform, scene, viewers, shadow_maps, pass_runs: ran })
     }
 
-    /// Takes over another scene: its geometry, materials and fill; its cameras and lights are not used. On an error the
-    /// scene before stays.
+    /// Sets the scene: its geometry, materials and fill. Its cameras and lights are ignored. On an error the previous
+    /// scene stays.
     pub fn set_scene(&mut self, scene: &Arc<PosedScene>) -> Result<(), RenderError> {
         let mesh_error = self.shadow_maps.shadows().mesh_error;
         let layouts = &self.passes.group_layouts;
@@ -79,7 +78,7 @@ impl Renderer {
         self.share_scene(uploaded)
     }
 
-    /// Takes over a scene that another renderer of this device has taken over, without another copy of it.
+    /// Sets a scene that another renderer on this device has uploaded, without a copy.
     pub fn share_scene(&mut self, uploaded: SceneOnDevice) -> Result<(), RenderError> {
         let (revision, mesh_error) = (self.scene.revision + 1, self.shadow_maps.shadows().mesh_error);
         let layouts = &self.passes.group_layouts;
@@ -89,12 +88,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// The scene that it has taken over, for [`Self::share_scene`].
+    /// The uploaded scene, for [`Self::share_scene`].
     pub fn scene_on_device(&self) -> SceneOnDevice {
         self.scene.on_device().clone()
     }
 
-    /// Makes shadow maps by other settings from the next picture on. On an error the settings before stay.
+    /// Sets the shadow settings for later pictures. On an error the previous settings stay.
     pub fn set_shadow_settings(&mut self, shadows: ShadowSettings) -> Result<(), RenderError> {
         shadows.check(self.gpu.device.limits().max_texture_dimension_2d)?;
         if shadows.mesh_error != self.shadow_maps.shadows().mesh_error {
@@ -107,35 +106,34 @@ impl Renderer {
         Ok(())
     }
 
-    /// How often each pass has run.
+    /// Number of runs of each pass.
     pub fn counts(&self) -> PassCounts {
         self.pass_runs.counts
     }
 
-    /// Which passes the latest picture came to, or the latest turn of one that is drawn in turns, and why.
+    /// Passes of the latest picture, or of the latest turn of one drawn in turns, with their causes.
     pub fn runs(&self) -> &[PassRun] {
         &self.pass_runs.runs
     }
 
-    /// Drops what is kept for a viewer, and gives its memory back; a later picture of it starts anew.
+    /// Drops a viewer's cached data and frees its memory. The viewer's next picture starts from scratch.
     pub fn drop_view(&mut self, slot: ViewSlot) {
         self.viewers.drop_view(slot);
         self.shadow_maps.drop_view(slot);
         self.gpu.free_dropped_memory();
     }
 
-    /// Gives back the memory of renderers on this device that have been dropped.
+    /// Frees the memory of dropped renderers on this device.
     pub fn free_dropped_memory(&self) {
         self.gpu.free_dropped_memory();
     }
 
-    /// `slot` has no picture any more that needs its lights: their maps stay, but are the first to go where room is
-    /// short.
+    /// Releases the lights of `slot`. Their maps stay, but are the first to be evicted.
     pub fn release_view(&mut self, slot: ViewSlot) {
         self.shadow_maps.release_view(slot);
     }
 
-    /// The raw values of `view` under `lights`.
+    /// Draws the raw values of `view` under `lights`.
     pub fn render(&mut self, view: &View, lights: &[LightInstance]) -> Result<Picture, RenderError> {
         let aov = position::rendered_aov(view.aov);
         let pixels = self.with_whole(view, aov, lights, |renderer, gpu, targets| {
@@ -148,9 +146,9 @@ impl Renderer {
         Ok(picture)
     }
 
-    /// The same picture drawn stage by stage, each submitted and waited for: together they take longer than
-    /// [`Self::render_display`] does. What other threads draw meanwhile on the same device is waited for too. Pipelines
-    /// that were not used before are compiled in the stage that needs them: draw the picture once before.
+    /// Draws the same picture as [`Self::render_display`], stage by stage. Each stage is submitted and waited for, so
+    /// the total takes longer. The wait includes work of other threads on the same device. A stage compiles pipelines
+    /// at their first use, so draw the picture once before.
     pub fn record_display(
         &mut self,
         view: &View,
@@ -162,13 +160,13 @@ impl Renderer {
         Ok((bytes?, recording))
     }
 
-    /// Draws everything anew when it is next asked for, in the memory that is kept.
+    /// Marks all cached results as invalid, and keeps their memory.
     pub fn invalidate(&mut self) {
         self.viewers.invalidate();
         self.shadow_maps.invalidate();
     }
 
-    /// What is in the corner of `targets`, of `aov`.
+    /// Reads back the upper left corner of `targets`, with the values of `aov`.
     pub(crate) fn read_raw(
         &self,
         gpu: &Gpu,
@@ -181,7 +179,7 @@ impl Renderer {
         }
     }
 
-    /// Tone-maps the corner of the beauty in `targets`, brightened by so many stops, and reads it back.
+    /// Tone-maps the upper left corner of the beauty in `targets`, with `exposure` in stops, and reads it back.
     pub(crate) fn read_display(
         &mut self,
         gpu: &Gpu,
@@ -199,7 +197,7 @@ impl Renderer {
         read_display_texture(gpu, targets.lit(gpu, &self.passes), size)
     }
 
-    /// Draws all of `aov` of `view` into the targets of its slot, then does `work` with them.
+    /// Draws the whole picture of `aov` for `view` into the targets of its slot, then runs `work` on them.
     fn with_whole<T>(
         &mut self,
         view: &View,
@@ -207,7 +205,7 @@ impl Renderer {
         lights: &[LightInstance],
         work: impl FnOnce(&mut Self, &Gpu, &Targets) -> Result<T, RenderError>,
     ) -> Result<T, RenderError> {
-        // What cannot be drawn is refused here, before anything that is kept has changed.
+        // Refuses an impossible picture before any cached data changes.
         let drawing = CheckedPicture::new(&View { aov, ..view.clone() }, lights)?;
         let tile = Tile { x: 0, y: 0, width: view.width, height: view.height };
         self.run_or_discard(view.slot, |renderer, gpu| {
@@ -221,8 +219,8 @@ impl Renderer {
         })
     }
 
-    /// Draws the next sample of what `drawing` shows in `tile`, or, where `pause` says so between two pieces of
-    /// work, a part of it. Returns whether nothing is left.
+    /// Draws the next sample of `drawing` in `tile`, or a part of it if `pause` returns true between two pieces of
+    /// work. Returns true if nothing is left.
     pub(crate) fn draw_sample(
         &mut self,
         gpu: &Gpu,
@@ -275,11 +273,11 @@ impl Renderer {
             let mut maps = WgpuMaps { gpu, passes, scene, encoder: &mut encoder };
             let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted_light)
             {
-                // Others shine all the same; `light::SceneBounds` tells who asks.
+                // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
                 Err(RenderError::OutOfReach(_)) if view.aov == Aov::Beauty => continue,
                 ready => ready?,
             };
-            // It reaches nothing that is seen.
+            // The light reaches no visible surface.
             let Some(ready) = ready else { continue };
             if let Some(cause) = ready.shadow_map_cause {
                 ran.note(Pass::ShadowMap, Some(light.id), cause);
@@ -289,15 +287,15 @@ impl Renderer {
                 && !passing
                 && let Some(pause) = pause
             {
-                // The map is kept, and so the light can wait.
+                // The map is cached, so the light can wait.
                 gpu.submit_and_wait(&mut encoder)?;
                 if pause(DrawnPiece::ShadowMap) {
-                    // The G-buffer that may have been drawn is known by its key, the light by its map.
+                    // The next call finds the G-buffer by its key, and the light's map by its own.
                     return Ok(false);
                 }
             }
             batch.push(ready);
-            // A map that passes is to be gone before the next one comes.
+            // A map without room in the budget must be freed before the next one is drawn.
             if passing || pause.is_some() {
                 let onto = (view.aov, tile);
                 targets.draw_lighting(
@@ -326,14 +324,14 @@ impl Renderer {
         targets.samples_drawn = sample + 1;
         targets.lights_drawn = None;
         if sample + 1 < *samples || pause.is_some() {
-            // Submitting is quick: without waiting, all samples would be under way at once.
+            // Submission is quick: without waiting, all samples would be in flight at once.
             gpu.wait()?;
         }
         Ok(sample + 1 == *samples)
     }
 
-    /// The lights as pictures of `aov` have them: a BendyLight that is still straight as the spotlight that it is, but where
-    /// places along its curve are shown.
+    /// The lights for pictures of `aov`: a straight BendyLight becomes the equal spotlight, unless the AOV shows
+    /// positions along the curve.
     fn straightened_lights(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
         let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
         let reach = self.scene.posed.bounds();
@@ -341,7 +339,7 @@ impl Renderer {
             let spot = light
                 .equivalent_spotlight()
                 .filter(|_| self.shadow_maps.shadows().straighten && !shows_curve);
-            // The curve may reach farther than can be drawn; the spotlight has no end points that could.
+            // The curve may reach farther than can be drawn. The spotlight has no end points that could.
             spot.filter(|_| reach.check(light).is_ok()).cloned()
         };
         let drawn = |LightInstance { id, light }: &LightInstance| LightInstance {
@@ -351,7 +349,7 @@ impl Renderer {
         lights.iter().map(drawn).collect()
     }
 
-    /// Runs `work`; where it fails, nothing that it may have left half done is kept.
+    /// Runs `work`. On an error, discards data that it may have left incomplete.
     pub(crate) fn run_or_discard<T>(
         &mut self,
         slot: ViewSlot,
@@ -363,7 +361,7 @@ impl Renderer {
         match &result {
             Ok(_) => {}
             Err(RenderError::Cancelled) => {
-                // What was half done was taken out for it, and is gone.
+                // The cancelled work had taken its data out of the caches, so the data is gone.
                 self.viewers.drop_view(slot);
                 self.shadow_maps.bent_buffers.clear_deferred();
             }
@@ -376,7 +374,7 @@ impl Renderer {
     }
 }
 
-/// Reads back the corner of what is shown.
+/// Reads back the upper left corner of the screen texture.
 fn read_display_texture(gpu: &Gpu, lit: &LitTargets, size: [u32; 2]) -> Result<Vec<u8>, RenderError> {
     let bytes = readback::read::<[u8; 4]>(gpu, &lit.display, size)?.into_flattened();
     gpu.stages.record_stage(FrameStage::Readback);
@@ -384,15 +382,13 @@ fn read_display_texture(gpu: &Gpu, lit: &LitTargets, size: [u32; 2]) -> Result<V
     Ok(bytes)
 }
 
-/// A picture to draw, checked.
 #[derive(Clone, Debug)]
 pub(crate) struct CheckedPicture {
     pub view: View,
     pub lights: Vec<LightInstance>,
     pub raster: CameraRaster,
-    /// The lights that it needs.
+    /// Indices of the lights that it needs.
     pub light_range: Range<usize>,
-    /// Samples a pixel that it takes.
     pub samples: u32,
 }
 
@@ -408,7 +404,7 @@ impl CheckedPicture {
     }
 }
 
-/// The lights that `aov` needs: all of them, the one it is of, or none.
+/// Indices of the lights that `aov` needs: all, its own one, or none.
 fn required_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
     match aov {
         Aov::Beauty => Ok(0..count),

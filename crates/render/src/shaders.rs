@@ -1,4 +1,4 @@
-//! The WGSL modules, put together from `shaders/`.
+//! The WGSL modules, concatenated from the files in `shaders/`.
 
 macro_rules! wgsl {
     ($($name:literal),+ $(,)?) => {
@@ -6,26 +6,21 @@ macro_rules! wgsl {
     };
 }
 
-/// Fills the G-buffer.
 pub(crate) const GBUFFER: &str =
     concat!("enable primitive_index;\n", wgsl!("view", "encoding", "material", "gbuffer"));
-/// Adds the fill light.
 pub(crate) const FILL: &str = wgsl!("view", "encoding", "surface", "fullscreen", "fill");
-/// Shows quantities of the surface.
+/// Shows AOVs of the surface.
 pub(crate) const INSPECT: &str = wgsl!("view", "encoding", "surface", "fullscreen", "inspect");
-/// Draws opaque shadow casters.
 pub(crate) const SHADOW: &str = wgsl!("shadow");
 /// Draws shadow casters with an alpha test.
 pub(crate) const SHADOW_MASKED: &str = wgsl!("shadow", "material", "shadow_masked");
-/// Which triangles count for a light with links.
+/// Selects triangles for a light with links.
 const LINKS: &str = wgsl!("links");
-/// The same for one without.
+/// Replaces `LINKS` for a light without links.
 const NO_LINKS: &str = wgsl!("no_links");
-/// What holds for pixels that are drawn together.
 const SUBGROUPS: &str = wgsl!("subgroups");
-/// The same for devices that cannot say.
+/// Replaces `SUBGROUPS` on devices without them.
 const NO_SUBGROUPS: &str = wgsl!("no_subgroups");
-/// Adds a spotlight.
 pub(crate) const SPOT: &str = wgsl!(
     "view",
     "encoding",
@@ -41,7 +36,6 @@ pub(crate) const SPOT: &str = wgsl!(
     "spot_faces",
     "spot"
 );
-/// Adds an omni light.
 pub(crate) const OMNI: &str = wgsl!(
     "view",
     "encoding",
@@ -56,7 +50,6 @@ pub(crate) const OMNI: &str = wgsl!(
     "omni",
     "omni_lookup"
 );
-/// Adds a directional light.
 pub(crate) const DIRECTIONAL: &str = wgsl!(
     "view",
     "encoding",
@@ -71,7 +64,6 @@ pub(crate) const DIRECTIONAL: &str = wgsl!(
     "parallel",
     "parallel_lookup"
 );
-/// Adds a BendyLight.
 pub(crate) const BENDY: &str = wgsl!(
     "view",
     "encoding",
@@ -93,21 +85,18 @@ pub(crate) const BENDY: &str = wgsl!(
     "bent_lookup",
     "bendy"
 );
-/// Locates points in a BendyLight.
 pub(crate) const LOCATE: &str =
     wgsl!("curve", "frame", "solve", "arc", "emission", "segment", "profile", "tube", "locate");
-/// Solves for the nearest points of curves, to be measured.
+/// Solves for the nearest points of curves, for measurements.
 pub(crate) const INCREASING_ROOTS: &str = wgsl!("curve", "solve", "increasing_roots");
-/// Maps vertices into a bent shadow map.
 pub(crate) const BENT_MAP_VERTICES: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_vertices");
-/// Sorts out which triangles need more.
+/// Classifies triangles: drawn as they are, or passed on.
 pub(crate) const BENT_MAP_TRIANGLES: &str =
     wgsl!("curve", "frame", "solve", "bent_map", "bent_map_triangles");
-/// Clips those to slabs.
 pub(crate) const BENT_MAP_CLIP: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_clip");
-/// Splits what is not straight in the map.
+/// Splits triangles that are not straight in the map.
 pub(crate) const BENT_MAP_SPLIT: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_split");
-/// Counts workgroups between those.
+/// Counts workgroups between those passes.
 pub(crate) const BENT_MAP_NEXT: &str = wgsl!("curve", "frame", "solve", "bent_map", "bent_map_next");
 /// Draws mapped triangles.
 pub(crate) const BENT_SHADOW: &str = wgsl!("bent_shadow");
@@ -117,12 +106,11 @@ pub(crate) const BENT_MASKED: &str = wgsl!("bent_shadow", "alpha_test", "bent_ma
 pub(crate) const WIREFRAME: &str = wgsl!("wireframe");
 /// Tone-maps for a screen.
 pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
-/// Adds up what lights alone add, and tone-maps that.
+/// Sums layers and tone-maps the result.
 pub(crate) const COMPOSITE: &str = wgsl!("encoding", "fullscreen", "display", "terms", "composite");
-/// Adds up what lights alone add.
 pub(crate) const SUM: &str = wgsl!("encoding", "fullscreen", "terms", "sum");
 
-/// The whole of a lighting pass, for lights with links or for others, and for devices with subgroups or for others.
+/// The complete module of a lighting pass, for lights with or without links, and for devices with or without subgroups.
 pub(crate) fn lighting_pass(wgsl: &str, linked: bool, has_subgroups: bool) -> String {
     let links = if linked { LINKS } else { NO_LINKS };
     let subgroups = if has_subgroups { SUBGROUPS } else { NO_SUBGROUPS };
@@ -168,7 +156,7 @@ mod tests {
         }
     }
 
-    /// Names of the functions of `module`, and of those that some entry point calls.
+    /// Names of the functions of `module`, and of those that an entry point calls.
     fn functions(module: &Module) -> (BTreeSet<&str>, BTreeSet<&str>) {
         fn calls(block: &Block, found: &mut Vec<Handle<Function>>) {
             for statement in block {
@@ -211,7 +199,7 @@ mod tests {
         }
         assert!(all.len() >= 10);
         assert_eq!(all.difference(&reached).collect::<Vec<_>>(), Vec::<&&str>::new());
-        // The planted fault.
+        // Planted fault.
         let module =
             parse("fault", "fn lost() {} fn used() {} @compute @workgroup_size(1) fn main() { used(); }");
         assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
@@ -221,7 +209,7 @@ mod tests {
         gpu_structs::ALL.iter().chain(bendy_light::gpu_structs::ALL)
     }
 
-    /// Name, size, and the name and offset of each field.
+    /// Size, and the name and offset of each field.
     type WgslLayout = (usize, Vec<(String, usize)>);
 
     fn structs(module: &Module) -> BTreeMap<String, WgslLayout> {
@@ -236,7 +224,7 @@ mod tests {
         module.types.iter().filter_map(|(_, t)| Some((t.name.clone()?, of_type(&t.inner)?))).collect()
     }
 
-    /// What differs between a struct in Rust and in WGSL, if anything.
+    /// Difference between a struct in Rust and in WGSL; `None` if they agree.
     fn difference(rust: &StructLayout, wgsl: &BTreeMap<String, WgslLayout>) -> Option<String> {
         let (name, size, fields) = rust;
         let Some((wgsl_size, wgsl_fields)) = wgsl.get(*name) else {
@@ -255,7 +243,7 @@ mod tests {
         for rust in rust_structs() {
             assert_eq!(difference(rust, &wgsl), None);
         }
-        // The planted faults: a field that moved, and one that has another name.
+        // Planted faults: a field that moved, and one with another name.
         assert!(difference(&("Fill", 32, &[("sky", 0), ("ground", 12)]), &wgsl).is_some());
         assert!(difference(&("Fill", 32, &[("sky", 0), ("earth", 16)]), &wgsl).is_some());
     }

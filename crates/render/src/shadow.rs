@@ -1,4 +1,4 @@
-//! Shadow maps by ordinary rasterisation, for lights whose rays are straight.
+//! Shadow maps of lights with straight rays, by ordinary rasterization.
 
 use std::ops::Range;
 
@@ -14,20 +14,19 @@ use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, reversed_depth_test,
 use crate::shadow_settings::{Culling, MapSize};
 use crate::{Gpu, RenderError, gpu_structs, shaders};
 
-/// The pipelines, which outlive scenes and lights.
+/// The pipelines, shared by all scenes and lights.
 #[derive(Debug)]
 pub(crate) struct ShadowPass {
-    /// By what surfaces are, as [`TriangleComponent`] numbers them: of closed ones only the side that faces the light is drawn.
+    /// Indexed by [`TriangleComponent`]: for closed components, only the side that faces the light is drawn.
     opaque: [RenderPipeline; 3],
     alpha_tested: RenderPipeline,
     layout: BindGroupLayout,
 }
 
-/// A light's own map.
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
     pub target: MapTarget,
-    /// One a layer: its view, and the group that binds it.
+    /// One per layer: its uniform, and the bind group of that.
     views: Vec<(Buffer, wgpu::BindGroup)>,
 }
 
@@ -59,7 +58,7 @@ impl ShadowPass {
                 cache: None,
             })
         };
-        // Both sides of an open surface cast: what light meets does not depend on which side was modelled.
+        // Both sides of an open component cast: light hits a surface regardless of its modeled side.
         let opaque = [None, Some(wgpu::Face::Back), Some(wgpu::Face::Front)]
             .map(|culled| pipeline(shaders::SHADOW, &[&layout], "vs_opaque", None, &buffers[..1], culled));
         let alpha_tested = pipeline(
@@ -82,11 +81,10 @@ impl ShadowPass {
         ShadowMap { target: gpu.map_target("shadow map", size), views: (0..size.layers).map(view).collect() }
     }
 
-    /// Draws what casts of a scene's geometry into each layer by its view; those without one are empty. Returns how many
-    /// opaque triangles were looked at. Of a scene of which very much lies in one place a layer is drawn in parts, and others come
-    /// between.
+    /// Draws the casters into each layer by its view; layers without a view are cleared. Returns the number of
+    /// processed opaque triangles. A scene with a great depth complexity is drawn in parts, with a yield after each.
     ///
-    /// Light begins at `source`, in scene space, or outside of the scene.
+    /// Light begins at `source`, in scene space; `None` means outside the scene.
     pub fn draw(
         &self,
         gpu: &Gpu,
@@ -136,7 +134,7 @@ impl ShadowPass {
         Ok(triangles)
     }
 
-    /// What is drawn of casters, in order.
+    /// Draws of the casters, in order.
     fn runs<'a>(
         &'a self,
         geometry: &'a Geometry,
@@ -165,10 +163,10 @@ impl ShadowPass {
     }
 }
 
-/// Triangles that are drawn in the same way.
+/// Triangles with the same pipeline and buffers.
 struct ShadowRun<'a> {
     pipeline: &'a RenderPipeline,
-    /// Of those with an alpha test.
+    /// Bind group of alpha-tested triangles.
     material: Option<&'a BindGroup>,
     vertices: [Option<&'a Buffer>; 2],
     index_buffer: &'a Buffer,
@@ -176,7 +174,6 @@ struct ShadowRun<'a> {
 }
 
 impl ShadowRun<'_> {
-    /// Whether it binds something else.
     fn binds_other_than(&self, other: &Self) -> bool {
         self.material.is_some() || !std::ptr::eq(self.pipeline, other.pipeline)
     }
@@ -193,7 +190,7 @@ impl ShadowRun<'_> {
     }
 }
 
-/// Begins to draw onto a layer, from nothing where it `clears`.
+/// Begins a render pass on a layer, which is cleared if `clears`.
 fn begin<'e>(
     encoder: &'e mut CommandEncoder,
     layer: &TextureView,

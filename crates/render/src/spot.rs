@@ -1,5 +1,5 @@
-//! A spotlight drawn by its own perspective matrix. It shares no code with bent lights, so that each can test
-//! the other.
+//! Spotlights, drawn with their own perspective matrix. They share no code with bent lights, so each can test the
+//! other.
 
 use glam::{DAffine3, DMat4, DVec3, DVec4};
 use light::{CheckedLight, Cone, Light, LightProfile, MAX_EXTENT};
@@ -13,21 +13,20 @@ use crate::shadow_settings::{MapSize, with_filter};
 use crate::spot_faces::{self, FittedFaces, SpotFace};
 use crate::{ShadowFilter, ShadowSettings, gpu_structs};
 
-/// The near plane of a shadow map that starts inside the scene, as a share of the way to the scene's far end:
-/// near enough for a lamp in its shade, far enough for the map's depths to resolve a thousandth of the same
-/// way.
+/// Near plane of a shadow map that starts inside the scene, as a share of the distance to the scene's far end. It is
+/// near enough for a lamp in its shade, and far enough for the map's depths to resolve a thousandth of that distance.
 const NEAR_SHARE: f64 = 1e-3;
 
-/// A spotlight in place: its numbers for one scene.
+/// A placed spotlight: its numbers for one scene.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuSpot {
     pub uniform: gpu_structs::Spot,
-    /// The same as in `between`.
+    /// The profile in `uniform`, in f64.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }
 
-/// The convex hull of these world positions holds all that a light lights of a scene.
+/// World positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
     let end = cone.range.unwrap_or_else(|| far_distance(cone, posed));
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -36,13 +35,13 @@ pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
     [cone.translation, a, b, c, d]
 }
 
-/// Farther from a light than this nothing lies in a scene.
+/// Upper bound of the distance from the light to any point of the scene.
 fn far_distance(cone: &Cone, posed: &PosedScene) -> f64 {
     ((cone.translation - posed.origin_in_world).abs() + posed.half_extent).length()
 }
 
 impl GpuSpot {
-    /// Places a checked light within reach of a scene, to which its map was fitted.
+    /// Places a checked light within reach of a scene, with its fitted map.
     pub fn new(cone: &Cone, scene: &GpuScene, shadows: &ShadowSettings, fitted: &FittedFaces) -> Self {
         let light_from_scene = light_from_scene(cone, scene.posed.origin_in_world);
         let far = far_distance(cone, &scene.posed);
@@ -81,7 +80,7 @@ impl GpuSpot {
     }
 }
 
-/// The faces of a light's map over `scene`.
+/// Fits the faces of a light's map over `scene`.
 pub(crate) fn fit_map(
     (light, cone): (&Light, &Cone),
     scene: &GpuScene,
@@ -100,7 +99,7 @@ fn light_from_scene(cone: &Cone, scene_origin: DVec3) -> DAffine3 {
     DAffine3 { matrix3: cone.rotation, translation: cone.translation - scene_origin }.inverse()
 }
 
-/// Reversed depth that starts at `near` and has no end.
+/// Projection with reversed depth, from `near` to infinity.
 fn clip_from_face(face: &SpotFace, near: f64) -> DMat4 {
     let (scale, shift) = (face.half.recip(), -face.center / face.half);
     DMat4::from_cols(
@@ -111,16 +110,15 @@ fn clip_from_face(face: &SpotFace, near: f64) -> DMat4 {
     )
 }
 
-/// How large a light's map is.
 pub(crate) fn map_size(light: &Light, shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(spot_faces::face_count(light))
 }
 
-/// How the lighting pass of a spotlight is compiled: see the constants of `spot_faces.wgsl` and `shadow_filter.wgsl`.
+/// Values compiled into the lighting pass of a spotlight: the constants of `spot_faces.wgsl` and `shadow_filter.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BakedSpot {
     filter: ShadowFilter,
-    /// Whether its map has the faces of a cube.
+    /// True if the map has the faces of a cube.
     cube: bool,
     light_profile: BakedFilter,
 }
@@ -131,7 +129,6 @@ impl BakedSpot {
         Self { filter, cube, light_profile: BakedFilter::of(light.light_profile()) }
     }
 
-    /// Every value.
     #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Self> {
         let [plain, others @ ..] = BakedFilter::samples();
@@ -140,7 +137,6 @@ impl BakedSpot {
         ShadowFilter::ALL.into_iter().flat_map(with).chain(others.map(other))
     }
 
-    /// `wgsl` with its constants.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         let Self { filter, cube, light_profile } = self;
         format!("const SHADOW_CUBE = {cube};\n{}", light_profile.into_wgsl(&with_filter(filter, wgsl)))

@@ -1,4 +1,4 @@
-//! The faces of a spotlight's shadow map: one perspective picture each, fitted to what casts shadows there.
+//! Faces of a spotlight's shadow map: perspective pictures, each fitted to its casters.
 
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use light::Light;
@@ -6,19 +6,19 @@ use light::parameters::CONE_ANGLE;
 
 use crate::clusters::{Clusters, OpenSide};
 
-/// Largest half angle, in degrees, that one face holds. On a wider one the texels at its middle, where they are
-/// widest as angles, would be wider than those of the faces of a cube at half the resolution.
+/// Largest half angle of a single face, in degrees. With a wider one the texels at its center, where they are widest as
+/// angles, would be wider than those of cube faces at half the resolution.
 const MAX_FACE_HALF_ANGLE_DEGREES: f64 = 60.0;
-/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+/// Margin around casters in texels, so that the filter reads only texels that are drawn.
 const MARGIN_TEXELS: f64 = 2.0;
-/// A face is fitted to no less than this share of it, and neither way to less than a quarter of the other way: finer
-/// texels than that are lost in the rounding of positions.
+/// Smallest fitted share of a face. Neither axis is fitted to less than a quarter of the other. Finer texels are below
+/// the rounding error of positions.
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
 
-/// Takes light space to a face's (x, y, depth).
+/// Matrix from light space to a face's (x, y, depth).
 const FRONT: DMat3 = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::NEG_Z);
-/// The front of a cube about the light's axis, +x, -x, +y and -y, as `spot_faces.wgsl` has them.
+/// The front of a cube around the light's axis, +x, -x, +y and -y, as in `spot_faces.wgsl`.
 const CUBE: [DMat3; 5] = [
     FRONT,
     DMat3::from_cols(DVec3::Z, DVec3::X, DVec3::NEG_Y),
@@ -27,21 +27,20 @@ const CUBE: [DMat3; 5] = [
     DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y),
 ];
 
-/// How many faces a light's map has.
+/// Number of faces of a light's map.
 pub(crate) fn face_count(light: &Light) -> usize {
     if light.get(CONE_ANGLE) > MAX_FACE_HALF_ANGLE_DEGREES { CUBE.len() } else { 1 }
 }
 
-/// A face of a map: what of it is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SpotFace {
-    /// From light space to (x, y, depth).
+    /// Matrix from light space to (x, y, depth).
     pub axes: DMat3,
-    /// Middle of what is drawn, as x / depth and y / depth.
+    /// Center of the drawn part, as x / depth and y / depth.
     pub center: DVec2,
-    /// Half its size.
+    /// Half the size of the drawn part.
     pub half: DVec2,
-    /// Nothing casts shadows where this is false: it need not be drawn.
+    /// False if there are no casters: the face need not be drawn.
     pub has_casters: bool,
 }
 
@@ -49,20 +48,20 @@ pub(crate) struct SpotFace {
 #[derive(Clone, Debug)]
 pub(crate) struct FittedFaces {
     pub faces: Vec<SpotFace>,
-    /// The least depth of what may cast shadows; infinity where nothing does.
+    /// Least depth of a caster; infinity without casters.
     pub nearest: f64,
 }
 
 impl FittedFaces {
-    /// Of a light without a map.
+    /// Faces of a light without a map.
     pub const NONE: Self = Self { faces: Vec::new(), nearest: f64::INFINITY };
 
-    /// Of `side` texels, fitted to what of `clusters` may lie in the light.
+    /// Faces of `side` texels, fitted to the part of `clusters` that may be in the light.
     pub fn new(light: &Light, side: f64, light_from_scene: DAffine3, clusters: &Clusters) -> Self {
         let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
-        // What lies beyond the edge is drawn as far as the filter reaches.
+        // Casters beyond the edge are drawn as far as the filter reads.
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
-        // Straight light that starts inside does not come back.
+        // Straight light that starts inside does not return.
         let source = light_from_scene.inverse().translation;
         let comes_in = |side: &OpenSide| side.height(source) >= 0.0;
         let mut nearest = f64::INFINITY;
@@ -93,7 +92,7 @@ impl FittedFaces {
             let half = (high - low) / 2.0;
             let least = (half.max_element() * SMALLEST_RATIO).max(widest.max_element() * SMALLEST_SHARE);
             let half = (half.max(DVec2::splat(least)) * grown).min(widest);
-            // Grown, but no farther than the filter reaches beyond the face.
+            // Grown, but no farther than the filter reads beyond the face.
             let room = widest - half;
             let center = ((low + high) / 2.0).clamp(middle - room, middle + room);
             SpotFace { axes, center, half, has_casters: casts }
@@ -104,24 +103,23 @@ impl FittedFaces {
     }
 }
 
-/// What of a face boxes cover.
+/// The part of a face that boxes cover.
 #[derive(Clone, Copy, Debug)]
 struct SpotFaceCover {
     low: DVec2,
     high: DVec2,
-    /// The least depth.
     depth: f64,
 }
 
 impl SpotFaceCover {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
 
-    /// Those of a box with these corners in the face's (x, y, depth), from the slopes `least` to `most`; `None` where
-    /// none of it is there.
+    /// Cover of a box with these corners in the face's (x, y, depth), within the slopes `least` to `most`; `None` if no
+    /// part of it is there.
     fn of(corners: &[DVec3; 8], least: DVec2, most: DVec2) -> Option<Self> {
         let (min, max) =
             corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));
-        // Whatever lies on the face is as far ahead as it lies aside.
+        // Depth on a face is at least the distance from the axis divided by the face's limit.
         let aside = min.max(-max).max(DVec3::ZERO);
         let aside = aside.truncate() / least.abs().max(most.abs());
         let depth = min.z.max(aside.max_element());

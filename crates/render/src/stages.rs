@@ -1,4 +1,4 @@
-//! What a frame's stages cost, each waited for: what `bendylights bench frame` shows.
+//! Costs of a frame's stages, each of which is waited for; `bendylights bench frame` shows them.
 
 use std::ops::AddAssign;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -7,39 +7,36 @@ use std::time::{Duration, Instant};
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// A part of a frame that is encoded, or waited for, by itself.
+/// A part of a frame that is submitted, or waited for, by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameStage {
-    /// What each pixel sees.
     Gbuffer,
-    /// That read back, and made ready to be lit by the processor where it draws.
+    /// Reads back and unpacks the G-buffer, on the native backend.
     Surfaces,
-    /// The vertices of what casts shadows, mapped into a bent light's tube; with the fitting of its map.
+    /// Fits a bent map, and maps the casters' vertices into the tube.
     Vertices,
-    /// Those of its triangles sorted out that are straight in the map and lie in one slab.
+    /// Selects the mapped triangles that are straight in the map and in one slab.
     Triangles,
-    /// The others, cut where one slab ends and the next begins.
+    /// Clips the other triangles to slabs.
     Clip,
-    /// Those split until their edges are straight.
+    /// Splits clipped triangles until their edges are straight.
     Split,
-    /// A map drawn; of a straight light with the fitting of its map, and all of one that the processor draws.
+    /// Draws a map. For a straight light, this includes the fit and, on the native backend, all of the map.
     Draw,
-    /// How much came of a bent map's stages, read back to see whether there was room.
+    /// Reads back a bent map's counts, to check if it fitted.
     Counts,
-    /// What of the picture comes from no light.
     Fill,
-    /// A light added to the picture, or a layer of what it alone adds: one run a light.
+    /// Adds a light to the picture, or draws its layer: one run per light.
     Light,
-    /// Layers of some lights, or sums of those, added up.
+    /// Sums layers, or such sums.
     Sum,
-    /// The fill and what lights add, weighed, exposed and tone-mapped.
+    /// Sums the fill and layers, exposes and tone-maps.
     Display,
-    /// The picture's bytes, read back.
     Readback,
 }
 
 impl FrameStage {
-    /// Every stage, in the order of a frame.
+    /// All stages, in the order of a frame.
     pub const ALL: [Self; 13] = [
         Self::Gbuffer,
         Self::Surfaces,
@@ -56,7 +53,7 @@ impl FrameStage {
         Self::Readback,
     ];
 
-    /// What it is called in reports.
+    /// Name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gbuffer => "gbuffer",
@@ -76,12 +73,11 @@ impl FrameStage {
     }
 }
 
-/// What some work took.
+/// Time of some work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageCost {
-    /// Milliseconds that passed.
     pub wall_ms: f64,
-    /// Milliseconds of the whole process on all cores: with a driver that draws on the processor, its threads too.
+    /// CPU milliseconds of the whole process on all cores, including the threads of a software driver.
     pub cpu_ms: f64,
 }
 
@@ -92,7 +88,7 @@ impl AddAssign for StageCost {
     }
 }
 
-/// Measures laps.
+/// Measures the times of consecutive laps.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
     wall: Instant,
@@ -100,12 +96,12 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// The first lap begins.
+    /// Starts the first lap.
     pub fn start() -> Self {
         Self { wall: Instant::now(), cpu: process_time() }
     }
 
-    /// What the lap took that ends here; the next begins.
+    /// Ends the lap, returns its time, and starts the next.
     pub fn lap(&mut self) -> StageCost {
         let now = Self::start();
         let ms = |duration: Duration| duration.as_secs_f64() * 1000.0;
@@ -116,56 +112,53 @@ impl Stopwatch {
     }
 }
 
-/// What all threads of this process have run for.
+/// CPU time of all threads of this process.
 fn process_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
 }
 
-/// How much was worked on in a frame.
+/// Amount of work in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounters {
-    /// Triangles that were looked at for shadow maps, once a map; of an omni light's or a very wide spotlight's, once a face.
+    /// Triangles processed for shadow maps, once per map; for an omni light or a very wide spotlight, once per face.
     pub triangles_seen: u64,
-    /// Pairs of a triangle and a slab of a tube that were clipped, and split where that was not enough.
+    /// Pairs of a triangle and a slab that were clipped, and split if necessary.
     pub triangles_split: u64,
-    /// Triangles that were handed to the rasteriser for shadow maps.
+    /// Triangles drawn into shadow maps.
     pub triangles_drawn: u64,
-    /// Texels of the maps that were drawn.
     pub texels: u64,
-    /// Pixels of the rectangles that lights were added in, background and what lies beside the light in them too.
+    /// Pixels of the rectangles in which lights were added, with background and pixels out of reach.
     pub scissor_pixels: u64,
     /// Bytes of the picture that were read back.
     pub bytes: u64,
 }
 
-/// A frame that was drawn stage by stage.
+/// Costs of a frame drawn stage by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Recording {
     runs: [u64; FrameStage::ALL.len()],
     costs: [StageCost; FrameStage::ALL.len()],
-    /// How much was worked on.
     pub counters: WorkCounters,
 }
 
 impl Recording {
-    /// How often a stage ran.
+    /// Number of runs of a stage.
     pub fn runs(&self, stage: FrameStage) -> u64 {
         self.runs[stage as usize]
     }
 
-    /// What all its runs took together. One begins where the stage before has ended, so that what the processor does
-    /// between two stages counts to the second.
+    /// Total cost of a stage's runs. A run begins when the previous stage ends, so CPU work between two stages counts
+    /// for the second.
     pub fn cost(&self, stage: FrameStage) -> StageCost {
         self.costs[stage as usize]
     }
 }
 
-/// Takes down the stages of what threads draw on a device, of each that asked for it by itself.
+/// Records the stages of threads on a device, separately for each thread that requests it.
 #[derive(Debug, Default)]
 pub(crate) struct StageRecorder(Mutex<Vec<ThreadRecording>>);
 
-/// A recording that goes on.
 #[derive(Debug)]
 struct ThreadRecording {
     thread: ThreadId,
@@ -174,25 +167,24 @@ struct ThreadRecording {
 }
 
 impl StageRecorder {
-    /// On from here, for this thread.
     pub fn start(&self) {
         let (thread, recording) = (thread::current().id(), Recording::default());
         self.lock().push(ThreadRecording { thread, recording, watch: Stopwatch::start() });
     }
 
-    /// Off from here; what was taken down.
+    /// Stops recording this thread, and returns the result.
     pub fn stop(&self) -> Recording {
         let (mut all, thread) = (self.lock(), thread::current().id());
         let own = all.iter().position(|running| running.thread == thread);
         own.map_or_else(Recording::default, |own| all.swap_remove(own).recording)
     }
 
-    /// Whether stages of this thread are taken down, and so submitted one by one.
+    /// True if stages of this thread are recorded, and so submitted one by one.
     pub fn is_recording(&self) -> bool {
         self.with_own(|_| ()).is_some()
     }
 
-    /// Takes down that a stage has ended, which was waited for.
+    /// Records the end of a stage, which has been waited for.
     pub fn record_stage(&self, stage: FrameStage) {
         self.with_own(|ThreadRecording { recording, watch, .. }| {
             recording.runs[stage as usize] += 1;
@@ -200,7 +192,7 @@ impl StageRecorder {
         });
     }
 
-    /// Counts what a stage has worked on.
+    /// Adds to the work of the frame.
     pub fn count(&self, add: impl FnOnce(&mut WorkCounters)) {
         self.with_own(|running| add(&mut running.recording.counters));
     }
@@ -241,7 +233,7 @@ mod tests {
                 .map(|thread| thread.join().expect("recorded"))
         });
         assert_eq!((three, five), ((3, 3, false), (5, 5, false)));
-        // Nobody records.
+        // No thread records.
         recorder.record_stage(FrameStage::Readback);
         assert_eq!(recorder.stop(), Recording::default());
     }

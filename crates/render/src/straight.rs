@@ -1,5 +1,5 @@
-//! Lights whose rays are straight: their maps are drawn by ordinary matrices. How a light of each shape is placed, fitted
-//! and looked up is its own, in `spot.rs`, `omni.rs` and `directional.rs`.
+//! Lights with straight rays, whose maps are drawn with ordinary matrices. `spot.rs`, `omni.rs` and `directional.rs`
+//! place, fit and look up each shape.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, shaders};
 /// Group 2 of their lighting passes; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
-/// A checked light whose rays are straight.
+/// A checked light with straight rays.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum StraightLight<'a> {
     Spot(&'a CheckedLight, &'a Cone),
@@ -37,7 +37,7 @@ pub(crate) enum StraightLight<'a> {
     Directional(&'a Parallel),
 }
 
-/// How a lighting pass is compiled.
+/// Values compiled into a lighting pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BakedStraight {
     Spot(BakedSpot),
@@ -45,7 +45,7 @@ pub(crate) enum BakedStraight {
     Directional(ShadowFilter, BakedFilter),
 }
 
-/// How a light's map is fitted to a scene.
+/// Fit of a light's map to a scene.
 #[derive(Clone, Debug)]
 pub(crate) enum Fitted {
     Spot(FittedFaces),
@@ -53,7 +53,7 @@ pub(crate) enum Fitted {
     Directional(DirectionalMapFit),
 }
 
-/// A light in place: its numbers for one scene.
+/// A placed light: its numbers for one scene.
 #[derive(Clone, Debug)]
 pub(crate) enum Placed {
     Spot(GpuSpot),
@@ -79,16 +79,13 @@ impl Placed {
     }
 }
 
-/// A light whose map is up to date.
 pub(crate) struct ReadyStraight {
-    /// Group 2 of its lighting pass.
     pub group: BindGroup,
-    /// Whether its map had to be drawn.
     pub drawn: bool,
 }
 
 impl<'a> StraightLight<'a> {
-    /// The light, unless its rays are bent.
+    /// The light, or `None` if its rays are bent.
     pub fn of(light: &'a CheckedLight) -> Option<Self> {
         match light.rays() {
             LightRays::Cone(cone) => Some(Self::Spot(light, cone)),
@@ -98,7 +95,6 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// How large its map is.
     pub fn map_size(self, shadows: &ShadowSettings) -> MapSize {
         match self {
             Self::Spot(light, _) => spot::map_size(light.light(), shadows),
@@ -107,7 +103,6 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// How its lighting pass is compiled.
     pub fn baked(self, filter: ShadowFilter) -> BakedStraight {
         match self {
             Self::Spot(light, _) => BakedStraight::Spot(BakedSpot::of(light, filter)),
@@ -118,7 +113,6 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// What becomes of its light on the way.
     pub fn light_profile(self) -> &'a LightProfile {
         match self {
             Self::Spot(_, cone) => &cone.light_profile,
@@ -127,7 +121,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// The convex hull of these world positions holds all that it lights of a scene.
+    /// World positions whose convex hull contains everything that the light can light in a scene.
     pub fn corners_in_world(self, posed: &PosedScene) -> Vec<DVec3> {
         match self {
             Self::Spot(_, cone) => spot::corners_in_world(cone, posed).to_vec(),
@@ -136,7 +130,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// Where its light begins; `None` where that is outside of every scene.
+    /// Origin of the light; `None` if it is outside every scene.
     pub fn source_in_world(self) -> Option<DVec3> {
         match self {
             Self::Spot(_, cone) => Some(cone.translation),
@@ -145,7 +139,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// How its map is fitted to a scene; as if to nothing where it has none.
+    /// Fits its map to a scene; an empty fit for a light without shadows.
     pub fn fit_map(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
         let shadowed = self.light_profile().shadow_enable;
         match self {
@@ -162,7 +156,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// The light in place, by a map that was fitted for its shape.
+    /// Places the light. `fitted` must be of its shape.
     pub fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
         match (self, fitted) {
             (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
@@ -180,7 +174,6 @@ impl<'a> StraightLight<'a> {
 }
 
 impl BakedStraight {
-    /// Every value.
     #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Self> {
         let filters = BakedFilter::samples().into_iter();
@@ -189,7 +182,7 @@ impl BakedStraight {
         BakedSpot::all().map(Self::Spot).chain(others)
     }
 
-    /// What it is called, and its WGSL with its constants.
+    /// Label, and WGSL with its constants.
     pub fn wgsl(self) -> (&'static str, String) {
         match self {
             Self::Spot(baked) => ("spot", baked.into_wgsl(shaders::SPOT)),
@@ -201,43 +194,40 @@ impl BakedStraight {
     }
 }
 
-/// The pipelines of straight lights, which outlive scenes and lights.
+/// The pipelines of straight lights, shared by all scenes and lights.
 #[derive(Debug)]
 pub(crate) struct StraightPass {
     shadow: ShadowPass,
     lighting: PassVariants<BakedStraight>,
-    /// Of the view and the surface, the light's own, and that of links.
+    /// Layouts of the view, the surface, the light and the links.
     group_layouts: [BindGroupLayout; 4],
     sampler: Sampler,
 }
 
-/// What is kept of one light from picture to picture.
+/// Data of one light that is cached between pictures.
 #[derive(Debug)]
 pub(crate) struct StraightSlot {
     map: ShadowMap,
-    /// What the map shows, and how it is fitted to that scene.
+    /// Key of the map, and its fit.
     shown: Option<(MapKey, Fitted)>,
 }
 
 impl StraightSlot {
-    /// Draws the map anew when it is next asked for.
     pub fn invalidate(&mut self) {
         self.shown = None;
     }
 
-    /// How large its map is.
     pub fn size(&self) -> MapSize {
         self.map.target.size
     }
 
-    /// What its map shows.
     pub fn map_key(&self) -> Option<MapKey> {
         self.shown.as_ref().map(|(key, _)| *key)
     }
 }
 
 impl StraightPass {
-    /// `camera_groups` are those of the view and the surface.
+    /// `camera_groups` are the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], scene: &SceneGroupLayouts) -> Self {
         let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("straight light", &BINDINGS));
         Self {
@@ -250,7 +240,7 @@ impl StraightPass {
         }
     }
 
-    /// The pass that is compiled in the way of `baked`, for lights with links where `linked`.
+    /// Returns the pass for lights with the values `baked`, with links if `linked`.
     pub fn lighting(&self, gpu: &Gpu, baked: BakedStraight, linked: bool) -> Arc<LightingPass> {
         self.lighting.get(baked, linked, || {
             let (label, wgsl) = baked.wgsl();
@@ -262,7 +252,7 @@ impl StraightPass {
         StraightSlot { map: self.shadow.new_map(gpu, size), shown: None }
     }
 
-    /// Brings `slot` up to date with `light` over `scene`, its shadows thrown by what `linked` leaves.
+    /// Updates `slot` for `light` over `scene`, with the casters that `linked` leaves.
     pub fn prepare(
         &self,
         gpu: &Gpu,
@@ -285,7 +275,7 @@ impl StraightPass {
             BindingResource::TextureView(&slot.map.target.all),
             BindingResource::Sampler(&self.sampler),
         ];
-        // One a picture: lights that share a map have colours of their own.
+        // One per picture: lights that share a map have different colors.
         let group = gpu.bind_group("straight light", &self.group_layouts[2], &resources);
         if drawn {
             let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;

@@ -1,4 +1,4 @@
-//! What pictures are drawn into, and what it holds: a viewer's whole picture, or one tile of a larger one.
+//! Targets of pictures and their content: a viewer's whole picture, or one tile of a larger one.
 
 use std::sync::OnceLock;
 use std::task::Poll;
@@ -26,40 +26,37 @@ use crate::wgpu_layers::WgpuLayers;
 use crate::wgpu_maps::WgpuLight;
 use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs, lighting};
 
-/// Bytes a pixel of radiance and of what a screen shows of it.
+/// Bytes per pixel of radiance and of a screen's picture.
 const LIT_BYTES_PER_PIXEL: u64 = 16 + 4;
-/// Bytes a pixel of targets that the device lights.
+/// Bytes per pixel of targets that the GPU lights.
 const BYTES_PER_PIXEL: u64 = gbuffer::BYTES_PER_PIXEL + LIT_BYTES_PER_PIXEL;
 
-/// The targets of every viewer.
 #[derive(Debug, Default)]
 pub(crate) struct Viewers(Vec<(ViewSlot, Evictable<Targets>)>);
 
-/// What is made once a viewer and picture size.
+/// Textures and caches of one viewer and picture size.
 #[derive(Debug)]
 pub(crate) struct Targets {
-    /// Width and height in pixels, of the tile where there is one.
+    /// Width and height in pixels, of the tile if there is one.
     pub size: [u32; 2],
     gbuffer: GbufferTextures,
-    /// What the G-buffer shows.
+    /// Key of the G-buffer's content; `None` if it is invalid.
     gbuffer_key: Option<GbufferKey>,
-    /// The same in memory, of what it was when it was last asked for.
+    /// The G-buffer in CPU memory, with its key; it may be older.
     texels: (Option<GbufferKey>, GbufferTexels),
-    /// What each light alone adds to what that shows.
+    /// Layers of lights on the wgpu backend.
     layers: Layers<TextureView, TextureView>,
-    /// What the processor lights.
     pub native: NativeTargets,
-    /// Made when the device first lights something.
+    /// Created when the GPU first lights something.
     lit: OnceLock<LitTargets>,
-    /// What the radiance shows: of which scene's revision, in which view, which tile, under which lights.
+    /// Content of the radiance: revision of the scene, view, tile and lights.
     radiance_key: Option<(u64, View, Tile, Vec<LightRevision>)>,
-    /// Samples a pixel of it that have been added up.
+    /// Samples per pixel in the radiance.
     pub samples_drawn: u32,
-    /// How many of the lights the sample after those has; `None` before it has anything.
+    /// Number of lights drawn of the next sample; `None` before it has begun.
     pub lights_drawn: Option<usize>,
 }
 
-/// What the device lights.
 #[derive(Debug)]
 pub(crate) struct LitTargets {
     pub radiance: Texture,
@@ -69,12 +66,12 @@ pub(crate) struct LitTargets {
     display_view: TextureView,
 }
 
-/// A light and its revision of what pictures depend on.
+/// A light with its revision for pictures.
 type LightRevision = (LightId, LightDigest);
 
 impl Viewers {
-    /// The targets of the viewer of `view`, as it left them if the size is still the same. They are the caller's
-    /// until it puts them back.
+    /// Takes the targets of the viewer of `view`, with their content if the size is unchanged. The caller must put them
+    /// back.
     pub fn take(&mut self, gpu: &Gpu, passes: &Passes, view: &View) -> Result<Targets, RenderError> {
         let limit = gpu.device.limits().max_texture_dimension_2d;
         let side = view.width.max(view.height);
@@ -93,7 +90,7 @@ impl Viewers {
         Ok(Targets::new(gpu, passes, size))
     }
 
-    /// Keeps the targets of a viewer for its next picture.
+    /// Caches the targets of a viewer for its next picture.
     pub fn put(&mut self, gpu: &Gpu, slot: ViewSlot, targets: Targets) {
         if let Some((_, kept)) = self.0.iter().find(|(known, _)| *known == slot) {
             kept.resize(targets.bytes());
@@ -104,7 +101,7 @@ impl Viewers {
         }
     }
 
-    /// Draws everything anew when it is next asked for.
+    /// Marks all content as invalid, and keeps the memory.
     pub fn invalidate(&mut self) {
         for (_, kept) in &self.0 {
             if let Some(mut targets) = kept.take() {
@@ -114,13 +111,12 @@ impl Viewers {
         }
     }
 
-    /// Drops the targets of a viewer.
     pub fn drop_view(&mut self, slot: ViewSlot) {
         self.0.retain(|(kept, _)| *kept != slot);
     }
 }
 
-/// Bytes of targets of `size` pixels at most, lit by `backend`; without layers.
+/// Largest number of bytes of targets of `size` pixels, lit by `backend`; without layers.
 pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
     match backend {
         Backend::Wgpu => pixels(size) * BYTES_PER_PIXEL,
@@ -167,19 +163,19 @@ impl Targets {
         }
     }
 
-    /// Of its textures, of what of them is in memory, and of what the processor made of that; without layers.
+    /// Bytes of textures, their copies in CPU memory and the native backend's data; without layers.
     fn bytes(&self) -> u64 {
         let lit = if self.lit.get().is_some() { LIT_BYTES_PER_PIXEL } else { 0 };
         let device = pixels(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);
         device + self.texels.1.bytes() + self.native.bytes()
     }
 
-    /// What the device lights.
+    /// The textures that the GPU lights, created at first use.
     pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &LitTargets {
         self.lit.get_or_init(|| LitTargets::new(gpu, passes, self.size))
     }
 
-    /// The G-buffer in memory, read back unless it is there as it was drawn last. What draws it has to be submitted.
+    /// The G-buffer in CPU memory, read back if it has changed. Its draw must have been submitted.
     pub fn gbuffer_texels(&mut self, gpu: &Gpu) -> Result<&GbufferTexels, RenderError> {
         let (key, texels) = &mut self.texels;
         if *key != self.gbuffer_key {
@@ -190,10 +186,10 @@ impl Targets {
         Ok(texels)
     }
 
-    /// Starts anew, unless the radiance shows this picture or the beginning of it.
+    /// Begins a picture. Clears the progress, unless the radiance already has a part of this picture.
     pub fn begin(&mut self, revision: u64, view: &View, tile: Tile, lights: &[LightInstance]) {
         let shown = lights.iter().map(|instance| (instance.id, instance.light.revisions().picture));
-        // Radiance knows no exposure: a view that differs in it alone is only shown anew.
+        // Radiance does not include exposure: a view that differs only in exposure is only tone-mapped again.
         let shown = Some((revision, View { exposure: 0.0, ..view.clone() }, tile, shown.collect()));
         if self.radiance_key != shown {
             self.radiance_key = shown;
@@ -201,7 +197,7 @@ impl Targets {
         }
     }
 
-    /// Fills the G-buffer, unless it shows just this. Returns why it had to.
+    /// Draws the G-buffer, unless it is valid for this key. Returns the cause if it was drawn.
     pub fn draw_gbuffer(
         &mut self,
         gpu: &Gpu,
@@ -223,7 +219,7 @@ impl Targets {
             Some(before) if before == key => return Ok(None),
             before => key.cause_after(before.as_ref()),
         };
-        // Until all of it is drawn it shows nothing.
+        // Invalid until all of it is drawn.
         self.gbuffer_key = None;
         passes.gbuffer.draw(gpu, encoder, &self.gbuffer, (size, tile), scene)?;
         self.layers.invalidate();
@@ -232,14 +228,14 @@ impl Targets {
         Ok(Some(cause))
     }
 
-    /// Draws everything anew when it is next asked for.
+    /// Marks all content as invalid, and keeps the memory.
     pub fn invalidate(&mut self) {
         (self.gbuffer_key, self.texels.0, self.radiance_key) = (None, None, None);
         self.layers.invalidate();
         self.native.invalidate();
     }
 
-    /// As [`Self::draw_lights`]; where stages are taken down, what comes from no light and each light apart.
+    /// Calls [`Self::draw_lights`]. While stages are recorded, draws the fill and each light separately.
     pub fn draw_lighting(
         &self,
         gpu: &Gpu,
@@ -275,8 +271,8 @@ impl Targets {
         Ok(())
     }
 
-    /// Adds to the radiance, or to nothing if it is the picture's beginning: what of one sample of `aov` comes from
-    /// no light where `base`, and what comes from `lights`, each within those pixels of the `tile`.
+    /// Adds one sample of `aov` to the radiance, or to zero if `clear`: the part without lights if `base`, and the
+    /// contribution of `lights`, each within its pixels of the `tile`.
     fn draw_lights(
         &self,
         gpu: &Gpu,
@@ -305,7 +301,7 @@ impl Targets {
         }
     }
 
-    /// Tone-maps the radiance, and what `terms` add to it, for a screen, brightened by so many stops.
+    /// Tone-maps the radiance plus the sum of `terms` for a screen, with `exposure` in stops.
     pub fn draw_display(
         &self,
         gpu: &Gpu,
@@ -317,8 +313,8 @@ impl Targets {
         passes.display.draw(gpu, encoder, (&lit.exposed, terms, exposure), &lit.display_view);
     }
 
-    /// Brings what each of `lights` alone adds up to date: the terms of what they add together, `None` where that is nothing. Pending
-    /// where the picture pauses.
+    /// Updates the layers of `lights`, and returns the terms of their sum; `None` if no light contributes. Pending if
+    /// the picture pauses.
     pub fn draw_layers(
         &mut self,
         encoder: &mut CommandEncoder,
@@ -331,8 +327,8 @@ impl Targets {
         self.layers.draw((work, &mut painter), lights)
     }
 
-    /// Has what the pixels of the upper left `size` see in memory, as the processor lights it. `view` is what the G-buffer was
-    /// drawn with, which has to be submitted.
+    /// Unpacks the surfaces of the upper left `size` pixels for the native backend. `view` is the uniform of the
+    /// G-buffer's draw, which must have been submitted.
     pub fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,

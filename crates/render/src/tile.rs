@@ -1,8 +1,8 @@
-//! A picture cut into tiles, and how large they are.
+//! Cuts pictures into tiles, and chooses their sizes.
 
 use std::time::Duration;
 
-/// Some pixels of a picture.
+/// A rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Tile {
     /// Left edge, from the left of the picture.
@@ -14,7 +14,7 @@ pub(crate) struct Tile {
 }
 
 impl Tile {
-    /// What this and `[x, y, width, height]` of the picture share, counted from this tile's corner.
+    /// Intersection with `[x, y, width, height]` of the picture, relative to this tile's corner.
     pub fn clip(self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
         let [left, top] = [x.max(self.x), y.max(self.y)];
         let right = (x + width).min(self.x + self.width);
@@ -23,30 +23,30 @@ impl Tile {
     }
 }
 
-/// Shortest side of a tile, but at the picture's edges. Half the pixels that cost least are then the tile's own and
-/// not the work that each has, whatever its size.
+/// Shortest side of a tile, except at the picture's edges. At that size, half the cost of the cheapest pixels is their
+/// own, and not the fixed work of a tile.
 const MIN_SIDE: u32 = 128;
-/// Longest side of a tile: 46 MB to draw it in, 160 where the processor lights it.
+/// Longest side of a tile: 46 MB of targets, 160 MB on the native backend.
 const MAX_SIDE: u32 = 1024;
-/// The side of the first: nothing is known of what it costs.
+/// Side of the first tile, before any measurement.
 const FIRST_SIDE: u32 = 256;
-/// Sides are multiples of it: four pixels that share a texture's level of detail are never parted.
+/// Divisor of sides, so that four pixels which share a texture's level of detail are in one tile.
 const STEP: u32 = 16;
 
-/// Cuts a picture into tiles, row by row. The sides of a row's tiles follow from what the rows before it cost.
+/// Cuts a picture into tiles, row by row. The cost of earlier rows determines the sides of a row's tiles.
 #[derive(Debug)]
 pub(crate) struct Tiling {
     size: [u32; 2],
-    /// Least pixels of a tile.
+    /// Shortest side of a tile.
     min_side: u32,
-    /// Of the next row's tiles, about.
+    /// Approximate side of the next row's tiles.
     side: u32,
     next: Option<Tile>,
 }
 
 impl Tiling {
-    /// Each tile asks for work that grows with `triangle_count`, a triangle as much as a pixel about: tiles have at
-    /// least so many pixels, where the bounds allow.
+    /// Begins with the first tile. The work of each tile grows with `triangle_count`, where a triangle costs about as
+    /// much as a pixel: tiles have at least that number of pixels, within the limits of their sides.
     pub fn new(size: [u32; 2], triangle_count: u32) -> Self {
         let min_side = triangle_count.isqrt().clamp(MIN_SIDE, MAX_SIDE);
         let mut tiling = Self { size, min_side, side: FIRST_SIDE.max(min_side), next: None };
@@ -54,18 +54,18 @@ impl Tiling {
         tiling
     }
 
-    /// The tile to draw now; `None` at the end.
+    /// The current tile; `None` at the end.
     pub fn tile(&self) -> Option<Tile> {
         self.next
     }
 
-    /// Goes on to the next tile. The longest piece of work that grew with the tile's pixels took `took`; it should
-    /// take `aim`.
+    /// Advances to the next tile. `took` is the time of the longest piece of work that grew with the tile's pixels,
+    /// `aim` its target.
     pub fn advance(&mut self, took: Duration, aim: Duration) {
         let Some(tile) = self.next else { return };
         let ratio = aim.as_secs_f64() / took.as_secs_f64().max(1e-6);
         let pixels = f64::from(tile.width) * f64::from(tile.height);
-        // At most four times the pixels at once: one measurement is not to be trusted.
+        // At most four times the pixels at once, because a single measurement is unreliable.
         let wanted = (pixels * ratio.clamp(0.25, 4.0)).sqrt() as u32;
         self.side = wanted.clamp(self.min_side, MAX_SIDE);
         let right = tile.x + tile.width;
@@ -79,7 +79,6 @@ impl Tiling {
         };
     }
 
-    /// The first tile of a row.
     fn row_from(&self, y: u32) -> Tile {
         let [width, height] = [(self.size[0], 0), (self.size[1], y)].map(|(size, from)| {
             let left = size - from;
@@ -94,7 +93,7 @@ impl Tiling {
 mod tests {
     use super::*;
 
-    /// All tiles of a picture where a pixel costs a microsecond, and the aim is `aim_ms`.
+    /// All tiles of a picture with a cost of a microsecond per pixel, and the aim `aim_ms`.
     fn tiles(size: [u32; 2], triangles: u32, aim_ms: u64) -> Vec<Tile> {
         let mut tiling = Tiling::new(size, triangles);
         let mut tiles = Vec::new();
@@ -130,13 +129,13 @@ mod tests {
         for (triangles, aim_ms, least, most) in [
             (12, 50, 35_000, 60_000),
             (12, 200, 140_000, 240_000),
-            // Within bounds: no tile is tiny, and none is smaller than its scene is large.
+            // Within limits: no tile is tiny, and none has fewer pixels than the scene has triangles.
             (12, 0, 12_000, 20_000),
             (12, 10_000, 800_000, 1_100_000),
             (400_000, 0, 320_000, 480_000),
         ] {
             let tiles = tiles([4096, 4096], triangles, aim_ms);
-            // The first rows find out.
+            // The first rows measure.
             let late = pixels(&tiles[tiles.len() - 2]);
             assert!((least..=most).contains(&late), "{triangles} {aim_ms}: {late}");
         }

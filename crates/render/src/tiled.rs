@@ -1,4 +1,4 @@
-//! Pictures that are drawn in tiles, a piece of work at a time, so that others can come between.
+//! Pictures drawn in tiles, piece by piece, so that other pictures can come between.
 
 use std::cell::Cell;
 use std::time::{Duration, Instant};
@@ -12,56 +12,52 @@ use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
 use crate::{Aov, FileNeeds, Gpu, Picture, Pixels, RenderError, Renderer, View, position};
 
-/// How far a picture is, in samples of its pixels.
+/// Progress of a picture, in samples of its pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleProgress {
-    /// Samples that are drawn.
     pub done: u64,
-    /// All of them.
+    /// Number of all samples.
     pub total: u64,
 }
 
-/// A picture on its way: a tile is drawn with all its samples before the next one is begun, so that it takes the
-/// memory of one tile and of the finished pixels, however large it is and however many samples it has.
+/// A picture in progress. Each tile is drawn with all its samples before the next. So the picture needs the memory of
+/// one tile and of the finished pixels, regardless of its size and number of samples.
 ///
-/// It holds the pixels that [`Renderer::render`] would give, but for what the rasteriser's arithmetic makes of
-/// another place on the target. Dropping it gives it up; [`Renderer::drop_view`] of its slot frees the rest.
+/// It has the pixels of [`Renderer::render`], except for the rasterizer's arithmetic at another position on the target.
+/// Dropping it cancels it; [`Renderer::drop_view`] of its slot frees the rest.
 #[derive(Debug)]
 pub struct TiledPicture {
-    /// The view that it is of.
     view: View,
-    /// What is drawn for that.
+    /// The picture to draw for it.
     drawing: CheckedPicture,
     pixels: Pixels,
-    /// Set when the first piece is drawn.
+    /// `None` until the first piece is drawn.
     work: Option<TiledWork>,
 }
 
-/// What a picture under way has on the device.
+/// Device memory and progress of the picture.
 #[derive(Debug)]
 struct TiledWork {
     tiling: Tiling,
     targets: Option<Targets>,
-    /// Counts the targets.
     tile_memory: Option<Reservation>,
-    /// Counts the finished pixels.
     _pixels_memory: Reservation,
-    /// What the longest piece of this tile took that grew with its pixels.
+    /// Time of this tile's longest piece that grew with its pixels.
     longest_piece: Duration,
-    /// Samples of pixels: of finished tiles, and of this one.
+    /// Samples of pixels of finished tiles.
     finished_samples: u64,
     tile_samples: u64,
 }
 
 impl TiledPicture {
-    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says.
+    /// Draws the beauty of `view` under `lights` for a screen, regardless of `view.aov`.
     pub fn for_screen(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
         let bytes = vec![0; 4 * view.width as usize * view.height as usize];
         let pixels = Pixels::Display { width: view.width, height: view.height, bytes };
         Self::new(&View { aov: Aov::Beauty, ..view.clone() }, lights, pixels)
     }
 
-    /// What files of `view` under `lights` need.
+    /// Draws `view` under `lights` in the form that files need.
     pub fn for_files(view: &View, lights: &[LightInstance], needs: FileNeeds) -> Result<Self, RenderError> {
         if needs == FileNeeds::Display {
             return Self::for_screen(view, lights);
@@ -80,7 +76,6 @@ impl TiledPicture {
         Ok(Self { view: view.clone(), drawing: CheckedPicture::new(&drawn, lights)?, pixels, work: None })
     }
 
-    /// How far it is.
     pub fn progress(&self) -> SampleProgress {
         let CheckedPicture { view, samples, .. } = &self.drawing;
         let of = u64::from(*samples) * u64::from(view.width) * u64::from(view.height);
@@ -90,7 +85,7 @@ impl TiledPicture {
         }
     }
 
-    /// What there is of it.
+    /// The pixels drawn so far.
     pub fn into_pixels(self) -> Pixels {
         let Self { view, mut pixels, .. } = self;
         if let (Aov::Position, Pixels::Raw(picture)) = (view.aov, &mut pixels) {
@@ -99,15 +94,15 @@ impl TiledPicture {
         pixels
     }
 
-    /// A wireframe is not the camera's view and has no tiles.
+    /// True for a wireframe, which does not use the camera and has no tiles.
     fn is_whole(&self) -> bool {
         self.drawing.view.aov == Aov::Wireframe
     }
 }
 
 impl Renderer {
-    /// What files of `view` under `lights` need, values as [`Self::render`] gives them, in the memory of one tile. `sampled` is told how
-    /// far the picture is, after each sample of a part of it and at its end.
+    /// Draws `view` under `lights` in the form that files need, with the values of [`Self::render`], in the memory of
+    /// one tile. Calls `sampled` with the progress after each sample of a tile and at the end.
     pub fn render_for_files(
         &mut self,
         view: &View,
@@ -118,10 +113,10 @@ impl Renderer {
         self.render_tiled(TiledPicture::for_files(view, lights, needs)?, sampled)
     }
 
-    /// Works on `picture` for about `aim`, or a little longer: until a piece of work is done, which may be a shadow
-    /// map or one light over a tile. The sizes of tiles follow from what those took. Returns whether it is finished.
+    /// Works on `picture` for about `aim`, until the current piece of work is done: a shadow map, or one light over a
+    /// tile. The time of these pieces determines the sizes of tiles. Returns true if the picture is finished.
     ///
-    /// On an error the picture is of no use any more.
+    /// After an error the picture is unusable.
     pub fn advance_tiled(&mut self, picture: &mut TiledPicture, aim: Duration) -> Result<bool, RenderError> {
         let slot = picture.drawing.view.slot;
         let until = Instant::now().checked_add(aim);
@@ -140,8 +135,8 @@ impl Renderer {
         })
     }
 
-    /// All of a picture, each piece of work as large as it may be. `sampled` is told how far it is after each sample of
-    /// a tile.
+    /// Draws all of a picture, in pieces as large as possible. Calls `sampled` with the progress after each sample of a
+    /// tile.
     pub(crate) fn render_tiled(
         &mut self,
         mut picture: TiledPicture,
@@ -160,8 +155,7 @@ impl Renderer {
         })
     }
 
-    /// Draws a sample of a tile, or the part of it that is drawn before it is `over`. Returns whether the picture
-    /// is finished.
+    /// Draws a sample of a tile, or a part of it if `over` returns true. Returns true if the picture is finished.
     fn draw_piece(
         &mut self,
         gpu: &Gpu,
@@ -207,7 +201,7 @@ impl Renderer {
         Ok(work.tiling.tile().is_none())
     }
 
-    /// Copies a finished tile to its place.
+    /// Copies a finished tile into the picture.
     fn collect_tile(
         &mut self,
         gpu: &Gpu,
@@ -235,10 +229,10 @@ impl Renderer {
     }
 }
 
-/// So many pieces are to fit into one turn, that it ends about when it should.
+/// Number of pieces that should fit into one turn, so that it ends close to its aim.
 const PIECES_PER_TURN: u32 = 2;
 
-/// Puts rows of a tile, which has columns from `.0` on and `.1` of them, into those of a picture.
+/// Copies the rows of a tile, `count` columns from column `from` on, into the rows of a picture.
 fn copy_rows<T: Copy>(picture: &mut [T], row: usize, tile: &[T], (from, count): (usize, usize), top: u32) {
     for (y, line) in tile.chunks_exact(count).enumerate() {
         let at = (top as usize + y) * row + from;
@@ -264,7 +258,7 @@ impl TiledWork {
         }
     }
 
-    /// Has targets that hold `tile`, and not much more.
+    /// Ensures targets that hold `tile`, and not much more.
     fn ensure_targets(
         &mut self,
         gpu: &Gpu,
@@ -284,7 +278,7 @@ impl TiledWork {
             targets.size[0] >= width && targets.size[1] >= height && area(targets.size) <= 2 * needed
         });
         if !fits {
-            // The old ones first: at no time are there two.
+            // Frees the old ones first, so that two never coexist.
             (self.targets, self.tile_memory) = (None, None);
             gpu.free_dropped_memory();
             let bytes = bytes_of(gpu.backend_of(aov), [width, height]);

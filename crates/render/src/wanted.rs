@@ -1,27 +1,26 @@
-//! Several quantities of one view: which pictures that takes, and what files call each.
+//! Several AOVs of one view: the pictures to draw, and the names of lights in files.
 
 use light::LightInstance;
 
 use crate::Aov;
 
-/// Bytes of a channel's name that OpenEXR 1 reads, less what follows the light's name.
+/// Longest light name in bytes: the channel name that OpenEXR 1 reads, less the longest suffix.
 const MAX_NAME: usize = 31 - ".direction.X".len();
-/// What files call a light that has no name.
+/// Name of an unnamed light in files.
 const NAMELESS: &str = "light";
 
-/// One picture that is wanted.
+/// A picture to draw.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WantedPicture {
-    /// What it shows.
     pub aov: Aov,
-    /// The index of the light that it is of, where it is of one.
+    /// Index of the light, if the AOV is of one.
     pub light: usize,
-    /// What files call that light, where there are pictures of several.
+    /// Name of that light in files, if there are pictures of several lights.
     pub name: Option<String>,
 }
 
-/// The pictures of `aovs`. What is of a light is of that of index `light`; where that is `None` of each light that shines. Beside what
-/// a camera sees of all lights a light has its name, since both have an alpha.
+/// Lists the pictures of `aovs`. AOVs of a light are those of the light with index `light`, or of every light that is
+/// on if `light` is `None`. Beside AOVs of the camera, a light has its name, because both have an alpha.
 pub fn wanted_pictures(aovs: &[Aov], light: Option<usize>, lights: &[LightInstance]) -> Vec<WantedPicture> {
     let mut names: Vec<String> = Vec::new();
     for light in lights {
@@ -43,10 +42,10 @@ pub fn wanted_pictures(aovs: &[Aov], light: Option<usize>, lights: &[LightInstan
     aovs.iter().flat_map(pictures).collect()
 }
 
-/// A name for files that none of `taken` is: without dots, which divide layers, and not too long.
+/// Derives a name for files that is not in `taken`: without dots, which separate layers, and not too long.
 fn free_name(name: &str, taken: &[String]) -> String {
     let plain = |c: char| if c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | ' ') { c } else { '_' };
-    // Room for a number.
+    // Leaves room for a number.
     let name: String = name.trim().chars().take(MAX_NAME - 4).map(plain).collect();
     let name = if name.is_empty() { NAMELESS.to_owned() } else { name };
     let mut names = std::iter::once(name.clone()).chain((2..).map(|n| format!("{name}_{n}")));

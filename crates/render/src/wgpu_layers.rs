@@ -1,4 +1,4 @@
-//! Layers and their sums in textures, drawn by the device.
+//! Layers and their sums on the GPU.
 
 use light::LightInstance;
 use scene::MapScale;
@@ -16,14 +16,14 @@ use crate::stages::FrameStage;
 use crate::wgpu_maps::{WgpuLight, WgpuMaps};
 use crate::{Gpu, RenderError, composite, lighting};
 
-/// Draws layers of what a G-buffer holds.
+/// Draws layers over the surfaces of a G-buffer.
 pub(crate) struct WgpuLayers<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
     pub scene: &'a GpuScene,
-    /// The G-buffer, as lighting passes bind it.
+    /// The G-buffer, in the group of lighting passes.
     pub surface: &'a BindGroup,
-    /// Pixels.
+    /// In pixels.
     pub size: [u32; 2],
     pub encoder: &'a mut CommandEncoder,
 }
@@ -80,7 +80,7 @@ impl LayerPainter for WgpuLayers<'_> {
             }
         }
         self.gpu.end_stage(self.encoder, FrameStage::Light)?;
-        // A map that passes is to be gone before the next one comes.
+        // A map without room in the budget must be freed before the next one is drawn.
         if light.transient_map.is_some() {
             self.gpu.submit_and_wait(self.encoder)?;
         }

@@ -1,4 +1,4 @@
-//! Shadow maps in textures, drawn by the device, and lights as it binds them.
+//! Shadow maps on the GPU, and lights as their passes bind them.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ use crate::shadow_settings::MapSize;
 use crate::straight::{BakedStraight, StraightLight};
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Draws maps of lights over a scene. Those of straight lights are encoded, others submitted.
+/// Draws maps of lights over a scene. Maps of straight lights are recorded in `encoder`; bent ones are submitted.
 pub(crate) struct WgpuMaps<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
@@ -29,11 +29,9 @@ pub(crate) struct WgpuMaps<'a> {
 #[derive(Debug)]
 pub(crate) struct WgpuLight {
     kind: LightingKind,
-    /// Group 2 of that pass.
     group: BindGroup,
 }
 
-/// Which lighting pass draws a light.
 #[derive(Clone, Copy, Debug)]
 enum LightingKind {
     Straight(BakedStraight),
@@ -41,7 +39,7 @@ enum LightingKind {
 }
 
 impl ReadyLight<WgpuLight> {
-    /// The pass that draws it.
+    /// Returns the light's pass.
     pub fn lighting(&self, gpu: &Gpu, passes: &Passes) -> Arc<LightingPass> {
         let is_linked = self.linked.is_some();
         match self.light.kind {
@@ -50,7 +48,7 @@ impl ReadyLight<WgpuLight> {
         }
     }
 
-    /// What its lighting pass binds after view and surface.
+    /// Bind groups of its pass after those of view and surface.
     pub fn groups(&self) -> Vec<&BindGroup> {
         [&self.light.group].into_iter().chain(self.linked.as_ref().map(|linked| &linked.group)).collect()
     }

@@ -1,32 +1,30 @@
-//! Cameras, and one that frames a scene that has none.
+//! Cameras, and a framing camera for scenes without one.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
 use light::SceneBounds;
 
-/// Width over height of the picture of a camera that does not say what it frames.
+/// Width over height of the picture of a camera without an aspect ratio.
 pub const DEFAULT_ASPECT: f64 = 16.0 / 9.0;
 
-/// A camera placed in the world; looks along its local -Z with +Y up.
+/// Camera in world space. It looks along its local -Z with +Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
     /// Name for people and for `--camera`.
     pub name: String,
     /// World position of the eye.
     pub translation: DVec3,
-    /// Rotation from camera to world axes. It need not be of exactly unit length; it is normalised before use.
+    /// Rotation from camera to world axes. It is normalised before use.
     pub rotation: DQuat,
-    /// How it projects.
     pub projection: Projection,
 }
 
 impl Camera {
-    /// The placement as a rigid transform.
     pub fn world_from_camera(&self) -> DAffine3 {
         DAffine3::from_rotation_translation(self.rotation.normalize(), self.translation)
     }
 
-    /// Whether its numbers make a picture; the error ends the sentence "the camera's".
+    /// Checks that the numbers make a picture. The error completes a sentence that begins with "the camera's".
     pub fn check(&self) -> Result<(), &'static str> {
         let projected = match self.projection {
             Projection::Perspective { yfov, znear, zfar, .. } => {
@@ -43,7 +41,7 @@ impl Camera {
         if self.projection.aspect_ratio().is_some_and(|aspect| !(0.0 < aspect && aspect.is_finite())) {
             return Err("aspect ratio is not a number above 0");
         }
-        // Rounding may leave a unit quaternion a little off; what is far off was meant as something else.
+        // Rounding may leave a unit quaternion slightly off. A larger deviation was meant as something else.
         let unit = (self.rotation.length_squared() - 1.0).abs() < 1e-3;
         if !unit {
             return Err("rotation is not a quaternion of unit length");
@@ -52,29 +50,27 @@ impl Camera {
     }
 }
 
-/// glTF's two projections.
+/// Projection, as in glTF.
 ///
-/// Where a camera has an aspect ratio, all that it frames is in the picture: a narrower picture keeps its width and shows
-/// more above and below, a wider one keeps its height and shows more at the sides. Without one the picture keeps
-/// the height.
+/// If a camera has an aspect ratio, the picture contains all of the frame: a narrower picture keeps the frame's width
+/// and shows more above and below, a wider one keeps its height and shows more at the sides. Without an aspect ratio
+/// the picture keeps the height.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Perspective.
     Perspective {
         /// Full vertical angle of view in radians, more than 0 and less than pi.
         yfov: f64,
-        /// Width over height of what it frames, more than 0; the picture's own where `None`.
+        /// Width over height of the frame, more than 0; that of the picture if `None`.
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, more than 0.
         znear: f64,
-        /// Distance of the far plane, more than `znear`; endless where `None`.
+        /// Distance of the far plane, more than `znear`; infinite if `None`.
         zfar: Option<f64>,
     },
-    /// Orthographic.
     Orthographic {
         /// Half the height of the view, more than 0.
         ymag: f64,
-        /// Width over height of what it frames, more than 0; the picture's own where `None`.
+        /// Width over height of the frame, more than 0; that of the picture if `None`.
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, 0 or more.
         znear: f64,
@@ -84,8 +80,8 @@ pub enum Projection {
 }
 
 impl Projection {
-    /// Width and height in pixels of a picture for which no size is asked: 640 by 360, or about as many pixels in the
-    /// shape that the camera frames, with no side longer than `max_side`.
+    /// Width and height in pixels of a picture without a requested size: 640 by 360, or about as many pixels in the
+    /// camera's aspect ratio, with no side longer than `max_side`.
     pub fn default_size(&self, max_side: u32) -> [u32; 2] {
         const PIXELS: f64 = 640.0 * 360.0;
         let aspect = self.aspect_ratio().unwrap_or(DEFAULT_ASPECT);
@@ -93,20 +89,20 @@ impl Projection {
         [side((PIXELS * aspect).sqrt()), side((PIXELS / aspect).sqrt())]
     }
 
-    /// Width over height of what the camera frames, where it says so.
+    /// Width over height of the frame; `None` if the camera has none.
     pub fn aspect_ratio(&self) -> Option<f64> {
         let (Self::Perspective { aspect_ratio, .. } | Self::Orthographic { aspect_ratio, .. }) = *self;
         aspect_ratio
     }
 }
 
-/// A camera that sees all of a scene, whose box `reach` is, from a little above and to the side, for a picture `aspect` wide by 1
-/// high.
+/// Makes a camera that sees all of a scene with the bounds `reach`, from a little above and to the side, for a picture
+/// `aspect` wide by 1 high.
 ///
 /// The bounding sphere fits the narrower of the two fields of view (40 degrees vertical).
 pub fn framing_camera(reach: &SceneBounds, aspect: f64) -> Camera {
     let SceneBounds { center, half_extent } = *reach;
-    // A scene without extent, an empty one above all, is seen from some way off.
+    // A scene without extent (an empty one) is seen from a fixed distance.
     let radius =
         if half_extent == DVec3::ZERO { DVec3::ONE.length() } else { half_extent.length().max(1e-6) };
     let yfov = 40.0_f64.to_radians();

@@ -1,17 +1,19 @@
-//! How many surfaces lie over one another: what a picture of a scene, or a shadow map, has to look at for each of its pixels.
+//! Depth complexity: number of surfaces that overlap in a pixel of a picture or in a texel of a shadow map.
 
 use glam::DVec3;
 
 use crate::PosedScene;
 
-/// Cells along a side of each of the three grids that triangles are counted on.
+/// Cells along a side of each of the three grids on which triangles are counted.
 const CELLS: usize = 16;
 
 impl PosedScene {
-    /// The depth complexity as it is seen along the axes: of the cells of a coarse grid across each axis the most triangles that
-    /// cover one, each by the share of it that its bounding box has. At least 1, and an upper bound up to what fills its box less.
+    /// Upper bound of the depth complexity along the three axes, at least 1.
     ///
-    /// It costs a look at each triangle, once a scene.
+    /// Triangles are counted on a coarse grid across each axis. A triangle adds to each cell the share of it that its
+    /// bounding box covers. The result is the largest sum. It is too large where triangles do not fill their boxes.
+    ///
+    /// The first call visits every triangle. Later calls return the stored value.
     pub fn depth_complexity(&self) -> f64 {
         *self.depth_complexity.get_or_init(|| depth_complexity(self))
     }
@@ -19,7 +21,7 @@ impl PosedScene {
 
 fn depth_complexity(posed: &PosedScene) -> f64 {
     let mut grids = [0; 3].map(|_: usize| vec![0.0_f64; CELLS * CELLS]);
-    // In cells, from a corner of the bounds; a flat scene has one row.
+    // In cells, from a corner of the bounds. A flat scene has one row.
     let cells_per_unit =
         posed.half_extent.map(|half| if half > 0.0 { CELLS as f64 / (2.0 * half) } else { 0.0 });
     let in_cells = |position: DVec3| (position + posed.half_extent) * cells_per_unit;
@@ -37,7 +39,7 @@ fn depth_complexity(posed: &PosedScene) -> f64 {
     grids.iter().flatten().fold(1.0, |most, cell| most.max(*cell))
 }
 
-/// Adds the share of each cell that a box has.
+/// Adds to each cell the share of it that the box `u` by `v` covers.
 fn add(grid: &mut [f64], u: [f64; 2], v: [f64; 2]) {
     let cells = |[low, high]: [f64; 2]| {
         let [first, last] = [low, high].map(|at| (at as usize).min(CELLS - 1));
@@ -56,7 +58,7 @@ mod tests {
 
     use crate::{Mesh, Node, Primitive, Scene, pose};
 
-    /// So many triangles, `apart` from one to the next along x, each over half of the unit square.
+    /// Makes `count` triangles, each `apart` from the one before along x, each over half of the unit square.
     fn scene(count: usize, apart: f32) -> Scene {
         let at = |k: usize| Vec3::X * (k as f32 * apart);
         let positions: Vec<Vec3> =
@@ -77,7 +79,7 @@ mod tests {
     fn triangles_in_one_place_count_and_those_side_by_side_do_not() {
         assert_eq!(pose(Scene::default()).depth_complexity(), 1.0);
         assert_eq!(pose(scene(1_000, 0.0)).depth_complexity(), 1_000.0);
-        // Each cell is wider than a triangle, and holds some 60 side by side.
+        // Each cell is wider than a triangle and holds about 60 side by side.
         let beside = pose(scene(1_000, 1.0)).depth_complexity();
         assert!((1.0..=2.0).contains(&beside), "{beside}");
     }

@@ -1,7 +1,12 @@
-//! What is drawn: geometry, materials, cameras, and where everything stands in the world.
+//! Scene data: geometry, materials, cameras, node transforms, and views of them.
 //!
-//! A [`Scene`] is plain data with public fields, as importers make it. Whoever makes one (the `assets` crate, tests) keeps
-//! the promises stated on each field; [`Scene::check`] verifies them all and is called once by every importer.
+//! The crate knows no file format, no device and no lights beyond their links and the bounds they are measured against.
+//!
+//! A [`Scene`] is plain data with public fields. An importer (the `assets` crate, tests) fills it, keeps the promises
+//! stated on each field, and calls [`Scene::check`] once to verify them all. `pose` then transforms every vertex into
+//! scene space, for renderer, reference and rays alike.
+//!
+//! Begin with [`Scene`], [`PosedScene`] and [`View`]. [`NodeTree`] has the paths that links use.
 
 mod camera;
 mod depth_complexity;

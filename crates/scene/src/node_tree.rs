@@ -1,4 +1,4 @@
-//! Nodes by their names from the root down, and which of them links leave.
+//! Paths of nodes, and the nodes that links select.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,29 @@ use light::Links;
 
 use crate::Scene;
 
-/// Bytes of the paths by which programs name nodes one by one: what stands deeper goes with what it stands under.
+/// Maximum length in bytes of a path by which programs name a node. Deeper nodes are named by an ancestor.
 pub const MAX_PATH_BYTES: usize = 1_024;
 
-/// What a node without a name is called.
+/// Name in a path of a node without a name.
 const NAMELESS: &str = "node";
 
-/// The nodes of a scene as paths name them.
+/// Nodes of a scene by their paths.
 ///
-/// A path has the names from the root down to the node, with `/` between them. Of siblings with one name (roots are siblings
-/// too) the second has `#2` behind it, the third `#3`, in the order of the scene. In a name `~` is written `~0`, `/` `~1`
-/// and `#` `~2`; a node without a name is called `node`.
+/// A path has the names from the root down to the node, separated by `/`. Among siblings with the same name (roots are
+/// siblings too) the second has the suffix `#2`, the third `#3`, in the order of the scene. In a name `~` is written
+/// `~0`, `/` `~1` and `#` `~2`. A node without a name is called `node`.
 #[derive(Debug, Default)]
 pub struct NodeTree {
-    /// One a node: its parent, and its own part of its path.
+    /// Parent and last path component of each node.
     nodes: Vec<(Option<usize>, String)>,
-    /// The same, turned round.
+    /// Inverse of `nodes`.
     by_parent_and_name: BTreeMap<(Option<usize>, String), usize>,
-    /// One a node: whether it or one that is under it has a mesh.
+    /// For each node: true if it or a descendant has a mesh.
     has_mesh_below: Vec<bool>,
 }
 
 impl NodeTree {
-    /// Of a scene whose promises hold ([`Scene::check`]).
+    /// Makes the paths of a scene that passes [`Scene::check`].
     pub fn new(scene: &Scene) -> Self {
         let mut tree = Self::default();
         let mut named: BTreeMap<(Option<usize>, &str), usize> = BTreeMap::new();
@@ -57,18 +57,18 @@ impl NodeTree {
         steps.collect::<Vec<_>>().into_iter().rev().collect::<Vec<_>>().join("/")
     }
 
-    /// The node that a path names; `None` where there is no such one.
+    /// Finds the node of a path; `None` if there is none.
     pub fn find(&self, path: &str) -> Option<usize> {
         path.split('/').try_fold(None, |parent, step| {
             self.by_parent_and_name.get(&(parent, step.to_owned())).map(|node| Some(*node))
         })?
     }
 
-    /// Paths of at most `most` of the nodes under which something is drawn, none longer than `most_bytes`, in the order of
-    /// the scene; and how many more there are.
+    /// Lists paths of nodes that have a mesh or a descendant with one: at most `most` paths, none longer than
+    /// `most_bytes`, in the order of the scene. The second value is the number of such nodes left out.
     pub fn drawn_paths(&self, most: usize, most_bytes: usize) -> (Vec<String>, usize) {
         let drawn = || (0..self.nodes.len()).filter(|&node| self.has_mesh_below[node]);
-        // The length of a path without the path: a chain of nodes would take the square of its length.
+        // Computes the lengths without the paths: paths of a chain of nodes would take the square of its length.
         let mut bytes: Vec<usize> = Vec::with_capacity(self.nodes.len());
         for (parent, step) in &self.nodes {
             bytes.push(step.len() + parent.map_or(0, |parent| bytes[parent] + 1));
@@ -79,10 +79,10 @@ impl NodeTree {
         (paths, more)
     }
 
-    /// Which nodes `links` leave, one a node. Paths that name none count for nothing.
+    /// Evaluates `links`: for each node, true if it is selected. Paths without a node have no effect.
     pub fn selected_nodes(&self, links: &Links) -> Vec<bool> {
         let mut said: BTreeMap<usize, bool> = BTreeMap::new();
-        // What is excluded comes last, and so counts.
+        // Excluded paths come last and overwrite included ones.
         for (paths, counts) in [(links.include(), true), (links.exclude(), false)] {
             said.extend(paths.iter().filter_map(|path| Some((self.find(path)?, counts))));
         }
@@ -96,7 +96,7 @@ impl NodeTree {
     }
 }
 
-/// A name as it stands in paths.
+/// Escapes a name for use in a path.
 fn escaped(name: &str) -> String {
     name.replace('~', "~0").replace('/', "~1").replace('#', "~2")
 }

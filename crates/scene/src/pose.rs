@@ -1,5 +1,4 @@
-//! Where everything stands: the one place that knows where scene space begins, and which corners of a mirrored
-//! triangle change places.
+//! Posed scenes. This module alone decides the origin of scene space and reverses the winding of mirrored triangles.
 
 use std::sync::{Arc, OnceLock};
 
@@ -9,46 +8,44 @@ use light::SceneBounds;
 
 use crate::{NodeTree, Primitive, Scene};
 
-/// Of a scene's width, how high a floor may be, and how far above the bottom.
+/// Maximum height of a floor, and of its top above the bottom of the scene, as a share of the scene's size.
 const MAX_FLOOR_HEIGHT_SHARE: f64 = 0.02;
-/// Of the area that a scene has from above, how much lies over its floor.
+/// Minimum area of a floor as a share of the scene's area seen from above.
 const MIN_FLOOR_AREA_SHARE: f64 = 0.6;
 
-/// A scene with every vertex at its place, for whoever draws it, follows light through it or picks from it.
+/// Scene with every vertex transformed into scene space, for rasterizers, ray tracers and picks.
 ///
-/// Positions are in scene space: world axes, origin at the centre of the scene's bounds, so that no digit is lost
+/// Scene space has world axes and its origin at the centre of the scene's bounds, so that numbers keep their precision
 /// wherever the scene stands.
 #[derive(Debug, Default)]
 pub struct PosedScene {
-    /// What was posed.
     pub scene: Arc<Scene>,
-    /// Where scene space has its origin, in the world: the centre of the bounds.
+    /// Origin of scene space in world space: the centre of the bounds.
     pub origin_in_world: DVec3,
-    /// The bounds reach from minus to plus this, in scene space.
+    /// Half the size of the bounds. In scene space they reach from minus to plus this.
     pub half_extent: DVec3,
     /// Every primitive of every node, in node order.
     pub primitives: Vec<PosedPrimitive>,
-    /// All their vertices in scene space, in the same order.
+    /// Vertices of all primitives in scene space, in the same order.
     pub positions: Vec<DVec3>,
-    /// Made when somebody asks.
+    /// Built on first use.
     nodes: OnceLock<NodeTree>,
     pub(crate) depth_complexity: OnceLock<f64>,
 }
 
-/// A primitive at its place in the world.
+/// Primitive of a node, with its transform.
 #[derive(Clone, Copy, Debug)]
 pub struct PosedPrimitive {
-    /// Index of the node that carries it.
     pub node: usize,
-    /// Index of its mesh, and its own in that.
+    /// Index of its mesh in [`Scene::meshes`], and its own index in that mesh.
     pub mesh_and_primitive: [usize; 2],
-    /// Its placement, composed in f64.
+    /// Transform from mesh-local to world space, composed in f64.
     pub world_from_local: DAffine3,
-    /// Where its vertices begin in [`PosedScene::positions`].
+    /// Index in [`PosedScene::positions`] of its first vertex.
     pub first_vertex: usize,
 }
 
-/// Poses a scene, whose promises hold ([`Scene::check`]).
+/// Poses a scene that passes [`Scene::check`].
 pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
     let scene = scene.into();
     let SceneBounds { center: origin_in_world, half_extent } = SceneBounds::from(&*scene);
@@ -72,13 +69,13 @@ pub fn pose(scene: impl Into<Arc<Scene>>) -> Arc<PosedScene> {
 }
 
 impl PosedScene {
-    /// The box that lights are measured against.
+    /// Bounds in the world, against which lights are measured.
     pub fn bounds(&self) -> SceneBounds {
         SceneBounds { center: self.origin_in_world, half_extent: self.half_extent }
     }
 
-    /// The box of what stands in it, for a camera that frames that: without the floors that it stands on. All of it where nothing stands
-    /// on a floor.
+    /// Bounds of the scene without its floors, for a camera that frames the scene. If nothing stands on a floor, these
+    /// are the whole bounds.
     pub fn subject_bounds(&self) -> SceneBounds {
         let whole = self.bounds();
         let boxes = self.primitives.iter().filter_map(|posed| {
@@ -95,7 +92,7 @@ impl PosedScene {
         })
     }
 
-    /// Whether a box in scene space is that of a floor: flat, at the bottom, and under most of the scene.
+    /// Returns true if a box in scene space is a floor: flat, at the bottom, and under most of the scene.
     fn is_floor(&self, min: DVec3, max: DVec3) -> bool {
         let (whole, size) = (2.0 * self.half_extent, max - min);
         let flat = size.y <= MAX_FLOOR_HEIGHT_SHARE * whole.x.max(whole.z);
@@ -103,12 +100,11 @@ impl PosedScene {
         flat && low && size.x * size.z >= MIN_FLOOR_AREA_SHARE * whole.x * whole.z && whole.y > size.y
     }
 
-    /// Its nodes by their paths.
+    /// Paths of the scene's nodes, built on the first call.
     pub fn node_tree(&self) -> &NodeTree {
         self.nodes.get_or_init(|| NodeTree::new(&self.scene))
     }
 
-    /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
         self.primitives.iter().map(|posed| self.geometry(posed).indices.len() / 3).sum()
     }
@@ -118,8 +114,8 @@ impl PosedScene {
         posed.geometry_in(&self.scene)
     }
 
-    /// The triangles of one of [`Self::primitives`] by its own vertices; counter-clockwise seen from the front, where
-    /// it is mirrored too.
+    /// Triangles of one of [`Self::primitives`], as indices of its own vertices. They are counter-clockwise seen from
+    /// the front, also in a mirrored primitive.
     pub fn triangles(&self, posed: &PosedPrimitive) -> impl Iterator<Item = [u32; 3]> {
         let mirrors = posed.is_mirrored();
         let triangles = posed.geometry_in(&self.scene).indices.as_chunks::<3>().0.iter();
@@ -133,14 +129,14 @@ impl PosedPrimitive {
         &scene.meshes[mesh].primitives[primitive]
     }
 
-    /// Whether its placement mirrors, which turns triangles inside out.
+    /// Returns true if the transform mirrors, which reverses the winding of triangles.
     fn is_mirrored(&self) -> bool {
         self.world_from_local.matrix3.determinant() < 0.0
     }
 
-    /// The matrix that takes normals into the world, up to a positive factor.
+    /// Matrix that transforms normals into world space, up to a positive factor.
     ///
-    /// The cofactor matrix is `det M` times the inverse transpose and exists for singular ones too: a mesh
+    /// The cofactor matrix is `det M` times the inverse transpose and exists for singular matrices too: a mesh
     /// flattened onto a plane gets that plane's normal.
     pub fn normal_matrix(&self) -> DMat3 {
         let m = self.world_from_local.matrix3;
@@ -150,7 +146,6 @@ impl PosedPrimitive {
     }
 }
 
-/// Every primitive of every node, in node order.
 fn posed_primitives(scene: &Scene) -> impl Iterator<Item = PosedPrimitive> {
     let mut world_from_node: Vec<DAffine3> = Vec::with_capacity(scene.nodes.len());
     for node in &scene.nodes {
@@ -171,7 +166,7 @@ fn posed_primitives(scene: &Scene) -> impl Iterator<Item = PosedPrimitive> {
     })
 }
 
-/// Corners of the box around every vertex in the world, or `None` where there is none.
+/// Least and greatest corner of the bounds in world space; `None` for a scene without vertices.
 pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
     posed_primitives(scene)
         .flat_map(|posed| {
@@ -185,7 +180,7 @@ pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
 }
 
 impl From<&Scene> for SceneBounds {
-    /// Looks at all vertices.
+    /// Computes the bounds in world space from all vertices.
     fn from(scene: &Scene) -> Self {
         let (min, max) = world_bounds(scene).unwrap_or_default();
         Self { center: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }

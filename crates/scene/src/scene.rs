@@ -1,42 +1,41 @@
-//! What importers make: geometry and materials.
+//! Geometry and materials, as importers fill them in.
 
 use glam::{DAffine3, DVec3, Vec2, Vec3, Vec4};
 use thiserror::Error;
 
-/// Everything that is drawn and everything that lights it. World space is right-handed, +Y up, metres by habit.
+/// Geometry, materials and ambient fill of a scene. World space is right-handed with +Y up, in metres by convention.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// The node hierarchy. Parents come before their children.
+    /// Node hierarchy. Parents come before their children.
     pub nodes: Vec<Node>,
-    /// Meshes that nodes refer to; one mesh may stand in many places.
+    /// Meshes, referred to by nodes. Several nodes may refer to one mesh.
     pub meshes: Vec<Mesh>,
-    /// Materials that primitives refer to.
+    /// Materials, referred to by primitives.
     pub materials: Vec<Material>,
-    /// Decoded pictures that materials refer to.
+    /// Decoded pictures, referred to by materials.
     pub images: Vec<Image>,
-    /// Light from everywhere, so that what no light reaches can be read.
+    /// Light from everywhere, so that areas that no light reaches stay readable.
     pub fill: Fill,
 }
 
-/// A place in the hierarchy.
+/// Node of the hierarchy.
 #[derive(Clone, Debug)]
 pub struct Node {
     /// Name for people; not unique.
     pub name: String,
     /// Index of the parent in [`Scene::nodes`], less than this node's own.
     pub parent: Option<usize>,
-    /// Placement in the parent's space; finite, may be singular.
+    /// Transform into the parent's space; finite, may be singular.
     pub parent_from_local: DAffine3,
     /// Index in [`Scene::meshes`].
     pub mesh: Option<usize>,
 }
 
-/// Primitives that move together.
+/// Primitives that share a transform.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Name for people.
     pub name: String,
-    /// One a material.
+    /// One for each material.
     pub primitives: Vec<Primitive>,
 }
 
@@ -45,15 +44,15 @@ pub struct Mesh {
 /// `normals` has one unit vector a vertex; `uvs` and `colors` are empty or have one entry a vertex.
 #[derive(Clone, Debug, Default)]
 pub struct Primitive {
-    /// Finite positions.
+    /// Finite numbers.
     pub positions: Vec<Vec3>,
-    /// Unit shading normals.
+    /// Unit vectors.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, glTF's convention: origin at the top left.
     pub uvs: Vec<Vec2>,
     /// Linear RGBA that multiplies the base colour.
     pub colors: Vec<Vec4>,
-    /// Three a triangle, each less than the vertex count.
+    /// Three for each triangle, each less than the number of vertices.
     pub indices: Vec<u32>,
     /// Index in [`Scene::materials`].
     pub material: usize,
@@ -62,21 +61,20 @@ pub struct Primitive {
 /// glTF's metallic-roughness material.
 #[derive(Clone, Debug)]
 pub struct Material {
-    /// Name for people.
     pub name: String,
     /// Linear RGBA.
     pub base_color: Vec4,
-    /// 0 to 1.
+    /// In the range 0 to 1.
     pub metallic: f32,
-    /// Perceptual roughness, 0 to 1; the GGX alpha is its square.
+    /// Perceptual roughness, 0 to 1. The GGX alpha is its square.
     pub roughness: f32,
     /// sRGB picture that multiplies the base colour.
     pub base_color_texture: Option<TextureRef>,
     /// Linear picture: roughness in green, metallic in blue.
     pub metallic_roughness_texture: Option<TextureRef>,
-    /// Fragments with less alpha are not drawn; `None` draws all.
+    /// Minimum alpha of a fragment that is drawn; `None` draws all.
     pub alpha_cutoff: Option<f32>,
-    /// Draw back faces too.
+    /// True if back faces are drawn too.
     pub double_sided: bool,
 }
 
@@ -95,40 +93,34 @@ impl Default for Material {
     }
 }
 
-/// A picture and how it is read.
+/// Reference to a picture, with its sampler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct TextureRef {
     /// Index in [`Scene::images`].
     pub image: usize,
-    /// How it is read.
     pub sampler: Sampler,
 }
 
-/// glTF's sampler: wrapping and whether magnified texels are blended.
+/// Sampler, as in glTF: wrap modes and the magnification filter.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Sampler {
-    /// Along u.
     pub wrap_u: Wrap,
-    /// Along v.
     pub wrap_v: Wrap,
-    /// Nearest texel instead of a blend.
+    /// True for the nearest texel, false for a blend of texels.
     pub nearest: bool,
 }
 
-/// What a texture does outside 0 to 1.
+/// Wrap mode of a texture outside 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wrap {
-    /// Starts again.
     #[default]
     Repeat,
-    /// Starts again, mirrored.
     MirroredRepeat,
-    /// Goes on with its edge.
     ClampToEdge,
 }
 
 impl Wrap {
-    /// The texel of `size` that index `x`, a whole number, stands for.
+    /// Maps the texel index `x`, a whole number, into a texture of `size` texels.
     pub fn texel(self, x: f64, size: usize) -> usize {
         let n = size as f64;
         let inside = match self {
@@ -143,14 +135,14 @@ impl Wrap {
     }
 }
 
-/// Eight bits a channel RGBA, rows from the top, `width * height * 4` bytes, as stored (sRGB for colours).
+/// RGBA picture of 8 bits a channel, rows from the top, as stored (sRGB for colours).
 #[derive(Clone)]
 pub struct Image {
-    /// Pixels, at least 1.
+    /// In pixels, at least 1.
     pub width: u32,
-    /// Pixels, at least 1.
+    /// In pixels, at least 1.
     pub height: u32,
-    /// The bytes.
+    /// Pixels, `width * height * 4` bytes.
     pub rgba8: Vec<u8>,
 }
 
@@ -160,7 +152,7 @@ impl std::fmt::Debug for Image {
     }
 }
 
-/// Hemisphere fill: irradiance over pi from above and below, blended by the normal's height.
+/// Hemisphere fill: irradiance over pi from above and below, blended by the height of the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fill {
     /// Radiance of the upper hemisphere, linear RGB.
@@ -175,21 +167,19 @@ impl Default for Fill {
     }
 }
 
-/// A broken promise in a [`Scene`].
+/// Broken promise in a [`Scene`].
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("{what} {index} is not sound: {why}")]
 pub struct SceneError {
-    /// Which kind of thing.
+    /// Kind of the broken item ("node", "mesh").
     pub what: &'static str,
-    /// Its index in the scene.
     pub index: usize,
-    /// Which promise.
+    /// Broken promise, as a clause.
     pub why: &'static str,
 }
 
 impl Scene {
-    /// Verifies every promise stated on the fields: indices in range, parents first, lengths equal, numbers
-    /// finite.
+    /// Verifies every promise stated on the fields: indices in range, parents first, equal lengths, finite numbers.
     pub fn check(&self) -> Result<(), SceneError> {
         let fail = |what, index, why| Err(SceneError { what, index, why });
         for (i, node) in self.nodes.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What a picture is asked to show.
+//! Views: requests for a picture.
 
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -7,61 +7,60 @@ use thiserror::Error;
 
 use crate::Camera;
 
-/// A picture to make.
+/// Request for a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Where from.
     pub camera: Camera,
-    /// Pixels, at least 1.
+    /// In pixels, at least 1.
     pub width: u32,
-    /// Pixels, at least 1.
+    /// In pixels, at least 1.
     pub height: u32,
-    /// Samples a pixel, at least 1; with 1 the sample is the pixel's centre. Only [`Aov::Beauty`] and
-    /// [`Aov::Visibility`] take more than one: the others would mean nothing if averaged over an edge.
+    /// Samples a pixel, at least 1. With 1 the sample is at the pixel's centre. Only [`Aov::Beauty`] and
+    /// [`Aov::Visibility`] allow more: an average of the others over an edge means nothing.
     pub samples: u32,
-    /// Which quantity.
     pub aov: Aov,
-    /// Index of the light that the quantities of a light are of.
+    /// Index of the light that a per-light AOV shows.
     pub light: usize,
-    /// How much of the scene's fill the beauty has: a factor from 0, the lights alone, 1, as the scene has it, and more; within [`View::FILL_RANGE`].
+    /// Factor of the scene's fill in the beauty, within [`View::FILL_RANGE`]: 0 for the lights alone, 1 for the scene's
+    /// own fill.
     pub fill: f64,
-    /// Stops by which the beauty is brightened for a screen or a PNG: its radiance times 2 to this, before tone mapping, within
-    /// [`View::EXPOSURE_RANGE`]. Values themselves, as [`Aov`] has them, know nothing of it.
+    /// Exposure of the beauty on a screen or in a PNG, in stops, within [`View::EXPOSURE_RANGE`]. The radiance is
+    /// multiplied by 2 to this power before tone mapping. The values of an [`Aov`] do not depend on it.
     pub exposure: f64,
-    /// How fine shadow maps have to be; the reference, which has none, knows nothing of it.
+    /// Scale of shadow maps. The reference has no maps and ignores it.
     pub shadow_map: MapScale,
-    /// Whose picture it is.
     pub slot: ViewSlot,
 }
 
 impl View {
-    /// What [`View::fill`] may be. A million times a scene's fill is far from the largest radiance that f32 holds.
+    /// Range of [`View::fill`]. A million times a scene's fill is far from the largest radiance that f32 holds.
     pub const FILL_RANGE: RangeInclusive<f64> = 0.0..=1e6;
 
-    /// What [`View::exposure`] may be, in stops. From starlight to the sun in the sky are 32.
+    /// Range of [`View::exposure`], in stops. From starlight to the sun in the sky are 32.
     pub const EXPOSURE_RANGE: RangeInclusive<f64> = -32.0..=32.0;
 
-    /// The lit scene as `camera` sees it in a picture of that width and height, with a sample at each pixel's centre.
+    /// Beauty view from `camera` of that width and height in pixels, with one sample at each pixel's centre.
     pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
         let (aov, shadow_map, slot) = (Aov::Beauty, MapScale::Full, ViewSlot::default());
         Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, shadow_map, slot }
     }
 }
 
-/// How many texels a side a shadow map has, of those that the renderer's settings say. The finer is the smaller.
+/// Resolution of shadow maps relative to the renderer's settings. A finer scale is smaller in the order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum MapScale {
-    /// All of them.
+    /// All texels.
     #[default]
     Full,
-    /// Half, so a quarter of the texels, enough while something moves. Of a bent light it may be of fewer triangles, which stray
-    /// from the surface by two of its texels at most; those are made once a few such maps were drawn. A map that is there in full is
-    /// used as it is.
+    /// Half the texels a side, a quarter in all. This is enough while something moves.
+    ///
+    /// A map of a bent light may use simplified casters, which deviate from the surface by at most two of its texels.
+    /// They are made once a few such maps were drawn. If a full map is cached, it is used instead.
     Half,
 }
 
 impl MapScale {
-    /// By how much the texels of a side are divided.
+    /// Divisor of the number of texels a side.
     pub fn divisor(self) -> u16 {
         match self {
             Self::Full => 1,
@@ -70,17 +69,17 @@ impl MapScale {
     }
 }
 
-/// Names a viewer: for each the renderer keeps what it last drew, so that viewers with cameras of their own
-/// do not undo each other's work. Any number will do; one viewer alone has the default.
+/// Identifies a viewer. The renderer keeps the last results of each, so that viewers with different cameras do not
+/// evict each other's caches. Any number will do. A single viewer has the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct ViewSlot(pub u64);
 
-/// A quantity to show. Alpha is 1 where there is a surface (for a light's own quantities: one inside the
-/// light) and 0 elsewhere, with the other channels 0 too; with several samples a pixel it is the share of
-/// them.
+/// Quantity that a picture shows. Alpha is 1 at a surface (for a light's own quantities, a surface inside the light)
+/// and 0 elsewhere, with the other channels 0 too. With several samples a pixel alpha is the share of samples at a
+/// surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Aov {
-    /// Linear radiance under all lights and [`View::fill`] times the fill.
+    /// Linear radiance under all lights, plus [`View::fill`] times the fill.
     #[default]
     Beauty,
     /// Distance along the view axis, in world units.
@@ -95,30 +94,30 @@ pub enum Aov {
     Vw,
     /// Unit vector in world space from the surface towards the arriving light.
     Direction,
-    /// 1 lit by the light, 0 in its shadow.
+    /// 1 if lit by the light, 0 in its shadow.
     Visibility,
-    /// A drawing of the light's shadow map, not of the camera's view: the triangles that it is made of, as the light
-    /// sees them. v grows to the right and w upwards, from -1 to 1 over the picture's shorter side. t in red, 1 on an
-    /// edge and 0 between in green.
+    /// Drawing of the light's shadow map instead of the camera's view: the triangles of the map, as the light sees
+    /// them. v grows to the right and w upwards, from -1 to 1 over the picture's shorter side. Red is t. Green is 1 on
+    /// an edge and 0 elsewhere.
     Wireframe,
 }
 
 impl Aov {
-    /// The names, in the order of the variants.
+    /// Names, in the order of the variants.
     pub const NAMES: [&str; 9] =
         ["beauty", "depth", "normal", "position", "t", "vw", "direction", "visibility", "wireframe"];
 
-    /// The name; of what lighting passes draw, also that of the shader's entry point after `fs_`.
+    /// Name. For an AOV of the lighting passes it is also the shader's entry point, without its prefix `fs_`.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 
-    /// Whether it belongs to one light.
+    /// Returns true if the quantity belongs to one light.
     pub fn is_per_light(self) -> bool {
         matches!(self, Self::T | Self::Vw | Self::Direction | Self::Visibility | Self::Wireframe)
     }
 
-    /// Whether an average over the pixel means something.
+    /// Returns true if an average over the pixel is meaningful.
     pub fn can_be_multisampled(self) -> bool {
         matches!(self, Self::Beauty | Self::Visibility)
     }
@@ -136,7 +135,7 @@ impl FromStr for Aov {
     }
 }
 
-/// A name that is no AOV.
+/// Error for a name that is not an AOV.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("`{0}` is not an AOV: choose one of {names}", names = Aov::NAMES.join(", "))]
 pub struct UnknownAov(String);

@@ -1,23 +1,22 @@
-//! Rays through points of a picture, and where points are in one.
+//! Rays through points of a picture, and the inverse projection.
 
 use glam::{DVec2, DVec3};
 
 use crate::{Camera, Projection};
 
-/// What a camera sees through one point of the picture.
+/// Ray of a camera through one point of a picture.
 #[derive(Clone, Copy, Debug)]
 pub struct ViewRay {
     /// In scene space.
     pub origin: DVec3,
-    /// One unit long along the view axis, so that lengths of it are depths.
+    /// In scene space, of length 1 along the view axis, so that ray parameters are depths.
     pub direction: DVec3,
-    /// Depths of the near and the far plane.
     pub depth_range: [f64; 2],
 }
 
 impl ViewRay {
-    /// Through `pixel` of a picture of `size`, in pixels from its top left corner; `origin` is where scene space
-    /// begins.
+    /// Makes the ray through `pixel` of a picture of `size`, in pixels from the top left corner. `origin_in_world` is
+    /// the origin of scene space.
     pub fn new(camera: &Camera, size: [u32; 2], pixel: DVec2, origin_in_world: DVec3) -> Self {
         let size = DVec2::from(size.map(f64::from));
         let DVec2 { x, y } =
@@ -39,8 +38,8 @@ impl ViewRay {
     }
 }
 
-/// Where a point in scene space is in a picture, in pixels from its top left corner; `None` where it is not before the eye. The
-/// inverse of [`ViewRay::new`].
+/// Projects a point in scene space to pixels from the top left corner of a picture. `None` if it is not in front of the
+/// eye. The inverse of [`ViewRay::new`].
 pub fn pixel_of(camera: &Camera, size: [u32; 2], point: DVec3, origin_in_world: DVec3) -> Option<DVec2> {
     let size = DVec2::from(size.map(f64::from));
     let world_from_camera = camera.world_from_camera();
@@ -59,8 +58,8 @@ pub fn pixel_of(camera: &Camera, size: [u32; 2], point: DVec3, origin_in_world: 
     Some((across / frame_scale(camera, size) * size.y * DVec2::new(1.0, -1.0) + size) / 2.0)
 }
 
-/// Half the height of a picture as a share of half the height that its camera frames: more than 1 where the picture is
-/// narrower than that.
+/// Half the height of a picture as a share of half the height of the camera's frame: more than 1 if the picture is
+/// narrower than the frame.
 fn frame_scale(camera: &Camera, size: DVec2) -> f64 {
     camera.projection.aspect_ratio().map_or(1.0, |framed| (framed * size.y / size.x).max(1.0))
 }
@@ -71,7 +70,7 @@ mod tests {
 
     use super::*;
 
-    /// The same numbers as in render's camera.rs and the page's camera.test.ts: a camera that frames 2 by 1.
+    /// The camera frames 2 by 1. The numbers are the same in render's camera.rs and the page's camera.test.ts.
     #[test]
     fn all_that_a_camera_frames_is_in_the_picture() {
         let yfov = 2.0 * libm::atan(0.5);

@@ -1,4 +1,4 @@
-//! How much of something a client may have before it is held back: what is used up comes back with time.
+//! Allowances: limits of consumption per client that refill with time.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,33 +6,33 @@ use std::time::{Duration, Instant};
 
 use crate::charges::{MAX_ACCOUNTS, Payer};
 
-/// How fast an allowance comes back, and how much of it may be saved up. This is a token bucket.
+/// Refill rate and capacity of a token bucket.
 #[derive(Clone, Copy, Debug)]
 pub struct AllowanceRate {
     pub per_second: f64,
     pub burst: f64,
 }
 
-/// What one has left.
+/// A token bucket.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowance {
     rate: AllowanceRate,
-    /// How much was left, and when; less than nothing where more was taken.
+    /// Tokens left at `updated_at`. Negative if more was taken.
     tokens: f64,
     updated_at: Instant,
 }
 
-/// What each session and each actor have left. Who asks for something needs some of both.
+/// Allowances of each session and each actor. A request takes from both.
 #[derive(Debug)]
 pub struct Allowances {
     rate: AllowanceRate,
-    /// Of those that may not have all of it.
+    /// Only those below their capacity.
     sessions: BTreeMap<Arc<str>, Allowance>,
     actors: BTreeMap<Arc<str>, Allowance>,
 }
 
 impl Allowance {
-    /// All that may be saved up.
+    /// A full bucket.
     pub fn full(rate: AllowanceRate, now: Instant) -> Self {
         Self { rate, tokens: rate.burst, updated_at: now }
     }
@@ -42,12 +42,12 @@ impl Allowance {
         (self.tokens + self.rate.per_second * since).min(self.rate.burst)
     }
 
-    /// When there will be some; not after `now` where there is.
+    /// Time at which tokens will be there. Not after `now` if there are some.
     fn back_at(&self, now: Instant) -> Instant {
         now + Duration::from_secs_f64((-self.left(now) / self.rate.per_second).max(0.0))
     }
 
-    /// Takes something off where there is some, though it be less; else says when there will be.
+    /// Takes an amount if any tokens are left, even fewer. Otherwise returns the time at which there will be some.
     pub fn try_take(&mut self, amount: f64, now: Instant) -> Result<(), Instant> {
         let back_at = self.back_at(now);
         if back_at > now {
@@ -57,31 +57,32 @@ impl Allowance {
         Ok(())
     }
 
-    /// Takes something off, whether there is as much or not.
+    /// Takes an amount, even if fewer tokens are left.
     pub fn take(&mut self, amount: f64, now: Instant) {
         (self.tokens, self.updated_at) = (self.left(now) - amount, now);
     }
 }
 
 impl Allowances {
-    /// Everybody has all.
+    /// All allowances are full.
     pub fn new(rate: AllowanceRate) -> Self {
         Self { rate, sessions: BTreeMap::new(), actors: BTreeMap::new() }
     }
 
-    /// Whether a payer has some left.
+    /// True if a payer has tokens.
     pub fn has_tokens(&self, payer: &Payer, now: Instant) -> bool {
         self.back_at(payer, now) <= now
     }
 
-    /// When a payer will have some; not after `now` where it has.
+    /// Time at which a payer will have tokens. Not after `now` if it has some.
     fn back_at(&self, payer: &Payer, now: Instant) -> Instant {
         let back_at = |allowance: Option<&Allowance>| allowance.map_or(now, |of| of.back_at(now));
         let of_actor = payer.actor_id().and_then(|actor| self.actors.get(actor));
         back_at(self.sessions.get(payer.session())).max(back_at(of_actor))
     }
 
-    /// Takes something off what a payer has where it has some, though it be less; else says when it will.
+    /// Takes an amount from a payer if it has any tokens, even fewer. Otherwise returns the time at which it will have
+    /// some.
     pub fn try_take(&mut self, payer: &Payer, amount: f64, now: Instant) -> Result<(), Instant> {
         let back_at = self.back_at(payer, now);
         if back_at > now {
@@ -91,7 +92,7 @@ impl Allowances {
         Ok(())
     }
 
-    /// Takes something off what a payer has, whether it has as much or not.
+    /// Takes an amount from a payer, even if it has fewer tokens.
     pub fn take(&mut self, payer: &Payer, amount: f64, now: Instant) {
         let take = |accounts: &mut BTreeMap<Arc<str>, Allowance>, name: &Arc<str>| {
             let full = Allowance::full(self.rate, now);
@@ -99,7 +100,7 @@ impl Allowances {
             if accounts.len() > MAX_ACCOUNTS {
                 let mut all: Vec<f64> = accounts.values().map(|of| of.left(now)).collect();
                 all.sort_by(f64::total_cmp);
-                // The half that has most left is forgotten, and so has all of it again.
+                // Forgets the half with the most tokens, whose allowances are full again.
                 accounts.retain(|_, of| of.left(now) < all[all.len() / 2]);
             }
         };
@@ -121,7 +122,7 @@ mod tests {
         let (ada, other) = (payer("shot", "ada"), payer("other", "ben"));
         let mut used = 0.0;
         let mut now = start;
-        // For a hundred seconds something is asked for every 10 ms.
+        // For a hundred seconds, one request every 10 ms.
         while now < start + Duration::from_secs(100) {
             now += Duration::from_millis(10);
             if allowances.has_tokens(&ada, now) {
@@ -132,7 +133,7 @@ mod tests {
         let most = rate.burst + 100.0 * rate.per_second + 0.01;
         assert!(used <= most && used > 0.95 * most, "{used} of {most}");
         allowances.take(&ada, rate.burst, now);
-        // By another actor of its session or from another session it is the same client, and nobody else.
+        // Another actor of the session and the same actor in another session share the allowance. Others do not.
         assert!(!allowances.has_tokens(&payer("shot", "eve"), now));
         assert!(!allowances.has_tokens(&payer("elsewhere", "ada"), now));
         assert!(allowances.has_tokens(&other, now));
@@ -140,7 +141,7 @@ mod tests {
         assert!(!allowances.has_tokens(&ada, now + back_at.duration_since(now) / 2));
         assert!(allowances.has_tokens(&ada, back_at + Duration::from_millis(1)));
         for name in 0..10_000 {
-            // All at once, and all as much: nobody's comes back meanwhile.
+            // All take the same amount at once, so nothing refills meanwhile.
             allowances.take(&payer("shot", &name.to_string()), 0.001, now);
         }
         assert!(allowances.actors.len() <= MAX_ACCOUNTS + 1, "{}", allowances.actors.len());

@@ -1,5 +1,5 @@
-//! Turns of strangers: requests of connections that have not shown the token. However many there are, what they ask for
-//! together is bounded; the others wait.
+//! Permits for anonymous requests: those of connections that have not shown the token. Their number at once is limited
+//! in total, and the others wait.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,7 +9,7 @@ use tokio::time::sleep;
 
 use crate::limits::{ANONYMOUS_BYTES_PER_SECOND, MAX_ANONYMOUS_REQUESTS, MIN_ANONYMOUS_PERMIT_TIME};
 
-/// Requests of strangers that are answered at once.
+/// Permits for anonymous requests that are answered at once.
 pub struct AnonymousPermits(Arc<Semaphore>);
 
 impl Default for AnonymousPermits {
@@ -19,19 +19,19 @@ impl Default for AnonymousPermits {
 }
 
 impl AnonymousPermits {
-    /// Waits for a turn. Whoever gives up meanwhile has taken none.
+    /// Waits for a permit. Dropping the future takes none.
     pub async fn acquire(&self) -> AnonymousPermit {
         AnonymousPermit { _permit: Arc::clone(&self.0).acquire_owned().await.expect("never closed") }
     }
 }
 
-/// One of them. Dropped without [`Self::release_after_bytes`] it is over at once.
+/// A permit. It is released at once if it is dropped without [`Self::release_after_bytes`].
 pub struct AnonymousPermit {
     _permit: OwnedSemaphorePermit,
 }
 
 impl AnonymousPermit {
-    /// Ends the turn after the time that an answer of so many bytes counts for.
+    /// Releases the permit after the time that an answer of that size counts for.
     pub fn release_after_bytes(self, bytes: u64) {
         let for_bytes = Duration::from_secs_f64(bytes as f64 / ANONYMOUS_BYTES_PER_SECOND as f64);
         tokio::spawn(async move {

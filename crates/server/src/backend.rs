@@ -1,4 +1,4 @@
-//! What every part of the server uses.
+//! Services that every part of the server uses.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -17,37 +17,32 @@ use crate::storage::Storage;
 use crate::trace::Trace;
 use crate::views::MovingPixels;
 
-/// One of each; clones share them.
+/// One of each service. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Services {
-    /// Logs and assets.
     pub storage: Storage,
-    /// Decoded scenes.
     pub scenes: Arc<SceneCache>,
-    /// The renderer.
     pub renders: RenderQueue,
-    /// What of views moves, by actor.
+    /// Pixels of moving views, by actor.
     pub moving_pixels: Arc<MovingPixels>,
-    /// A permit for each probe whose rays are followed.
+    /// A permit for each probe that traces rays.
     pub probes: Arc<Semaphore>,
-    /// Threads that solve drags.
     pub solver: Solver,
-    /// Holds back edits.
+    /// Throttles edits.
     pub edit_pacing: Arc<RequestPacing>,
-    /// Holds back requests.
+    /// Throttles requests.
     pub request_pacing: Arc<RequestPacing>,
-    /// Bytes of bodies, answers and messages.
+    /// Account of the bytes of bodies, answers and messages.
     pub in_flight: ByteBudget,
-    /// What is counted.
     pub metrics: Arc<Metrics>,
-    /// What is told of each picture.
+    /// Trace of pictures.
     pub trace: Trace,
     /// Cancelled when the server is asked to stop.
     pub draining: CancellationToken,
-    /// Names this run of the server among all there ever were.
+    /// Identifies this run of the server among all others.
     pub run: Arc<str>,
-    /// When the server started: the zero of its clock.
+    /// Start of the server: the zero of its clock.
     pub started: Instant,
-    /// The tasks of sockets, which a stopping server waits for.
+    /// Tasks of sockets, for which a stopping server waits.
     pub sockets: TaskTracker,
 }

@@ -1,5 +1,6 @@
-//! Work of the processor that is not for the next picture: decoding scenes, getting them ready for rays, probes. It runs on threads
-//! that give way to those that draw, so that a file which takes a second to decode costs nobody a second of theirs.
+//! Background work of the CPU that is not for the next picture: decoding scenes, building BVHs, probes. Its threads
+//! have a lower priority than those that draw. A file that takes a second to decode delays nobody's pictures by that
+//! second.
 
 use std::{io, thread};
 
@@ -13,27 +14,27 @@ use tokio::sync::oneshot;
 
 use crate::ServerError;
 
-/// By so much less important to the system than others are threads that answer requests: one of them has a thirtieth of a core that
-/// somebody draws with, and thousands of requests a second of one client cost a moving picture no more than that.
+/// Increase of the nice value of threads that answer requests. Beside a thread that draws, such a thread gets a
+/// thirtieth of a core, so thousands of requests per second of one client cost a moving picture no more than that.
 const NICE: i32 = 15;
-/// As many threads as it takes to answer while one writes a long answer.
+/// Number of request threads: enough to answer while one of them writes a long answer.
 const REQUEST_THREADS: usize = 2;
 
-/// Where [`crate::Server::run`] is to answer HTTP requests: on threads that give way to those that draw and to sockets. Whoever makes it
-/// shuts it down.
+/// Makes the runtime on which [`crate::Server::run`] answers HTTP requests. Its threads have a lower priority than
+/// drawing and sockets. The caller shuts it down.
 pub fn request_runtime() -> io::Result<Runtime> {
     let mut threads = runtime::Builder::new_multi_thread();
     threads.worker_threads(REQUEST_THREADS).thread_name("request").enable_all();
     threads.on_thread_start(|| lower_priority(NICE)).build()
 }
 
-/// Does `work` on a thread of its own. How many there are is bounded by whoever asks.
+/// Runs `work` on a new background thread. The caller limits their number.
 pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, ServerError> {
     let (done, result) = oneshot::channel();
     let named = thread::Builder::new().name("background".into());
     let started = named.spawn(move || {
         set_idle_priority();
-        // Whoever asked may have gone.
+        // The asker may be gone.
         drop(done.send(work()));
     });
     if let Err(error) = started {
@@ -43,8 +44,8 @@ pub async fn run<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -
     result.await.map_err(|_| ServerError::Internal)
 }
 
-/// Does `work` as [`run`] does while `permit` is held, and gives that back with what came of it: where nobody waits for that any more,
-/// the permit is held until the work is done, and not less long.
+/// Runs `work` like [`run`] while it holds `permit`, and returns the permit with the result. If nobody waits for the
+/// result any more, the permit is still held until the work is done.
 pub async fn run_with<P: Send + 'static, T: Send + 'static>(
     permit: P,
     work: impl FnOnce() -> T + Send + 'static,
@@ -52,7 +53,8 @@ pub async fn run_with<P: Send + 'static, T: Send + 'static>(
     run(move || (work(), permit)).await
 }
 
-/// Does `work` on such a thread and waits for it. What it panicked with where it did; false where no thread could be started.
+/// Runs `work` on a background thread and waits for it. Returns the panic of the work as an error, and false if no
+/// thread could be started.
 pub fn run_blocking(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     thread::scope(|scope| {
         let started = thread::Builder::new().name("background".into()).spawn_scoped(scope, || {
@@ -64,16 +66,16 @@ pub fn run_blocking(work: &mut (dyn FnMut() + Send)) -> thread::Result<bool> {
     })
 }
 
-/// Makes this thread less important to the system by so much.
+/// Lowers the priority of this thread.
 fn lower_priority(nice: i32) {
-    // On Linux that is of this thread alone. Where it is refused the work is as important as any.
+    // On Linux this affects only this thread. If it is refused, the work keeps its priority.
     if let Err(error) = rustix::process::nice(nice) {
         tracing::debug!("a background thread keeps its priority: {error}");
     }
 }
 
-/// Has this thread go on only where the processor has nothing else to do. To the system a core that does only such work is idle: what
-/// wakes up goes there, where nothing else of the server waits for it. There is no way back.
+/// Lets this thread run only while a core is otherwise idle. The system treats such a core as idle, so waking threads
+/// go there and do not wait for another thread of the server. It cannot be undone.
 pub fn set_idle_priority() {
     #[cfg(target_os = "linux")]
     if let Err(error) = set_thread_priority_and_policy(
@@ -96,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// A field of what the system says of this thread, counted from 1 as proc(5) does.
+    /// A field of this thread's stat, counted from 1 like in proc(5).
     fn of_this_thread(field: usize) -> i32 {
         let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux");
         let after_name = stat.rsplit(')').next().expect("fields").split_whitespace();
@@ -105,7 +107,7 @@ mod tests {
 
     #[tokio::test]
     async fn work_in_the_background_gives_way_to_all_else() {
-        // SCHED_OTHER and SCHED_IDLE, of sched(7).
+        // SCHED_OTHER and SCHED_IDLE, see sched(7).
         let (policy, other, idle) = (41, 0, 5);
         assert_eq!(of_this_thread(policy), other);
         assert_eq!(run(move || of_this_thread(policy)).await.expect("done"), idle);

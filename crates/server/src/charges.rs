@@ -1,90 +1,89 @@
-//! Turns by client: who goes next where several want the same thing, the renderer or a thread that solves.
+//! Charges: time that clients have used of the renderer or of solver threads, which decides the next client.
 //!
-//! What is handed out is time, charged as it was measured. Next is who has been charged least: first among sessions, so that
-//! many clients of one session take no more than the few of another, then among the actors of a session. An actor counts once
-//! however many sockets and sessions it has. What time it is, it is told.
+//! Measured time is charged. The least charged is next: first among sessions, so that many clients of one session take
+//! no more than the few of another, then among the actors of a session. An actor counts once over all its sockets and
+//! sessions. Callers pass the time in.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Accounts that are kept at most; past them those that have been charged least are dropped.
+/// Greatest number of accounts. Above it the least charged ones are dropped.
 pub const MAX_ACCOUNTS: usize = 256;
 
-/// Seconds that who has asked for nothing for a while may have saved up, since a hand that drags asks for nothing while a picture is
-/// on its way to the viewer. Whoever else saves draws that much at once: beside views that open 30 at a time a drag's longest gap is
-/// 92 ms with 50 ms, 70 with these, and as many of its pictures come.
+/// Seconds of credit that an idle client can save. A user who drags requests nothing while a picture is on its way to
+/// the viewer. But other clients also save, and then draw that much at once: beside views that open 30 at a time, the
+/// longest gap of a drag is 92 ms with 50 ms of credit and 70 ms with these 30 ms, for as many pictures.
 const MAX_CREDIT_SECONDS: f64 = 0.03;
 
-/// Who is charged for work: an actor in a session.
+/// An actor in a session that is charged for work.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Payer {
-    /// The session's name.
+    /// Name of the session.
     session: Arc<str>,
-    /// The actor's id; `None` of a program that gives none.
+    /// Id of the actor. `None` for a program that gives none.
     actor: Option<Arc<str>>,
 }
 
-/// Seconds that each session and each actor has been charged.
+/// Seconds charged to each session and each actor.
 ///
-/// This is start-time fair queueing (Goyal, Vin, Cheng, 1996) with equal weights: who has asked for nothing for a while starts
-/// where those are who have been served lately, less [`MAX_CREDIT_SECONDS`].
+/// This is start-time fair queueing (Goyal, Vin, Cheng, 1996) with equal weights. A client that was idle starts at the
+/// level of those served lately, less [`MAX_CREDIT_SECONDS`].
 #[derive(Clone, Debug, Default)]
 pub struct Charges {
     sessions: Accounts,
     actors: Accounts,
 }
 
-/// Of one kind.
+/// Accounts of all sessions, or of all actors.
 #[derive(Clone, Debug, Default)]
 struct Accounts {
     seconds: BTreeMap<Arc<str>, f64>,
-    /// What who was served last had been charged before.
+    /// Charge of the account that was served last, before that turn.
     virtual_time: f64,
 }
 
-/// How much a payer has been charged: less goes first. The larger of its session's and its own, then its own.
+/// Charge of a payer, lower first: the larger of its session's and its own, then its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChargedSeconds(f64, f64);
 
 impl Payer {
-    /// The actor of that id in a session.
     pub fn new(session: &Arc<str>, actor: &str) -> Self {
         Self { session: Arc::clone(session), actor: Some(actor.into()) }
     }
 
-    /// The actor's id, where it gives one.
+    /// Id of the actor, if it gives one.
     pub fn actor_id(&self) -> Option<&Arc<str>> {
         self.actor.as_ref()
     }
 
-    /// The session's name.
+    /// Name of the session.
     pub fn session(&self) -> &Arc<str> {
         &self.session
     }
 
-    /// Programs that give no actor, in a session.
+    /// The payer for programs without an actor, in a session.
     pub fn program(session: &str) -> Self {
         Self { session: session.into(), actor: None }
     }
 }
 
 impl ChargedSeconds {
-    /// Less goes first.
+    /// Orders by charge. The lower one is next.
     pub fn order(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
     }
 }
 
 impl Charges {
-    /// What a payer that asks now has been charged.
+    /// Charge of a payer that asks now.
     pub fn of(&self, payer: &Payer) -> ChargedSeconds {
         let session = self.sessions.of(&payer.session);
         let actor = payer.actor.as_deref().map_or(session, |actor| self.actors.of(actor));
         ChargedSeconds(session.max(actor), actor)
     }
 
-    /// Charges a payer for a turn that took so many seconds.
+    /// Charges a payer for a turn of that many seconds.
     pub fn charge(&mut self, payer: &Payer, seconds: f64) {
         self.sessions.charge(&payer.session, seconds);
         if let Some(actor) = &payer.actor {
@@ -95,7 +94,7 @@ impl Charges {
 
 impl Accounts {
     fn of(&self, name: &str) -> f64 {
-        // Who is new has saved nothing: else a name for each picture would always be first.
+        // A new account has no credit. Otherwise a new name for each picture would always be first.
         self.seconds
             .get(name)
             .map_or(self.virtual_time, |charged| charged.max(self.virtual_time - MAX_CREDIT_SECONDS))
@@ -106,7 +105,7 @@ impl Accounts {
         self.virtual_time = self.virtual_time.max(before);
         self.seconds.insert(Arc::clone(name), before + seconds);
         if self.seconds.len() > MAX_ACCOUNTS {
-            // The half that has been charged least starts together from now on.
+            // Drops the lower half, which starts from a common level now.
             let mut all: Vec<f64> = self.seconds.values().copied().collect();
             all.sort_by(f64::total_cmp);
             self.virtual_time = self.virtual_time.max(all[all.len() / 2]);
@@ -123,7 +122,8 @@ mod tests {
         Payer::new(&session.into(), actor)
     }
 
-    /// The turns that each of `payers` gets of `turns`, each of so many seconds, where all want one always.
+    /// Shares of the time of each of `payers` in that many turns, with the given length of each one's turns, if all
+    /// always want one.
     fn shares(payers: &[(Payer, f64)], turns: usize) -> Vec<f64> {
         let mut charges = Charges::default();
         let mut had = vec![0.0; payers.len()];
@@ -144,7 +144,7 @@ mod tests {
     fn one_client_has_half_beside_another_with_any_number_of_sockets() {
         let victim = (payer("shot", "ada"), 0.02);
         for seconds in [0.001, 0.01, 0.4] {
-            // Of one actor in one session, of many actors in one, of one actor in many.
+            // One actor in one session, many actors in one session, one actor in many sessions.
             let same = vec![(payer("other", "bob"), seconds); 8];
             let actors: Vec<_> = (0..8).map(|k| (payer("other", &k.to_string()), seconds)).collect();
             let sessions: Vec<_> = (0..8).map(|k| (payer(&k.to_string(), "bob"), seconds)).collect();
@@ -162,7 +162,7 @@ mod tests {
         assert!((had[0] - 0.5).abs() < 0.01, "{had:?}");
     }
 
-    /// The planted fault: an account that starts at nothing has the other wait for as long as it was away.
+    /// The planted fault: an account that starts at zero makes the other wait for as long as it was away.
     #[test]
     fn an_idle_client_saves_little_credit() {
         let (ada, bob) = (payer("shot", "ada"), payer("other", "bob"));
@@ -173,7 +173,7 @@ mod tests {
             charges.charge(&bob, 0.01);
             turns += 1;
         }
-        // Turns of a hundredth, and three of those that are level.
+        // Turns of 10 ms each, and three turns at equal charges.
         let most = (MAX_CREDIT_SECONDS / 0.01) as usize + 3;
         assert!((1..=most).contains(&turns), "{turns} turns before the other goes on");
         charges.sessions.virtual_time = 0.0;

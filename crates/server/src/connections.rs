@@ -1,4 +1,4 @@
-//! Connections from their first byte: how many there may be, and for how long they may keep the server waiting.
+//! Connections from their first byte: limits of their number and of the time for which they can delay the server.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -28,10 +28,10 @@ use crate::limits::{
 };
 use crate::send_within::WriteTimeoutStream;
 
-/// How long to wait after the system has refused a connection, as it does where too many files are open.
+/// Delay after the system refused a connection, for example because too many files are open.
 const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(100);
 
-/// One connection, for its requests to say that they know it. Clones are of the same connection.
+/// A connection, which each of its requests carries. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Connection(Arc<ConnectionState>);
 
@@ -40,14 +40,14 @@ struct ConnectionState {
     number: u64,
     anonymous: Arc<AnonymousConnections>,
     close_token: CancellationToken,
-    /// Whether a request has come by it.
+    /// True once a request has arrived.
     has_requested: AtomicBool,
-    /// Whether it has shown the token.
+    /// True once it has shown the token.
     is_authenticated: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
 
-/// Connections that have not shown the token, by their number, which grows with each.
+/// Connections that have not shown the token, by number. Numbers increase.
 #[derive(Debug, Default)]
 struct AnonymousConnections {
     last: AtomicU64,
@@ -69,18 +69,18 @@ impl Connection {
         }))
     }
 
-    /// Whoever is behind it has shown the token.
+    /// Notes that the connection has shown the token.
     pub fn mark_authenticated(&self) {
         self.0.is_authenticated.store(true, Ordering::Relaxed);
         self.0.anonymous.leave(self.0.number);
     }
 
-    /// Whether it has: what is asked by it counts as asked by somebody who has the token.
+    /// True if the connection has shown the token. Then all its requests count as authenticated.
     pub fn is_authenticated(&self) -> bool {
         self.0.is_authenticated.load(Ordering::Relaxed)
     }
 
-    /// The same bytes for an answer to it: where they are not taken as fast as they have to be, it is cut off.
+    /// Wraps the bytes of an answer. If the client does not take them in time, the connection is closed.
     pub fn with_delivery_timeout(&self, bytes: Bytes) -> Bytes {
         let taken = CancellationToken::new();
         let untaken = taken.clone().drop_guard();
@@ -94,14 +94,14 @@ impl Connection {
         Bytes::from_owner(UndeliveredBytes { bytes, _untaken: untaken })
     }
 
-    /// Returns when the connection has to end: to make room for others, which one that is known never has to, or because it takes an
-    /// answer too slowly.
+    /// Waits until the server has to close the connection: to make room for others, unless it is authenticated, or
+    /// because it takes an answer too slowly.
     pub async fn until_closed_by_server(&self) {
         self.0.close_token.cancelled().await;
     }
 }
 
-/// Bytes of which not all are taken.
+/// Bytes of an answer that is not yet taken as a whole.
 struct UndeliveredBytes {
     bytes: Bytes,
     _untaken: DropGuard,
@@ -120,7 +120,7 @@ impl Drop for ConnectionState {
 }
 
 impl AnonymousConnections {
-    /// Takes in one more. Where there are too many the oldest is given up: whoever has the token shows it at once.
+    /// Adds a connection. Above the limit the oldest one is closed, since a client with the token shows it at once.
     fn enter(&self) -> (u64, CancellationToken) {
         let number = self.last.fetch_add(1, Ordering::Relaxed);
         let token = CancellationToken::new();
@@ -139,19 +139,20 @@ impl AnonymousConnections {
     }
 }
 
-/// How the server ends.
+/// Stages of a shutdown.
 #[derive(Clone, Debug, Default)]
 pub struct ShutdownSignals {
-    /// What was accepted is being finished. Connections end with the answer that they wait for; new ones get one answer each,
-    /// so that `/readyz` can say what goes on.
+    /// Accepted work is being finished. Connections close after their current answer. New connections get one answer
+    /// each, so `/readyz` can report the state.
     pub draining: CancellationToken,
     /// All sockets have ended.
     pub sockets_ended: CancellationToken,
 }
 
-/// Answers connections on `requests`, by `router`, until all that came before [`ShutdownSignals::is_draining`], and the sockets, have ended.
+/// Answers connections with `router` on `requests`, until all connections from before the `draining` stage and the
+/// sockets have ended.
 pub async fn serve(listener: TcpListener, requests: Handle, router: Router, ending: ShutdownSignals) {
-    // Its connections have the same.
+    // Accepted connections inherit these.
     let bounded = set_socket_recv_buffer_size(&listener, RECEIVE_BUFFER_BYTES)
         .and_then(|()| set_socket_send_buffer_size(&listener, SEND_BUFFER_BYTES));
     if let Err(error) = bounded {
@@ -200,15 +201,15 @@ pub async fn serve(listener: TcpListener, requests: Handle, router: Router, endi
     late.wait().await;
 }
 
-/// When a connection ends that nobody closes.
+/// End of a connection that neither side closes.
 enum ConnectionEnd {
-    /// With the answer that is under way when this is cancelled.
+    /// After the answer that is in progress when this is cancelled.
     AfterCurrentAnswer(CancellationToken),
-    /// After one answer; without, when this is cancelled before it is asked for.
+    /// After one answer. Without an answer if this is cancelled before a request arrives.
     AfterOneAnswer(CancellationToken),
 }
 
-/// The next connection and its permit. While there are too many, others wait in the system's queue.
+/// Accepts the next connection and takes its permit. While there are too many, others wait in the system's queue.
 async fn accept(
     listener: &TcpListener,
     permits: Arc<Semaphore>,
@@ -217,7 +218,7 @@ async fn accept(
     loop {
         match listener.accept().await {
             Ok((stream, _)) => {
-                // A frame or an edit is one small write; waiting to fill a packet would only delay it.
+                // A frame or an edit is one small write. Waiting to fill a packet would only delay it.
                 if let Err(error) = stream.set_nodelay(true) {
                     tracing::debug!("a connection delays its packets: {error}");
                 }
@@ -257,7 +258,7 @@ async fn serve_connection(
         ended = served.as_mut() => ended,
         () = connection.until_closed_by_server() => return,
         () = end.cancelled() => {
-            // One that has asked for nothing would be waited for in vain.
+            // A connection without a request would never end by itself.
             if !connection.0.has_requested.load(Ordering::Relaxed) {
                 return;
             }

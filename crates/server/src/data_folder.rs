@@ -1,4 +1,4 @@
-//! The data folder: one server has it, and whatever it holds is its owner's alone.
+//! The data folder: one server uses it, and only its owner can read it.
 
 use std::fs::{self, DirBuilder, File, Permissions, TryLockError};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
@@ -8,11 +8,12 @@ use store::{DATABASE_FILE, FILES, check_folder};
 
 use crate::ServerError;
 
-/// The file that holds the folder against a second server.
+/// File that locks the folder against a second server.
 const LOCK: &str = "lock";
 
-/// Makes the folder where it is missing. What an earlier version, or a copy, lets others do with one from before is taken
-/// from them; any other folder is not ours to close, but only what the server will put there.
+/// Makes the folder if it is missing. If it is a data folder, permissions of others are removed, which an earlier
+/// version or a copy may have left. The permissions of any other folder stay, and only the server's files are
+/// restricted.
 pub fn make(folder: &Path) -> Result<(), ServerError> {
     check_folder(folder)?;
     let unusable = |reason| ServerError::Data { path: folder.into(), reason };
@@ -32,7 +33,7 @@ pub fn make(folder: &Path) -> Result<(), ServerError> {
     Ok(())
 }
 
-/// Leaves a file or folder to its owner alone, or says that the system does not allow it. One that is missing is passed over.
+/// Restricts a file or folder to its owner, or logs that the system refuses. Ignores a missing one.
 fn restrict_to_owner(path: &Path) {
     let Ok(metadata) = fs::metadata(path) else { return };
     let mode = metadata.permissions().mode() & 0o777;
@@ -47,7 +48,7 @@ fn restrict_to_owner(path: &Path) {
     }
 }
 
-/// Takes the folder for as long as the file is open; refuses where another server has it.
+/// Locks the folder while the returned file is open. Gives an error if another server has the lock.
 pub fn lock(data: &Path) -> Result<File, ServerError> {
     let path = data.join(LOCK);
     let unusable = |reason| ServerError::Data { path: path.clone(), reason };

@@ -1,4 +1,4 @@
-//! A document's JSON, made once a revision for all who are sent it.
+//! JSON of a document, made once per revision for all clients.
 
 use std::sync::{Arc, OnceLock};
 
@@ -7,7 +7,7 @@ use document::Document;
 
 use crate::in_flight::{ByteBudget, ByteReservation};
 
-/// The JSON of a document as it is after one record. It is on the account for as long as anybody has it.
+/// JSON of the document after one record. It counts as bytes in flight while anybody holds it.
 #[derive(Debug)]
 pub struct DocumentText {
     document: Document,
@@ -16,12 +16,12 @@ pub struct DocumentText {
 }
 
 impl DocumentText {
-    /// Of this document; nothing is made yet.
+    /// Wraps the document. The text is made when it is first needed.
     pub fn new(document: Document, in_flight: ByteBudget) -> Self {
         Self { document, in_flight, made: OnceLock::new() }
     }
 
-    /// The text, made now where it is not there yet, which takes long for a large document.
+    /// Returns the text, and makes it first if necessary. That takes long for a large document.
     pub fn bytes(self: Arc<Self>) -> Bytes {
         self.json();
         Bytes::from_owner(Shared(self))

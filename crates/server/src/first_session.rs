@@ -1,4 +1,4 @@
-//! The session that a start leads to: made at the first, or with another scene.
+//! The session that a start opens: made at the first start, or for another scene.
 
 use std::path::Path;
 
@@ -10,26 +10,25 @@ use crate::ServerError;
 use crate::room::time_ms;
 use crate::scenes::DEMO;
 
-/// What the first session loads where nobody says.
+/// Default scene of the first session.
 const FIRST_SCENE: &str = "demo:vases";
-/// Of a scene's session; the rest is for a number behind it.
+/// Greatest length of a session name from a scene. The rest is for a number behind it.
 const MAX_STEM_CHARS: usize = MAX_NAME_CHARS - 4;
-/// How many names are tried for a session of a scene whose own name is taken.
+/// Number of names to try for a scene's session if its own name is taken.
 const MAX_NAME_TRIES: usize = 100;
 
-/// The session that a start leads to.
+/// The session that a start opens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StartSession {
-    /// What it is called.
     pub name: String,
-    /// What the first session keeps, where that holds another scene than was asked for.
+    /// Name of the first session's scene, if it has another scene than the requested one.
     pub scene_already_there: Option<String>,
 }
 
-/// Makes the first session, with its scene as its first record, or nothing. A session that has no record yet, as a start
-/// that was cut off could leave it once, is given the scene too. Where it holds another scene than `scene`, that gets a
-/// session of its own, which a second start with that scene finds again. A folder that has sessions and not this one, as
-/// where people have deleted it, gets it for a scene alone.
+/// Makes the first session with its scene as first record, completely or not at all. A session without records, which
+/// an interrupted start could once leave, gets the scene too. If the first session has another scene than `scene`, that
+/// scene gets its own session, which a second start with that scene finds again. In a folder with sessions but without
+/// the first one, since people deleted it, the first session is made only for a given `scene`.
 pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<StartSession, ServerError> {
     let sessions = store.sessions()?;
     let is_begun = sessions.iter().any(|row| row.name == name && row.seq > 0);
@@ -64,7 +63,8 @@ pub fn ensure(store: &mut Store, name: &str, scene: Option<&str>) -> Result<Star
     Err(ServerError::NoSessionName(stem))
 }
 
-/// Whether a session began with a scene, or holds it now. One that cannot be read does neither: it keeps nobody from starting.
+/// True if a session began with a scene or has it now. False for a session that cannot be read, so that it does not
+/// prevent a start.
 fn uses_scene(store: &Store, session: &str, asset: AssetHash) -> bool {
     let holds = |session: Result<Session, StoreError>| {
         session.is_ok_and(|session| session.document().scene().is_some_and(|scene| scene.asset == asset))
@@ -72,7 +72,7 @@ fn uses_scene(store: &Store, session: &str, asset: AssetHash) -> bool {
     holds(store.replay(session, Some(1))) || holds(store.open_session(session).map(|opened| opened.session))
 }
 
-/// Gives a session that is missing or empty its scene.
+/// Adds its scene to a session that is missing or empty.
 fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(), ServerError> {
     let (asset, contents) = store_scene(store, scene, bytes)?;
     let actor = Actor { id: "server".into(), name: "Server".into() };
@@ -92,7 +92,7 @@ fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(),
     Ok(())
 }
 
-/// What a session of a scene is called: the file's or the demo's name without its ending, as far as it may name one.
+/// Session name for a scene: the name of the file or demo without its extension, limited to valid characters.
 fn session_name(scene: &str) -> String {
     let label = scene_label(scene);
     let label = label.strip_prefix(DEMO).unwrap_or(&label);
@@ -103,7 +103,7 @@ fn session_name(scene: &str) -> String {
     if name.is_empty() { "scene".into() } else { name.into() }
 }
 
-/// One file that holds all of a scene.
+/// Reads a scene into the bytes of one file.
 fn bytes_of(name: &str) -> Result<Vec<u8>, ServerError> {
     match name.strip_prefix(DEMO) {
         Some(demo) => assets::demo_bytes(demo).ok_or_else(|| ServerError::NoDemo(demo.into())),
@@ -111,7 +111,7 @@ fn bytes_of(name: &str) -> Result<Vec<u8>, ServerError> {
     }
 }
 
-/// Keeps a scene and what it is called; gives what comes with it.
+/// Stores a scene and its display name. Returns the scene's contents.
 fn store_scene(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, SceneContents), ServerError> {
     let loaded =
         assets::load_bytes(bytes).map_err(|error| assets::AssetError { file: name.into(), ..error })?;
@@ -123,7 +123,7 @@ fn store_scene(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, Sc
     Ok((asset, loaded.contents))
 }
 
-/// What people call a scene: a demo by its name, a file by its last part, as far as that is fit to be a name.
+/// Display name of a scene: the name of a demo, or the last part of a path, limited to valid characters.
 fn scene_label(name: &str) -> String {
     let label = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= light::MAX_NAME_BYTES);

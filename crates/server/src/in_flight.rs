@@ -1,6 +1,6 @@
-//! The account of bytes in flight: requests' bodies until they are answered, and large answers and messages until they
-//! are taken. One for all clients, so that no number of them makes the server hold more. Bodies have half of it: whoever sends
-//! as many as fit keeps nobody from being answered.
+//! Account of bytes in flight: request bodies until they are answered, and large answers and messages until they are
+//! taken. All clients share one account, so their number does not increase the server's memory. Bodies get half of it,
+//! so a client that sends as many as fit does not prevent answers.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,68 +13,67 @@ use crate::limits::{
     MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, MIN_DELIVERY_BYTES_PER_SECOND, SEND_TIMEOUT,
 };
 
-/// The account. Clones are of the same one.
+/// The account. Clones share it.
 #[derive(Clone, Debug, Default)]
 pub struct ByteBudget(Arc<BudgetCounters>);
 
 #[derive(Debug, Default)]
 struct BudgetCounters {
     bytes: AtomicUsize,
-    /// Those of them that are bodies'.
+    /// Part of `bytes` that belongs to bodies.
     body_bytes: AtomicUsize,
 }
 
-/// Bytes on the account; dropping it takes them off.
+/// Bytes on the account. Dropping this takes them off.
 #[derive(Debug)]
 pub struct ByteReservation {
     account: ByteBudget,
     bytes: usize,
 }
 
-/// Bytes of a body on the account; dropping it takes them off.
+/// Bytes of a body on the account. Dropping this takes them off.
 #[derive(Debug)]
 pub struct BodyReservation(ByteReservation);
 
 impl ByteBudget {
-    /// Puts bytes on the account where they fit. Where nothing else is there, anything does.
+    /// Reserves bytes if they fit. On an empty account any number fits.
     pub fn reserve(&self, bytes: usize) -> Result<ByteReservation, ServerError> {
         try_add(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
         Ok(ByteReservation { account: self.clone(), bytes })
     }
 
-    /// A body that has no bytes yet.
+    /// Starts a reservation of zero bytes for a body.
     pub fn body(&self) -> BodyReservation {
         BodyReservation(self.reserve_unchecked(0))
     }
 
-    /// Puts bytes on the account whether they fit or not: what is there already, and has to be sent.
+    /// Reserves bytes even if they do not fit: for data that already exists and has to be sent.
     pub fn reserve_unchecked(&self, bytes: usize) -> ByteReservation {
         self.0.bytes.fetch_add(bytes, Ordering::Relaxed);
         ByteReservation { account: self.clone(), bytes }
     }
 
-    /// Refuses where it is full.
+    /// Gives an error if the account is full.
     pub fn check(&self) -> Result<(), ServerError> {
         if self.is_full() { Err(ServerError::Busy) } else { Ok(()) }
     }
 
-    /// Whether nothing more fits.
+    /// True if nothing more fits.
     pub fn is_full(&self) -> bool {
         self.bytes() >= MAX_BYTES_IN_FLIGHT
     }
 
-    /// What is on it now.
     pub fn bytes(&self) -> usize {
         self.0.bytes.load(Ordering::Relaxed)
     }
 }
 
-/// How long bytes may take to be taken.
+/// Time within which a client has to take that many bytes.
 pub fn delivery_timeout(bytes: usize) -> Duration {
     SEND_TIMEOUT + Duration::from_secs_f64(bytes as f64 / MIN_DELIVERY_BYTES_PER_SECOND as f64)
 }
 
-/// Adds bytes to a sum that may be so much at most. Where it is nothing, anything fits.
+/// Adds bytes to a sum up to a limit. To zero any number can be added.
 fn try_add(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
     let fits = |held: usize| {
         let sum = held.saturating_add(bytes);
@@ -85,7 +84,7 @@ fn try_add(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerErr
 }
 
 impl BodyReservation {
-    /// Makes it as large as `bytes` at least, where that fits.
+    /// Grows the reservation to at least `bytes`, if that fits.
     pub fn grow_to(&mut self, bytes: usize) -> Result<(), ServerError> {
         let more = bytes.saturating_sub(self.0.bytes);
         let account = &self.0.account.0;
@@ -106,7 +105,7 @@ impl Drop for BodyReservation {
 }
 
 impl ByteReservation {
-    /// The same bytes, on the account until the last clone of them is dropped.
+    /// Wraps bytes so that they stay on the account until their last clone is dropped.
     pub fn attach_to(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
         Bytes::from_owner(Owned { bytes, _reservation: self })
     }

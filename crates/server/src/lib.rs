@@ -1,7 +1,12 @@
-//! The server: sessions over WebSocket and HTTP, as `protocol/SPEC.md` says.
+//! The server of sessions over WebSocket and HTTP, as `protocol/SPEC.md` specifies.
 //!
-//! Each session is a task with an inbox (`room`), each connection two (`socket`). One thread owns the graphics device
-//! (`renderer`), one writes to the store (`storage`). What blocks or computes for long runs on the blocking pool.
+//! - Each session is a task with an inbox (`room`). Each WebSocket connection has two tasks (`socket`).
+//! - One thread owns the graphics device (`renderer`), and one writes to the store (`storage`).
+//! - Blocking and long work runs on the blocking pool, on background threads (`background`) or on solver threads
+//!   (`solver`).
+//!
+//! The crate shapes no JSON: `protocol` converts between JSON and domain types. It knows no light model, no edit rules
+//! and no rendering of its own. Begin with [`Server`], then `socket`, `room` and `renderer`.
 
 mod access;
 mod allowances;

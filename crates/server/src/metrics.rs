@@ -1,4 +1,4 @@
-//! What the server counts, for `GET /metrics`.
+//! Metrics of the server, for `GET /metrics`.
 
 use std::time::Duration;
 
@@ -16,102 +16,99 @@ use crate::in_flight::ByteBudget;
 #[cfg(target_os = "linux")]
 use crate::process_metrics::ProcessMetrics;
 
-/// Every count, with the registry that knows their names.
+/// All metrics, with the registry of their names.
 #[derive(Debug)]
 pub struct Metrics {
     registry: Registry,
-    /// Requests that were answered, by route, method and status.
+    /// Answered requests, by route, method and status.
     requests: Family<RequestLabel, Counter>,
-    /// Answers that refuse, by their code.
+    /// Error answers, by code.
     errors: Family<ErrorLabel, Counter>,
-    /// From a request's head to its answer's, by route.
+    /// Time from a request's head to its answer's, by route.
     request_seconds: Family<RouteLabel, Histogram, fn() -> Histogram>,
-    /// Requests that are being answered, or wait for it.
+    /// Requests that are being answered or wait for it.
     requests_under_way: Gauge,
-    /// Pictures that wait for a turn, by how soon they are wanted.
+    /// Pictures that wait for a turn, by urgency.
     render_queue: Family<UrgencyLabel, Gauge>,
-    /// From a change to the beginning of a view's picture of it.
+    /// Time from a change to the start of a view's picture of it.
     pub frame_wait_seconds: Histogram,
-    /// Pictures drawn for views.
     pub frames_rendered: Counter,
-    /// Pictures encoded for views.
     pub frames_encoded: Family<CodecLabel, Counter>,
     /// Frames given to sockets.
     pub frames_sent: Family<CodecLabel, Counter>,
-    /// Their bytes.
     pub frame_bytes_sent: Counter,
-    /// Requests for records, by what became of them.
+    /// Requests for records, by outcome.
     pub edits: Family<OutcomeLabel, Counter>,
-    /// Transactions of the store.
+    /// Time of the store's transactions.
     pub commit_seconds: Histogram,
-    /// Renders for views.
+    /// Time of renders for views.
     pub render_seconds: Histogram,
-    /// Turns of the renderer: each a part of a picture, or all of it.
+    /// Time of the renderer's turns. Each draws a picture or a part of it.
     pub render_turn_seconds: Histogram,
-    /// Encodings for views.
+    /// Time of encodings for views.
     pub encode_seconds: Histogram,
     /// Clients that have said hello.
     pub clients: Gauge,
-    /// Sessions that are open.
+    /// Open sessions.
     pub rooms: Gauge,
-    /// Scenes' files decoded, each of which may take gigabytes.
+    /// Decoded scene files, each of which may take gigabytes.
     pub scenes_decoded: Counter,
-    /// How often pictures for HTTP were worked on.
+    /// Turns of pictures for HTTP.
     pub still_turns: Counter,
-    /// How often the one under way was that was so least often.
+    /// Least number of turns of a picture for HTTP in progress.
     pub least_still_turns: Gauge,
-    /// Drags of features that are solved or wait for it.
+    /// Feature drags that are solved or wait.
     pub solves_under_way: Gauge,
-    /// Bytes that the renderer keeps, by kind; read from its budget when they are asked for.
+    /// Bytes of the renderer by kind, read from its budget on request.
     render_bytes: Family<MemoryLabel, Gauge>,
     render_memory: MemoryBudget,
-    /// Bytes of bodies, answers and messages; read from their account when they are asked for.
+    /// Bytes of bodies, answers and messages, read from their account on request.
     bytes_in_flight: Gauge,
     in_flight: ByteBudget,
 }
 
-/// By encoding.
+/// Label of the encoding.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct CodecLabel {
     codec: &'static str,
 }
 
-/// `committed`, or the code of the rejection.
+/// Label `committed`, or the code of the rejection.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct OutcomeLabel {
     outcome: &'static str,
 }
 
-/// By what was asked for, and what came of it.
+/// Label of a request and its answer.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct RequestLabel {
     /// `GET`, `HEAD`, `POST` or `other`.
     pub method: &'static str,
-    /// As the router has it: `/sessions/{name}`.
+    /// Route of the router: `/sessions/{name}`.
     pub route: String,
-    /// Of HTTP.
+    /// HTTP status.
     pub status: u16,
 }
 
-/// By what was asked for.
+/// Label of the route.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct RouteLabel {
     route: String,
 }
 
-/// By what programs are told to act on.
+/// Label of the error code.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct ErrorLabel {
     code: &'static str,
 }
 
-/// By how soon a picture is wanted.
+/// Label of the urgency of a picture.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct UrgencyLabel {
     urgency: &'static str,
 }
 
-/// By what memory is kept for.
+/// Label of the kind of memory.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 struct MemoryLabel {
     kind: &'static str,
@@ -128,9 +125,9 @@ impl From<Codec> for CodecLabel {
 }
 
 impl Metrics {
-    /// All at zero.
+    /// Makes the metrics, all at zero.
     pub fn new(render_memory: MemoryBudget, in_flight: ByteBudget) -> Self {
-        // From a millisecond to 8 seconds, each bound twice the one before.
+        // From a millisecond to 8 seconds. Each bound is twice the one before.
         let seconds: fn() -> Histogram = || Histogram::new(exponential_buckets(0.001, 2.0, 14));
         let mut metrics = Self {
             registry: Registry::default(),
@@ -164,7 +161,7 @@ impl Metrics {
         metrics
     }
 
-    /// The account of what the renderer keeps.
+    /// The account of the renderer's memory.
     pub fn render_memory(&self) -> &MemoryBudget {
         &self.render_memory
     }
@@ -218,19 +215,19 @@ impl Metrics {
         registry.register("render_bytes_budget", "Bytes that the renderer keeps at most", budget);
     }
 
-    /// Counts a request for a record that was committed, or refused with a code.
+    /// Counts a request for a record as committed, or as refused with a code.
     pub fn count_edit(&self, refused: Option<ErrorCode>) {
         let outcome = refused.map_or("committed", ErrorCode::name);
         self.edits.get_or_create(&OutcomeLabel { outcome }).inc();
     }
 
-    /// A request is under way until what this gives is dropped.
+    /// Counts a request as in progress until the result is dropped.
     pub fn request_begins(&self) -> RequestUnderWay {
         self.requests_under_way.inc();
         RequestUnderWay(self.requests_under_way.clone())
     }
 
-    /// Counts a request that was answered, with this code where it was refused.
+    /// Counts an answered request, with its code if it was refused.
     pub fn count_request(&self, label: &RequestLabel, refused: Option<ErrorCode>, took: Duration) {
         let route = RouteLabel { route: label.route.clone() };
         self.request_seconds.get_or_create(&route).observe(took.as_secs_f64());
@@ -240,12 +237,12 @@ impl Metrics {
         }
     }
 
-    /// So many pictures of an urgency wait.
+    /// Sets the number of waiting pictures of an urgency.
     pub fn note_queue(&self, urgency: &'static str, waiting: usize) {
         self.render_queue.get_or_create(&UrgencyLabel { urgency }).set(gauge(waiting as u64));
     }
 
-    /// All of them in Prometheus' text format.
+    /// All metrics in Prometheus' text format.
     pub fn to_text(&self) -> String {
         for kind in MemoryKind::ALL {
             let label = MemoryLabel { kind: kind.name() };
@@ -258,7 +255,7 @@ impl Metrics {
     }
 }
 
-/// A request that is under way.
+/// A request in progress.
 pub struct RequestUnderWay(Gauge);
 
 impl Drop for RequestUnderWay {

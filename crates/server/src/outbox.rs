@@ -1,9 +1,9 @@
-//! What waits to be sent to a client, in two queues: control messages, ordered, and frames, which may be dropped, each with
-//! what is told of it.
+//! Outbox of a client, with two queues: ordered control messages, and frames with their statistics, which may be
+//! dropped.
 //!
-//! What is broadcast goes to each client as long as its outbox has room. Past that the client is behind: it is sent
-//! nothing more until its outbox is empty, and then the session as it is by then, in one message. So a client may read as
-//! slowly as it likes; it holds up nobody and takes a bounded part of the memory.
+//! Broadcasts go to a client while its outbox has room. A client without room falls behind: it gets nothing more until
+//! its outbox is empty, and then the current state of the session in one message. So a client may read as slowly as it
+//! likes. It delays nobody and takes a bounded part of the memory.
 
 use std::sync::Arc;
 
@@ -15,38 +15,38 @@ use crate::ServerError;
 use crate::in_flight::ByteBudget;
 use crate::limits::{CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE, READ_PAUSE_BYTES, SMALL_BYTES};
 
-/// What goes over a socket as one message.
+/// A message to a socket.
 #[derive(Debug)]
 pub enum SocketMessage {
-    /// A control message.
     Text(SharedText),
     /// A frame, or a tile of one.
     Binary(Bytes),
 }
 
-/// A control message as it goes over the wire, in pieces: what is sent to many stands in a piece of its own, which they share.
+/// A control message in its wire form, in pieces. Text that is sent to many clients is a piece of its own, which they
+/// share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SharedText {
     pieces: Vec<Bytes>,
-    /// Bytes of what is not the text of a document.
+    /// Size without the text of a document.
     own_bytes: usize,
 }
 
 impl SharedText {
-    /// The text of a message, on the account until all have taken it.
+    /// Makes the text of a message. It is on the account until all receivers have taken it.
     pub fn of(message: &ServerMessage, in_flight: &ByteBudget) -> Self {
         let text = counted(json(message), in_flight);
         Self { own_bytes: text.len(), pieces: vec![text] }
     }
 
-    /// The text of a message that holds an empty document, with the text of another in its place.
+    /// Makes the text of a message with an empty document, replaced by the given text.
     pub fn with_document(message: &ServerMessage, document: Bytes, in_flight: &ByteBudget) -> Self {
         let (before, after) = protocol::json_around_document(message);
         let own_bytes = before.len() + after.len();
         Self { pieces: vec![counted(before, in_flight), document, counted(after, in_flight)], own_bytes }
     }
 
-    /// Its bytes, in order.
+    /// The bytes, in order.
     pub fn into_pieces(self) -> Vec<Bytes> {
         self.pieces
     }
@@ -58,35 +58,35 @@ impl From<String> for SharedText {
     }
 }
 
-/// The sending end. Dropping it closes the connection once the control queue is empty.
+/// Sending end of an outbox. Dropping it closes the connection once the control queue is empty.
 #[derive(Debug)]
 pub struct Outbox {
     control: mpsc::UnboundedSender<SharedText>,
     frames: mpsc::Sender<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
-    /// Answers to a client that is behind: they may refer to what it has not been told yet. `None` where it is not.
+    /// Answers to a client that is behind, which may refer to messages it has not received. `None` if it is not behind.
     deferred_answers: Option<Vec<SharedText>>,
     in_flight: ByteBudget,
 }
 
-/// The receiving end, for the task that writes to the socket.
+/// Receiving end of an outbox, for the task that writes to the socket.
 #[derive(Debug)]
 pub struct OutboxReceiver {
-    /// Texts to send, first of all.
+    /// Texts, to be sent before frames.
     pub control: mpsc::UnboundedReceiver<SharedText>,
-    /// Frames to send where no text waits: a message a tile, and what is told of the frame behind its last.
+    /// Frames, to be sent if no text waits: one message per tile, and the statistics of a frame behind its last.
     pub frames: mpsc::Receiver<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
 }
 
-/// The control messages that a client has not taken yet, those that are held included.
+/// Control messages that a client has not taken yet, including deferred answers.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Backlog {
     messages: usize,
     bytes: usize,
 }
 
-/// An empty outbox and its receiving end. What waits in it is on that account.
+/// Makes an empty outbox with its receiving end. Its messages are on that account.
 pub fn outbox(in_flight: ByteBudget) -> (Outbox, OutboxReceiver) {
     let (control, control_end) = mpsc::unbounded_channel();
     let (frames, frames_end) = mpsc::channel(FRAME_QUEUE);
@@ -96,13 +96,13 @@ pub fn outbox(in_flight: ByteBudget) -> (Outbox, OutboxReceiver) {
 }
 
 impl Outbox {
-    /// Sends what this client has requested or alone is to know. It always gets there: a client that lets its answers
-    /// pile up is not listened to meanwhile.
+    /// Sends an answer, or a message for this client alone. It always arrives: the requests of a client that does not
+    /// take its answers are not read meanwhile.
     pub fn send(&mut self, message: &ServerMessage) {
         self.send_text(SharedText::of(message, &self.in_flight));
     }
 
-    /// As [`Self::send`], of a message that is text already.
+    /// Sends a message that is already text, like [`Self::send`].
     pub fn send_text(&mut self, text: SharedText) {
         self.backlog.send_modify(|backlog| backlog.add(&text));
         match &mut self.deferred_answers {
@@ -111,7 +111,7 @@ impl Outbox {
         }
     }
 
-    /// Sends what is broadcast, where there is room for it. Where there is none the client is behind.
+    /// Sends a broadcast if there is room for it. Otherwise the client falls behind.
     pub fn try_broadcast(&mut self, text: SharedText) {
         if self.deferred_answers.is_some() {
             return;
@@ -124,17 +124,17 @@ impl Outbox {
         }
     }
 
-    /// Whether something that was broadcast did not fit.
+    /// True if a broadcast did not fit.
     pub fn is_behind(&self) -> bool {
         self.deferred_answers.is_some()
     }
 
-    /// Whether the client is behind and has taken all that it was sent.
+    /// True if the client is behind and has taken everything that it was sent.
     pub fn can_catch_up(&self) -> bool {
         self.deferred_answers.as_ref().is_some_and(|held| self.backlog.borrow().messages == held.len())
     }
 
-    /// Sends a client that is behind the session as it is, and then its answers.
+    /// Sends a client that is behind the current state of the session, and then its answers.
     pub fn catch_up(&mut self, resync: SharedText) {
         let held = self.deferred_answers.take().unwrap_or_default();
         self.send_text(resync);
@@ -143,62 +143,63 @@ impl Outbox {
         }
     }
 
-    /// Sends what is wrong; `fatal` where the connection ends with it.
+    /// Sends an error. The connection ends with it if it is `fatal`.
     pub fn send_error(&mut self, error: &ServerError, fatal: bool) {
         self.send(&error_message(error, fatal));
     }
 
-    /// Whether it takes one more frame. A client that is behind is shown nothing that it has not been told.
+    /// True if there is room for a frame. A client that is behind gets no frames, since they may show records it has
+    /// not received.
     pub fn can_take_frame(&self) -> bool {
         self.deferred_answers.is_none() && self.frames.capacity() > 0
     }
 
-    /// Whether it takes a frame and holds none that the client has not taken.
+    /// True if there is room for a frame and the client has taken all earlier ones.
     pub fn has_empty_frame_queue(&self) -> bool {
         self.deferred_answers.is_none() && self.frames.capacity() == FRAME_QUEUE
     }
 
-    /// Sends the messages of a frame, or some of them; without room for them they are lost.
+    /// Sends some or all messages of a frame. Drops them if there is no room.
     pub fn send_frame(&self, messages: Vec<SocketMessage>) {
         let _ = self.frames.try_send(messages);
     }
 
-    /// Whether the connection is over.
+    /// True if the connection is closed.
     pub fn is_closed(&self) -> bool {
         self.control.is_closed()
     }
 
     fn queue(&self, text: SharedText) {
-        // A connection that is over takes nothing; the session lets go of its client soon.
+        // A closed connection takes nothing. The room removes its client soon.
         let _ = self.control.send(text);
     }
 }
 
 impl OutboxReceiver {
-    /// The client has taken a text.
+    /// Notes that the client has taken a text.
     pub fn note_delivered(&self, text: &SharedText) {
         self.backlog.send_modify(|backlog| backlog.remove(text));
     }
 
-    /// What the client has not taken, to wait on.
+    /// The backlog of the client, to wait on.
     pub fn backlog(&self) -> watch::Receiver<Backlog> {
         self.backlog.subscribe()
     }
 }
 
 impl Backlog {
-    /// Whether the client reads what it is sent.
+    /// True if the client reads its messages.
     pub fn is_reading(&self) -> bool {
         self.messages < CONTROL_QUEUE && self.bytes < READ_PAUSE_BYTES
     }
 
-    /// Whether `text` fits. Where nothing waits, anything does.
+    /// True if `text` fits. In an empty queue any text does.
     fn fits(&self, text: &SharedText) -> bool {
         self.messages == 0 || self.messages < CONTROL_QUEUE && self.bytes + text.own_bytes <= CONTROL_BYTES
     }
 
-    /// Whether what waits is still little with `text`: others' large bodies and answers hold up nobody's small messages. Where
-    /// nothing waits, anything is.
+    /// True if the queue stays small with `text`, so large bodies and answers of other clients do not delay small
+    /// messages. In an empty queue any text does.
     fn stays_small_with(&self, text: &SharedText) -> bool {
         self.messages == 0 || self.bytes + text.own_bytes <= SMALL_BYTES
     }
@@ -214,7 +215,7 @@ impl Backlog {
     }
 }
 
-/// A control message as it goes over the wire, for what is sent with a frame and counts as part of it.
+/// A control message in its wire form, for messages that are sent with a frame and count as part of it.
 pub fn text(message: &ServerMessage) -> SharedText {
     json(message).into()
 }
@@ -227,7 +228,7 @@ fn counted(text: String, in_flight: &ByteBudget) -> Bytes {
     in_flight.reserve_unchecked(text.len()).attach_to(text)
 }
 
-/// The message that says what is wrong.
+/// The message for an error.
 pub fn error_message(error: &ServerError, fatal: bool) -> ServerMessage {
     let Problem { code, message } = error.problem();
     ServerMessage::Error { code, message, fatal }

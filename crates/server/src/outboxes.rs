@@ -8,10 +8,9 @@ use crate::ServerError;
 use crate::in_flight::ByteBudget;
 use crate::outbox::{Outbox, SharedText, SocketMessage, error_message};
 
-/// A client of a session. Counts from 1 while the session is open.
+/// Number of a client in a session. Counts from 1 while the session is open.
 pub type ClientId = u64;
 
-/// An outbox for each client.
 #[derive(Debug)]
 pub struct Outboxes {
     boxes: BTreeMap<ClientId, Outbox>,
@@ -19,36 +18,35 @@ pub struct Outboxes {
 }
 
 impl Outboxes {
-    /// None yet. What waits in them is on that account.
+    /// Starts without outboxes. Their messages are on that account.
     pub fn new(in_flight: ByteBudget) -> Self {
         Self { boxes: BTreeMap::new(), in_flight }
     }
 
-    /// A client has come.
     pub fn insert(&mut self, client: ClientId, outbox: Outbox) {
         self.boxes.insert(client, outbox);
     }
 
-    /// A client is let go: its connection closes once it has taken what waits.
+    /// Removes a client. Its connection closes once it has taken its waiting messages.
     pub fn remove(&mut self, client: ClientId) {
         self.boxes.remove(&client);
     }
 
-    /// Sends a client what it has requested, or alone is to know.
+    /// Sends a client an answer, or a message for it alone.
     pub fn send(&mut self, client: ClientId, message: &ServerMessage) {
         if let Some(outbox) = self.boxes.get_mut(&client) {
             outbox.send(message);
         }
     }
 
-    /// As [`Self::send`], of a message that is text already.
+    /// Sends a message that is already text, like [`Self::send`].
     pub fn send_text(&mut self, client: ClientId, text: SharedText) {
         if let Some(outbox) = self.boxes.get_mut(&client) {
             outbox.send_text(text);
         }
     }
 
-    /// Sends every client what each has to know, however far behind it is.
+    /// Sends every client a message, even if it is behind.
     pub fn send_all(&mut self, message: &ServerMessage) {
         let text = SharedText::of(message, &self.in_flight);
         for outbox in self.boxes.values_mut() {
@@ -56,7 +54,8 @@ impl Outboxes {
         }
     }
 
-    /// Sends all clients but those that are behind; they will be sent the outcome. `requester` is sent it in any case.
+    /// Sends all clients a message, except for those that are behind, which get the outcome later. `requester` gets it
+    /// in any case.
     pub fn broadcast(&mut self, message: &ServerMessage, requester: Option<ClientId>) {
         let text = SharedText::of(message, &self.in_flight);
         for (id, outbox) in &mut self.boxes {
@@ -68,24 +67,24 @@ impl Outboxes {
         }
     }
 
-    /// Sends a client what was wrong with its request.
+    /// Sends a client the error of its request.
     pub fn send_error(&mut self, client: ClientId, error: &ServerError) {
         self.send(client, &error_message(error, false));
     }
 
-    /// Sends a client, unless it is behind, what is wrong without its doing.
+    /// Sends a client an error that it did not cause, unless it is behind.
     pub fn warn(&mut self, client: ClientId, error: &ServerError) {
         if let Some(outbox) = self.boxes.get_mut(&client) {
             outbox.try_broadcast(SharedText::of(&error_message(error, false), &self.in_flight));
         }
     }
 
-    /// Whether a client takes one more frame.
+    /// True if a client has room for a frame.
     pub fn can_take_frame(&self, client: ClientId) -> bool {
         self.boxes.get(&client).is_some_and(Outbox::can_take_frame)
     }
 
-    /// Whether a client has taken all frames that it was sent, and takes more.
+    /// True if a client has room for a frame and has taken all earlier ones.
     pub fn has_empty_frame_queue(&self, client: ClientId) -> bool {
         self.boxes.get(&client).is_some_and(Outbox::has_empty_frame_queue)
     }
@@ -97,22 +96,22 @@ impl Outboxes {
         }
     }
 
-    /// The clients whose connection is over.
+    /// The clients whose connection is closed.
     pub fn closed(&self) -> Vec<ClientId> {
         self.boxes.iter().filter(|(_, outbox)| outbox.is_closed()).map(|(id, _)| *id).collect()
     }
 
-    /// Whether a client is behind.
+    /// True if a client is behind.
     pub fn is_behind(&self, client: ClientId) -> bool {
         self.boxes.get(&client).is_some_and(Outbox::is_behind)
     }
 
-    /// Whether there is one that `chosen` picks.
+    /// True if `chosen` is true for an outbox.
     pub fn any(&self, chosen: impl Fn(&Outbox) -> bool) -> bool {
         self.boxes.values().any(chosen)
     }
 
-    /// Sends the clients that `chosen` picks of those behind the session as it is.
+    /// Sends the current state of the session to the clients for which `chosen` is true, which must be behind.
     pub fn catch_up(&mut self, chosen: impl Fn(&Outbox) -> bool, resync: &SharedText) {
         for outbox in self.boxes.values_mut().filter(|outbox| chosen(outbox)) {
             outbox.catch_up(resync.clone());

@@ -1,4 +1,5 @@
-//! Who sends much waits while another client's hand moves a view: what is sent is read later, and nothing is refused.
+//! Throttling of clients that send much while a user of another client moves a view. Their messages are read later, and
+//! nothing is refused.
 
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -15,7 +16,7 @@ use crate::limits::{
 };
 use crate::views::MovingPixels;
 
-/// Messages of one socket, of which edits count among those of its client too.
+/// Throttle of a socket's messages. Edits also count for the client.
 #[derive(Debug)]
 pub struct SocketPacing {
     payer: Payer,
@@ -24,15 +25,15 @@ pub struct SocketPacing {
     edits: Arc<RequestPacing>,
 }
 
-/// Edits of all clients, or requests.
+/// Throttle of edits, or of requests, of all clients.
 #[derive(Debug)]
 pub struct RequestPacing {
     allowances: Mutex<Allowances>,
     moving: Arc<MovingPixels>,
 }
 
-/// Decoding of uploaded scenes, of all clients. Uploads wait for one another here, so that who opens a scene waits for no upload
-/// that waits itself.
+/// Throttle of the decoding of uploads, of all clients. Uploads wait for each other here, so opening a scene does not
+/// wait for an upload that itself waits.
 #[derive(Debug)]
 pub struct UploadPacing {
     allowance: Allowance,
@@ -40,7 +41,7 @@ pub struct UploadPacing {
 }
 
 impl SocketPacing {
-    /// Of a socket of that client, beside its edits by requests and other sockets.
+    /// Makes the throttle of a socket of that client. It shares `edits` with requests and other sockets.
     pub fn new(payer: Payer, edits: &Arc<RequestPacing>) -> Self {
         let allowance = Allowance::full(THROTTLED_MESSAGE_RATE, Instant::now());
         Self { payer, allowance, moving: Arc::clone(&edits.moving), edits: Arc::clone(edits) }
@@ -52,19 +53,19 @@ impl SocketPacing {
         wait_while_others_interact(&self.moving, self.payer.actor_id(), try_take).await;
     }
 
-    /// Waits until its next edit may be carried out.
+    /// Waits until the next edit may be carried out.
     pub async fn wait_to_edit(&self) {
         self.edits.wait(&self.payer, 1.0 + MESSAGE_COST_EDITS).await;
     }
 }
 
 impl RequestPacing {
-    /// Nobody has asked for anything, of which a client may have so much beside the hand of another.
+    /// Makes a throttle with that rate per client beside interactive clients.
     pub fn new(rate: AllowanceRate, moving: Arc<MovingPixels>) -> Self {
         Self { allowances: Mutex::new(Allowances::new(rate)), moving }
     }
 
-    /// Waits until a client's next request may be carried out, which counts for so much.
+    /// Waits until a client's next request may be carried out, which counts for `count`.
     pub async fn wait(&self, payer: &Payer, count: f64) {
         let try_take = |now| {
             let mut allowances = self.allowances.lock().unwrap_or_else(PoisonError::into_inner);
@@ -75,13 +76,12 @@ impl RequestPacing {
 }
 
 impl UploadPacing {
-    /// Nothing has been decoded.
     pub fn new(moving: Arc<MovingPixels>) -> Self {
         Self { allowance: Allowance::full(THROTTLED_UPLOAD_RATE, Instant::now()), moving }
     }
 
-    /// Does `decode` in the background, once an upload may be decoded and nothing else is. Gives the permit of `decoding` back with
-    /// what came of it.
+    /// Runs `decode` in the background, once an upload may be decoded and nothing else is. Returns its result with the
+    /// permit of `decoding`.
     pub async fn run<T: Send + 'static>(
         mut turn: OwnedMutexGuard<Self>,
         decoding: &Arc<Semaphore>,
@@ -94,7 +94,7 @@ impl UploadPacing {
             let start = Instant::now();
             let decoded = decode();
             let now = Instant::now();
-            // Also where nobody waits for it any more: the turn moves into the thread.
+            // The upload is charged even if nobody waits for it any more, since the turn moves into the thread.
             turn.allowance.take((now - start).min(MAX_UPLOAD_CHARGE).as_secs_f64(), now);
             decoded
         };
@@ -102,7 +102,8 @@ impl UploadPacing {
     }
 }
 
-/// Waits until nobody else's hand moves a view, or until there is something to take; `try_take` takes it, or says when there will be.
+/// Waits until no other client is interactive, or until `try_take` succeeds. `try_take` takes an amount or returns the
+/// time at which it can.
 async fn wait_while_others_interact(
     moving: &MovingPixels,
     actor_id: Option<&Arc<str>>,
@@ -114,7 +115,7 @@ async fn wait_while_others_interact(
             return;
         }
         let Err(back_at) = try_take(now) else { return };
-        // By then the hand may rest.
+        // The other client may be at rest by then.
         sleep_until(back_at.min(now + MOVING_FOR).into()).await;
     }
 }
@@ -142,7 +143,7 @@ mod tests {
         SocketPacing::new(Payer::new(&"shot".into(), actor), &edits)
     }
 
-    /// Seconds until so many more messages than are saved up have been let through.
+    /// Seconds until that many more messages than the burst have been let through.
     async fn seconds_of_messages(moving: Arc<MovingPixels>, more: f64) -> f64 {
         let (mut pacing, start) = (pacing_of("ben", moving), Instant::now());
         for _ in 0..(THROTTLED_MESSAGE_RATE.burst + more) as usize {
@@ -154,7 +155,7 @@ mod tests {
     #[tokio::test]
     async fn messages_wait_while_another_client_interacts() {
         let more = 100.0;
-        // The one before the first that waits is taken though less than one is left.
+        // The message before the first one that waits is let through, though less than one token is left.
         let least = (more - 2.0) / THROTTLED_MESSAGE_RATE.per_second;
         let beside_another = seconds_of_messages(moved_by("ada"), more).await;
         assert!(beside_another > least, "{beside_another} s");
@@ -169,14 +170,14 @@ mod tests {
     async fn edits_wait_for_those_of_their_session_whoever_makes_them() {
         let pacing = RequestPacing::new(THROTTLED_EDIT_RATE, moved_by("ada"));
         let payer = |session: &str, actor: &str| Payer::new(&session.into(), actor);
-        // The hand moves for 300 ms after its last picture, and this much comes back in less.
+        // A view counts as moving for 300 ms after its last picture, and this amount refills in less.
         let more = 30.0;
         pacing.wait(&payer("shot", "ben"), THROTTLED_EDIT_RATE.burst + more).await;
         let start = Instant::now();
         pacing.wait(&payer("elsewhere", "eve"), 1.0).await;
         pacing.wait(&payer("shot", "ada"), 1.0).await;
         let of_others = start.elapsed();
-        // It is a client's though another of its actors asks. The planted fault: an account for each name.
+        // Other actors of the session share its allowance. The planted fault: an account for each name.
         pacing.wait(&payer("shot", "eve"), 1.0).await;
         let least = Duration::from_secs_f64(more / THROTTLED_EDIT_RATE.per_second);
         assert!(of_others < least / 2 && start.elapsed() > least / 2, "{of_others:?}");
@@ -212,7 +213,7 @@ mod tests {
             start.elapsed().as_secs_f64()
         };
         let (beside, alone) = (seconds(true).await, seconds(false).await);
-        // What one has used up is waited for by the next. The planted fault: no allowance is taken.
+        // Each upload waits for the amount that the one before took. The planted fault: no allowance is taken.
         let work = work.as_secs_f64();
         let rests = 9.0 * work * (1.0 / THROTTLED_UPLOAD_RATE.per_second - 1.0);
         assert!(beside >= 10.0 * work + rests && alone < beside, "{beside} s, {alone} s alone");

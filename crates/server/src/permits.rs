@@ -1,18 +1,19 @@
-//! Permits that requests hold while they are under way: no session takes the last.
+//! Permits that requests hold while they are in progress. No session can take the last one.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::ServerError;
 
-/// So many permits. A session takes one while it has fewer than are free: alone it gets half of them, and whoever comes next
-/// finds some (the dynamic threshold of Choudhury and Hahne, 1998, for buffers that ports share).
+/// A fixed number of permits. A session can take one while it has fewer than are free. So a session alone gets half of
+/// them, and the next one finds some (the dynamic threshold of Choudhury and Hahne, 1998, for buffers that ports
+/// share).
 #[derive(Debug)]
 pub struct SessionPermits {
-    /// What they are for, as people call it.
+    /// Name of the guarded things for users.
     label: &'static str,
     limit: usize,
-    /// How many each session has, of those that have some. What is of no session has an empty name.
+    /// Number of permits of each session that has any. Requests without a session have an empty name.
     taken: Mutex<BTreeMap<String, usize>>,
 }
 
@@ -24,7 +25,6 @@ pub struct Permit<'a> {
 }
 
 impl SessionPermits {
-    /// None is taken.
     pub fn new(label: &'static str, limit: usize) -> Self {
         Self { label, limit, taken: Mutex::default() }
     }
@@ -64,7 +64,7 @@ impl Drop for Permit<'_> {
 mod tests {
     use super::*;
 
-    /// How many permits each of these sessions gets that all ask for as many as they can, one after the other.
+    /// Number of permits of each of these sessions if they take as many as they can, one after the other.
     fn had(most: usize, sessions: &[&str]) -> Vec<usize> {
         let permits = SessionPermits::new("pictures", most);
         let mut held = Vec::new();
@@ -88,7 +88,7 @@ mod tests {
         let _one = permits.acquire("greedy").expect("free");
         let refused = permits.acquire("greedy").expect_err("the last is another's");
         assert!(matches!(refused, ServerError::SessionLimitReached { count: 1, .. }), "{refused}");
-        // What is of no session is told of none.
+        // A request without a session gets an error that names none.
         let nobodys = SessionPermits::new("requests", 2);
         let _first = nobodys.acquire("").expect("free");
         assert!(matches!(nobodys.acquire(""), Err(ServerError::TooMany { limit: 1, .. })));

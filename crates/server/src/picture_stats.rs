@@ -1,10 +1,10 @@
-//! What pictures came to, as clients and traces are told it.
+//! Statistics of pictures in wire form, for clients and traces.
 
 use std::time::Duration;
 
 use protocol::{Cause, Pass, PassRun};
 
-/// Passes that ran.
+/// Converts passes that ran.
 pub fn wire_pass_runs(runs: &[render::PassRun]) -> Vec<PassRun> {
     let run = |&render::PassRun { pass, light, cause, runs }: &render::PassRun| PassRun {
         pass: match pass {
@@ -31,7 +31,7 @@ pub fn wire_pass_runs(runs: &[render::PassRun]) -> Vec<PassRun> {
     runs.iter().map(run).collect()
 }
 
-/// Whole microseconds, as frames, their stats and traces give times.
+/// Whole microseconds: the unit of times in frames, statistics and traces.
 pub fn micros(duration: Duration) -> u32 {
     duration.as_micros().try_into().unwrap_or(u32::MAX)
 }

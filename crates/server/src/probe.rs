@@ -1,4 +1,4 @@
-//! What a camera looks at, and why a pixel is lit or not: rays, off the tasks that serve.
+//! Probes and picks: rays through a scene, outside the serving tasks.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -18,26 +18,23 @@ use crate::background;
 use crate::request::valid_camera;
 use crate::scenes::DecodedScene;
 
-/// A point of a picture that somebody asks about.
+/// A pixel to probe.
 #[derive(Clone, Debug)]
 pub struct ProbeJob {
-    /// Who looks.
     pub camera: Camera,
     /// Width and height of the picture, in pixels.
     pub size: [u32; 2],
-    /// In pixels from its top left corner.
+    /// Pixels from the top left corner.
     pub pixel: [f64; 2],
-    /// Whether it is asked where highlights lie.
+    /// True if the positions of highlights are wanted.
     pub wants_highlights: bool,
-    /// The lights of the document.
     pub lights: Vec<LightInstance>,
-    /// Those of them that the view does not show.
+    /// Lights that the view hides.
     pub muted: BTreeSet<LightId>,
-    /// What they light.
     pub scene: DecodedScene,
 }
 
-/// The camera that is asked for, of a document or of the asker's own.
+/// The wanted camera, of the document or given by the asker.
 pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera, ServerError> {
     match wanted {
         ProbeCamera::Own(camera) => valid_camera(camera),
@@ -48,7 +45,7 @@ pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera,
     }
 }
 
-/// Why a pixel is lit or not.
+/// Finds the reasons for which a pixel is lit or not.
 pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, ServerError> {
     let size = RenderLimits::HTTP.check_size(probe.size)?;
     let follow = move |bvh| {
@@ -65,7 +62,7 @@ pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, Server
     follow_rays(backend, &probe.scene, follow).await?
 }
 
-/// The point that is seen in the middle of a camera's picture, in the world; `None` where nothing is.
+/// Finds the point in the middle of a camera's picture, in world space. Returns `None` if there is no surface.
 pub async fn pick(
     backend: &Services,
     camera: Camera,
@@ -79,7 +76,7 @@ pub async fn pick(
     follow_rays(backend, scene, follow).await
 }
 
-/// Follows rays through a scene in the background. A few at once do so, over all sessions; others wait.
+/// Traces rays through a scene in the background. A few run at once over all sessions, and others wait.
 async fn follow_rays<T: Send + 'static>(
     backend: &Services,
     scene: &DecodedScene,

@@ -1,4 +1,4 @@
-//! What the system says of this process, by the names that Prometheus' own clients give it.
+//! Metrics of this process, with the names of Prometheus' own clients.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use prometheus_client::encoding::{DescriptorEncoder, EncodeMetric};
 use prometheus_client::metrics::counter::ConstCounter;
 use prometheus_client::metrics::gauge::ConstGauge;
 
-/// Reads them when they are asked for; none where the system does not say one.
+/// Reads the metrics on request. Leaves out those that the system does not give.
 #[derive(Debug)]
 pub struct ProcessMetrics;
 

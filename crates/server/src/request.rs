@@ -1,4 +1,4 @@
-//! What clients and programs request of a session, read from what they send.
+//! Requests of clients and programs, converted from their messages.
 
 use document::{Command, Document};
 use edit::{Actor, UndoScope};
@@ -13,95 +13,89 @@ use crate::outboxes::ClientId;
 use crate::scenes::SceneCache;
 use crate::views::ViewSettings;
 
-/// What a client requests of its session.
+/// A request of a client to its session.
 #[derive(Debug)]
 pub enum ClientRequest {
-    /// A view of one's own.
+    /// Opens a view of the client's own.
     OpenView {
-        /// From where.
         camera: Camera,
-        /// The client's number for it.
+        /// The client's number of the camera.
         camera_revision: u32,
-        /// How it is.
         settings: ViewSettings,
-        /// What may be reduced while something moves.
+        /// Details that may be reduced while something moves.
         interaction: Interaction,
-        /// Whether stats come after each frame.
+        /// True if the client wants statistics of each frame.
         stats: bool,
         /// Width and height in pixels.
         size: [u32; 2],
     },
-    /// To see what another client sees.
+    /// Follows the view of another client.
     Follow {
-        /// The other's number.
         leader: ClientId,
-        /// Whether stats come after each frame.
+        /// True if the client wants statistics of each frame.
         stats: bool,
     },
-    /// Another camera of one's own view.
+    /// Moves the camera of the client's own view.
     SetCamera {
-        /// Which.
         camera: Camera,
-        /// The client's number for it.
+        /// The client's number of the camera.
         camera_revision: u32,
     },
-    /// How one's own view is.
+    /// Changes the settings of the client's own view.
     SetView {
-        /// How.
         settings: ViewSettings,
-        /// Whether stats come after each frame from now on, where that changes.
+        /// True if the client wants statistics of each frame from now on. `None` changes nothing.
         stats: Option<bool>,
-        /// The client's number for its camera from now on.
+        /// The client's number of the camera from now on.
         camera_revision: u32,
     },
-    /// Another size of one's own view, in pixels.
+    /// Changes the size of the client's own view, in pixels.
     Resize([u32; 2]),
-    /// A frame is shown.
+    /// Acknowledges a shown frame.
     Ack(u64),
-    /// A frame could not be decoded.
+    /// Requests a key frame, since that frame could not be decoded.
     RequestKeyFrame(u64),
-    /// Something that ends in a record.
+    /// Requests a record.
     Step(RecordRequest),
-    /// To drag a light.
+    /// Begins to drag a light.
     BeginGesture {
-        /// The client's name for it.
+        /// The client's id of the gesture.
         gesture: String,
-        /// Which light.
         light: LightId,
-        /// The latest record that the client knew.
+        /// Number of the latest record that the client knew.
         base_seq: u64,
     },
-    /// The latest state of a drag.
+    /// Latest state of a drag.
     UpdateGesture {
-        /// Which.
         gesture: String,
-        /// The client's number for it.
+        /// The client's number of the update.
         update: u64,
-        /// The state, or why it has no meaning.
+        /// The state, or the error of its conversion.
         command: Result<Command, ServerError>,
     },
-    /// To end a drag without a trace.
+    /// Ends a drag without a record.
     CancelGesture(String),
-    /// The light that the client looks at.
+    /// Selects a light.
     Select(Option<u64>),
-    /// What undo and redo would take back.
+    /// Asks for the steps that undo and redo would revert.
     History,
-    /// To know why a pixel is lit or not.
+    /// Asks for the reasons for which a pixel is lit or not.
     Probe(ProbeQuestion),
-    /// A sign of life; the number comes back.
+    /// Ping. The answer returns the number.
     Ping(f64),
-    /// What could not be read or is not allowed: why.
+    /// A message that could not be read or is not allowed.
     Invalid(ServerError),
 }
 
 impl ClientRequest {
-    /// Whether it changes what its sender sees already: then that one waits for each picture of it. Whoever opens a view waits for
-    /// the first like those who watch: else views opened by the dozen take turns with the hand of another, one each.
+    /// True if the request changes a picture that its sender already sees, so the sender waits for each picture of it.
+    /// A new view waits for its first picture like a watching client. Otherwise views opened by the dozen would take
+    /// turns with the drag of another client, one each.
     pub fn is_interactive(&self) -> bool {
         self.may_edit() || matches!(self, Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_))
     }
 
-    /// Whether it may change the document, or what is being dragged in it.
+    /// True if the request may change the document or a gesture.
     pub fn may_edit(&self) -> bool {
         matches!(
             self,
@@ -110,70 +104,66 @@ impl ClientRequest {
     }
 }
 
-/// What a client asks of a pixel.
+/// A question about a pixel.
 #[derive(Debug)]
 pub struct ProbeQuestion {
-    /// The client's name for it.
+    /// The client's id of the question.
     pub probe: String,
-    /// Who looks; `None` for the client's view.
+    /// `None` for the camera of the client's view.
     pub camera: Option<ProbeCamera>,
-    /// Width and height of the picture, in pixels; `None` for that view's.
+    /// Width and height of the picture in pixels. `None` for the size of the client's view.
     pub size: Option<[u32; 2]>,
-    /// In pixels from the top left corner.
+    /// Pixels from the top left corner.
     pub pixel: [f64; 2],
-    /// Whether it is asked where highlights lie.
+    /// True if the positions of highlights are wanted.
     pub wants_highlights: bool,
 }
 
-/// A request that ends in a record, under its sender's name for it; or why it has no meaning.
+/// A request for a record with its sender's id, or the error of its conversion.
 #[derive(Debug)]
 pub struct RecordRequest {
-    /// The sender's name.
     pub op_id: String,
-    /// What is asked for.
     pub request: Result<RecordAction, ServerError>,
 }
 
-/// What is asked for, before a document answers it.
+/// Content of a request for a record, before a document is applied.
 #[derive(Debug)]
 pub enum RecordAction {
-    /// A command.
     Edit(RequestedEdit),
-    /// Commands as one step, each in the document that those before it leave.
+    /// Commands as one step, each in the document after the ones before it.
     Group(Vec<RequestedEdit>),
-    /// To commit a gesture of this name.
+    /// Commits the gesture of this id.
     Commit(String),
-    /// To take back a step.
+    /// Reverts a step.
     Undo(UndoScope),
-    /// To take back an undo.
+    /// Reverts an undo.
     Redo(UndoScope),
 }
 
 /// A command, and the latest record that its sender knew.
 #[derive(Clone, Debug)]
 pub struct RequestedEdit {
-    /// `None` where the sender does not say.
+    /// `None` if the sender does not give it.
     pub base_seq: Option<u64>,
-    /// What to do.
     pub command: RequestedCommand,
 }
 
-/// What to do, by ids or names.
+/// A command, with ids or names.
 #[derive(Clone, Debug)]
 pub enum RequestedCommand {
-    /// What means the same in every document.
+    /// A command that means the same in every document.
     Command(Command),
-    /// Setting what an address names, by ids or names.
+    /// Sets the property at an address.
     Set {
-        /// As in [`protocol::Command::Set`], with names or ids.
+        /// Address like that of [`protocol::Command::Set`], with names or ids.
         target: String,
-        /// As in [`protocol::Command::Set`].
+        /// Value like that of [`protocol::Command::Set`].
         value: serde_json::Value,
     },
 }
 
 impl RequestedCommand {
-    /// The command that it is in `document`.
+    /// Resolves the command in `document`.
     pub fn of(&self, document: &Document) -> Result<Command, ServerError> {
         match self {
             Self::Command(command) => Ok(command.clone()),
@@ -184,14 +174,14 @@ impl RequestedCommand {
         }
     }
 
-    /// Whether the scene has something to say of it ([`needs_scene`]).
+    /// True if the command depends on the scene ([`needs_scene`]).
     fn needs_scene(&self) -> bool {
         matches!(self, Self::Command(command) if needs_scene(command))
     }
 }
 
 impl RecordRequest {
-    /// Whether the scene has something to say of it ([`needs_scene`]), unless it came before.
+    /// True if the request depends on the scene ([`needs_scene`]), unless it was carried out before.
     pub fn needs_scene(&self) -> bool {
         match &self.request {
             Ok(RecordAction::Edit(edit)) => edit.command.needs_scene(),
@@ -201,13 +191,13 @@ impl RecordRequest {
     }
 }
 
-/// Whether only the scene can say what comes of a command, which takes a while: where the drag of a feature leads, or how far a
-/// light reaches that is bent.
+/// True if only the scene determines the result of a command, which takes a while: the result of a feature drag, or the
+/// range of a light that is bent.
 pub fn needs_scene(command: &Command) -> bool {
     matches!(command, Command::DragFeature { .. } | Command::BendLight { .. })
 }
 
-/// What a message of a client requests. What is wrong with it is for the session to answer, in its turn.
+/// Converts a message of a client. The session answers its errors, in the order of messages.
 pub async fn client_request(message: ClientMessage, scenes: &SceneCache) -> ClientRequest {
     parse(message, scenes).await.unwrap_or_else(ClientRequest::Invalid)
 }
@@ -279,13 +269,13 @@ async fn parse(message: ClientMessage, scenes: &SceneCache) -> Result<ClientRequ
     })
 }
 
-/// A step under its sender's name for it.
+/// Makes a step with its sender's id.
 pub fn step(op_id: String, request: Result<RecordAction, ServerError>) -> Result<RecordRequest, ServerError> {
     Ok(RecordRequest { op_id: label(op_id)?, request })
 }
 
-/// A command as it is asked for. A scene that it loads is decoded here, outside of the session's task, a demo's
-/// name becomes that of its bytes, and what it is called is looked up where the command does not say.
+/// Converts a command. Decodes a scene that it loads, outside the session's task, replaces a demo's name by the hash of
+/// its bytes, and looks up the scene's name if the command does not give it.
 pub async fn asked_edit(
     mut command: protocol::Command,
     base_seq: Option<u64>,
@@ -303,12 +293,12 @@ pub async fn asked_edit(
     Ok(RequestedEdit { base_seq, command: RequestedCommand::Command(command.try_into()?) })
 }
 
-/// Who it is, within limits.
+/// Converts an actor and checks its limits.
 pub fn actor(wire: protocol::Actor) -> Result<Actor, ServerError> {
     Ok(Actor { id: label(wire.id)?, name: label(wire.name)? })
 }
 
-/// A name that a client chose, within limits.
+/// Checks the length of a name that a client chose.
 fn label(text: String) -> Result<String, ServerError> {
     if text.len() > MAX_LABEL_BYTES {
         let what = "a name of an actor, an operation, a gesture or a probe";
@@ -317,14 +307,14 @@ fn label(text: String) -> Result<String, ServerError> {
     Ok(text)
 }
 
-/// A camera that makes a picture.
+/// Converts a camera and checks it.
 pub fn valid_camera(wire: protocol::Camera) -> Result<Camera, ServerError> {
     let camera = Camera::from(wire);
     camera.check().map_err(|why| edit::EditRefusal::from(document::EditError::InvalidCamera(why)))?;
     Ok(camera)
 }
 
-/// A size that can be streamed.
+/// Checks that a view of that size can be streamed.
 fn view_size(width: u32, height: u32) -> Result<[u32; 2], ServerError> {
     if width == 0 || height == 0 {
         return Err(ServerError::BadMessage("a view has no pixels: give it a width and a height".into()));

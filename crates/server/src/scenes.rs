@@ -1,4 +1,4 @@
-//! Scenes by the hash of their bytes, decoded.
+//! Decoded scenes, by the hash of their bytes.
 
 use std::fs::File;
 use std::io::{self, Read, Seek};
@@ -20,35 +20,36 @@ use crate::pacing::UploadPacing;
 use crate::storage::Storage;
 use crate::views::MovingPixels;
 
-/// How a demo scene is named.
+/// Prefix of demo scenes.
 pub const DEMO: &str = "demo:";
-/// Primitives past which a scene's notes say so: each is a draw of its own.
+/// Number of primitives above which the notes warn of them, since each is a separate draw.
 const MANY_PRIMITIVES: usize = 10_000;
-/// Triangles over one another past which they say so ([`PosedScene::depth_complexity`]); scenes that people model have some dozens.
+/// Number of triangles over one another above which the notes warn of them ([`PosedScene::depth_complexity`]). Modeled
+/// scenes have some dozens.
 const MANY_OVERLAPPING_TRIANGLES: f64 = 1_000.0;
-/// Digits of its hash that tell a scene without a name from others.
+/// Number of digits of its hash in the name of an unnamed scene.
 const UNNAMED_HASH_DIGITS: usize = 8;
 
-/// A scene as its bytes have it.
+/// A scene decoded from its bytes.
 #[derive(Clone, Debug, Default)]
 pub struct DecodedScene {
-    /// Geometry and materials, in place.
+    /// Geometry and materials, posed.
     pub posed: Arc<PosedScene>,
-    /// The lights and cameras that come with it.
+    /// Lights and cameras of the file.
     pub contents: Arc<SceneContents>,
-    /// What of the file is not drawn or was changed, a sentence each.
+    /// Parts of the file that are not drawn or were changed, one sentence each.
     pub notes: Arc<[String]>,
-    /// What the file itself calls it.
+    /// Name of the scene in its file.
     embedded_name: Option<String>,
-    /// One for all who have the scene.
+    /// Shared by all clones of the scene.
     bvh: Arc<OnceCell<Arc<Bvh>>>,
 }
 
-/// Decodes scenes, one at a time as each may take gigabytes, and keeps the latest.
+/// Decodes scenes, one at a time since each may take gigabytes, and caches the latest.
 #[derive(Debug)]
 pub struct SceneCache {
     storage: Storage,
-    /// The latest used at the end. Never held while a scene is decoded.
+    /// Most recently used last. Never locked while a scene is decoded.
     cache: Mutex<Vec<(AssetHash, DecodedScene)>>,
     decoding: Arc<Semaphore>,
     uploads: Arc<AsyncMutex<UploadPacing>>,
@@ -56,7 +57,6 @@ pub struct SceneCache {
 }
 
 impl SceneCache {
-    /// None is decoded yet.
     pub fn new(storage: Storage, metrics: Arc<Metrics>, moving: Arc<MovingPixels>) -> Self {
         Self {
             storage,
@@ -67,7 +67,7 @@ impl SceneCache {
         }
     }
 
-    /// The asset that `wanted` means, `demo:NAME` or `sha256:HEX`, known to decode, and what people call it.
+    /// Resolves `demo:NAME` or `sha256:HEX` to an asset that decodes, and returns its display name.
     pub async fn resolve(&self, wanted: &str) -> Result<(AssetHash, String), ServerError> {
         let asset = match wanted.strip_prefix(DEMO) {
             Some(demo) => {
@@ -80,7 +80,7 @@ impl SceneCache {
         Ok((asset, self.name_of(asset, &decoded).await?))
     }
 
-    /// Keeps a scene's file once it is known to decode, under `name` where there is one.
+    /// Stores a scene's file after it was decoded, with `name` as its name if given.
     pub async fn add(&self, file: File, name: Option<String>) -> Result<Asset, ServerError> {
         let turn = Arc::clone(&self.uploads).lock_owned().await;
         let folder = self.storage.folder().to_owned();
@@ -102,20 +102,20 @@ impl SceneCache {
         Ok(Asset { asset: asset.to_string(), name, notes: decoded.notes.to_vec() })
     }
 
-    /// What people call a scene: what somebody named it, else what its file calls it, else the start of its hash.
+    /// Display name of a scene: the name that somebody gave it, or the one in its file, or the start of its hash.
     async fn name_of(&self, asset: AssetHash, decoded: &DecodedScene) -> Result<String, ServerError> {
         let named = self.storage.read(move |store| store.assets.name_of(&asset)).await?;
         let own = || decoded.embedded_name.clone();
         Ok(named.or_else(own).unwrap_or_else(|| format!("scene {}", &asset.hex()[..UNNAMED_HASH_DIGITS])))
     }
 
-    /// The scene of those bytes.
+    /// Returns the scene of that hash, from the cache or decoded.
     pub async fn load(&self, asset: AssetHash) -> Result<DecodedScene, ServerError> {
         if let Some(scene) = self.cached(&asset) {
             return Ok(scene);
         }
         let permit = Arc::clone(&self.decoding).acquire_owned().await.map_err(|_| ServerError::Internal)?;
-        // Whoever had the turn before may have wanted the same.
+        // The previous holder of the permit may have decoded the same scene.
         if let Some(scene) = self.cached(&asset) {
             return Ok(scene);
         }
@@ -128,7 +128,7 @@ impl SceneCache {
         Ok(decoded)
     }
 
-    /// The scene of a document; an empty one where it has none.
+    /// Returns the scene of a document, or an empty one if it has none.
     pub async fn of(&self, document: &Document) -> Result<DecodedScene, ServerError> {
         match document.scene() {
             Some(scene) => self.load(scene.asset).await,
@@ -164,8 +164,8 @@ impl DecodedScene {
         Ok(Self { posed, contents, notes, embedded_name: name, bvh: Arc::default() })
     }
 
-    /// The scene ready for rays: built when it is first asked for, once for all who have the scene though whoever asked first has
-    /// gone, and off the tasks that serve.
+    /// Returns the BVH for rays. It is built on first use in the background, once for all clones of the scene, even if
+    /// the first asker is gone.
     pub async fn bvh(&self) -> Result<Arc<Bvh>, ServerError> {
         let (bvh, posed) = (Arc::clone(&self.bvh), Arc::clone(&self.posed));
         let built = tokio::spawn(async move {
@@ -176,7 +176,7 @@ impl DecodedScene {
     }
 }
 
-/// What makes pictures of a scene take long, a sentence each.
+/// Reasons for slow pictures of a scene, one sentence each.
 fn performance_notes(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
     let (count, depth) = (posed.primitives.len(), posed.depth_complexity());
     let primitives = (count > MANY_PRIMITIVES).then(|| {
@@ -216,7 +216,7 @@ mod tests {
         let (one, two) = tokio::join!(decoded.bvh(), other.bvh());
         let (one, two) = (one.expect("built"), two.expect("built"));
         assert!(Arc::ptr_eq(&one, &two) && Arc::ptr_eq(&one.posed, &decoded.posed));
-        // The planted fault: the same scene decoded again has its own.
+        // The planted fault: the same scene decoded again has its own BVH.
         let again = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
         assert!(!Arc::ptr_eq(&one, &again.bvh().await.expect("built")));
     }

@@ -1,4 +1,4 @@
-//! A connection that ends when its other side takes nothing for too long.
+//! A connection that ends if its other side takes nothing for too long.
 
 use std::future::Future;
 use std::io::{self, ErrorKind, IoSlice};
@@ -12,19 +12,19 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep};
 
-/// Tries for each `within`.
+/// Number of tries within a timeout.
 const TRIES_PER_TIMEOUT: u32 = 6;
 
-/// A stream of which a write fails with `TimedOut` once the other side has taken nothing for `within`.
+/// A stream of which a write fails with `TimedOut` once the other side has taken nothing for `write_timeout`.
 ///
-/// Linux calls a socket writable once a third of its send buffer is free, which a side that takes some kilobytes a second does not
-/// reach in time. A waiting write therefore tries by itself now and then: it is accepted as soon as anything was taken.
+/// Linux calls a socket writable once a third of its send buffer is free. A side that takes some kilobytes per second
+/// does not reach that in time. So a waiting write tries again several times, and succeeds once anything was taken.
 #[derive(Debug)]
 pub struct WriteTimeoutStream {
     stream: TcpStream,
     write_timeout: Duration,
     next_try: Pin<Box<Sleep>>,
-    /// Since when a write waits.
+    /// Start of the wait of a write.
     waits_since: Option<Instant>,
 }
 
@@ -33,12 +33,12 @@ impl WriteTimeoutStream {
         Self { stream, write_timeout, next_try: Box::pin(sleep(write_timeout)), waits_since: None }
     }
 
-    /// The same connection for the runtime that this is called in, which waits for it from now on.
+    /// Moves the connection to the current runtime, which polls it from now on.
     pub fn into_current_runtime(self) -> io::Result<Self> {
         Ok(Self::new(TcpStream::from_std(self.stream.into_std()?)?, self.write_timeout))
     }
 
-    /// What a write of `bytes` comes to of which the stream's own came to `written`.
+    /// Returns the result of a write of `bytes`, after the stream's own write returned `written`.
     fn poll_waiting(
         &mut self,
         context: &mut Context<'_>,
@@ -124,7 +124,7 @@ mod tests {
 
     const WITHIN: Duration = Duration::from_secs(1);
 
-    /// How long 64 MiB can be written to whoever takes `bytes` 20 times a second, up to 6 s.
+    /// Time for which 64 MiB can be written to a reader of `bytes` 20 times per second, up to 6 s.
     async fn lasts(bytes: usize) -> Duration {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         set_socket_send_buffer_size(&listener, 512 << 10).unwrap();
@@ -147,7 +147,7 @@ mod tests {
         began.elapsed()
     }
 
-    /// A socket is writable again once some 350 KB are free, which takes the first reader 2 s.
+    /// A socket is writable again once about 350 KB are free, which takes the first reader 2 s.
     #[tokio::test]
     async fn only_a_reader_that_takes_nothing_times_out() {
         let (little, nothing) = tokio::join!(lasts(8 << 10), lasts(1));

@@ -1,4 +1,4 @@
-//! Starting, serving, stopping.
+//! Start, run and stop of the server.
 
 use std::fs::File;
 use std::num::NonZero;
@@ -38,23 +38,23 @@ use crate::trace::{Trace, TraceThread};
 use crate::views::MovingPixels;
 use crate::{ServerError, data_folder, first_session, http};
 
-/// How a server is started.
+/// Configuration of a server.
 #[derive(Clone, Debug)]
 pub struct ServerConfig {
-    /// Where its data lies; made where it is missing.
+    /// Data folder, made if it is missing.
     pub data: PathBuf,
-    /// The session that is there in any case.
+    /// Name of the first session, which the server makes.
     pub session: String,
-    /// A scene to serve: a file, or `demo:NAME`. That session loads it when it is made; where it holds another one, the
-    /// scene gets a session of its own.
+    /// A scene to serve: a file, or `demo:NAME`. The first session loads it when it is made. If that session has
+    /// another scene, this one gets its own session.
     pub scene: Option<String>,
-    /// The token's file, made where it is missing; in the data folder where nobody says.
+    /// File of the token, made if it is missing. `None` means a file in the data folder.
     pub token_file: Option<PathBuf>,
-    /// Where browsers find it besides the address that it listens on.
+    /// Addresses for browsers besides the one that the server listens on.
     pub public_urls: Vec<PublicUrl>,
-    /// A file to whose end a line is written for each picture that is made (SPEC, TRACE-1).
+    /// File to which a line is appended for each picture (SPEC, TRACE-1).
     pub trace: Option<PathBuf>,
-    /// Who draws shadows and lights; as the graphics device is where nobody says.
+    /// Backend of shadows and lights. `None` chooses it by the graphics device.
     pub backend: Option<render::Backend>,
 }
 
@@ -71,12 +71,12 @@ pub struct Server {
     session: StartSession,
     data: PathBuf,
     public_urls: Vec<PublicUrl>,
-    /// Holds the folder against a second server.
+    /// Locks the folder against a second server.
     _lock: File,
 }
 
 impl Server {
-    /// Takes the data folder, makes the first session where it is missing, and opens the graphics device. Blocks.
+    /// Locks the data folder, makes the first session if it is missing, and opens the graphics device. Blocks.
     pub fn open(config: &ServerConfig) -> Result<Self, ServerError> {
         let (trace, trace_thread) = config.trace.as_deref().map(Trace::start).transpose()?.unzip();
         let trace = trace.unwrap_or_default();
@@ -106,25 +106,25 @@ impl Server {
         &self.token
     }
 
-    /// Ends once every pipeline has drawn: whether they could.
+    /// Waits until every pipeline has drawn or one has failed. Resolves to true if all have drawn.
     pub fn wait_until_warm(&self) -> impl Future<Output = bool> + Send + 'static {
         self.renders.wait_until_warm()
     }
 
-    /// The session that the start leads to.
+    /// The session that the start opens.
     pub fn session(&self) -> &StartSession {
         &self.session
     }
 
-    /// Serves until `shutdown`, then finishes what was accepted, within 10 seconds. Sockets are served where this runs, and what is
-    /// asked by HTTP on `requests`, which may be the same.
+    /// Serves until `shutdown`, then finishes accepted work within 10 seconds. Sockets run on the current runtime, and
+    /// HTTP requests on `requests`, which may be the same.
     pub async fn run(
         self,
         listener: TcpListener,
         requests: Handle,
         shutdown: impl Future<Output = ()> + Send + 'static,
     ) -> Result<(), ServerError> {
-        // Whether all ends well or is cut off, the render thread has ended when this returns, and what it drew is in the trace.
+        // In every case the render thread has ended when this returns, and the trace has all its pictures.
         let Self { store, renders, in_flight, metrics, trace, token, data, public_urls, _lock, .. } = self;
         let (_trace_thread, _render_thread) = (self.trace_thread, self.render_thread);
         let address = listener.local_addr().map_err(ServerError::Listen)?;
@@ -186,7 +186,7 @@ impl Server {
     }
 }
 
-/// What lies in the data folder.
+/// Content of the data folder.
 struct OpenedDataFolder {
     store: Store,
     token: Token,
@@ -195,7 +195,7 @@ struct OpenedDataFolder {
 }
 
 impl OpenedDataFolder {
-    /// Takes the folder and makes what is missing. A start that is cut off leaves nothing half made.
+    /// Locks the folder and makes its missing files. An interrupted start leaves nothing incomplete.
     fn open(config: &ServerConfig) -> Result<Self, ServerError> {
         let folder = &config.data;
         data_folder::make(folder)?;
@@ -211,7 +211,7 @@ impl OpenedDataFolder {
     }
 }
 
-/// Tests that kill a first start at every write and every sync. They stand here to start no renderer.
+/// Tests that kill a first start at every write and every sync. They are here so that no renderer starts.
 #[cfg(test)]
 mod tests {
     use std::env;
@@ -237,7 +237,7 @@ mod tests {
         drop(OpenedDataFolder::open(&config(Path::new(&folder))).expect("a start"));
     }
 
-    /// Whether a start that is killed at call `number` of `call` was over before.
+    /// True if a start ended before call `number` of `call`, at which it would have been killed.
     fn is_done_before(call: &str, number: usize, data: &Path) -> bool {
         let test = env::current_exe().expect("this program");
         let (trace, inject) = (format!("trace={call}"), format!("inject={call}:signal=KILL:when={number}"));
@@ -277,7 +277,7 @@ mod tests {
         assert!(kills > 20, "{kills} places to kill it at");
     }
 
-    /// A session without a record is what a start that made the session first, and its scene later, could leave.
+    /// A start that made the session first and added its scene later could leave a session without a record.
     ///
     /// Rules: HTTP-4
     #[test]
@@ -334,7 +334,7 @@ mod tests {
             store.sessions().expect("a list").into_iter().map(|row| (row.name, row.seq)).collect();
         assert_eq!(names, ["main", "my-room", "my-room-2"].map(|name| (name.to_owned(), 1)));
         drop(store);
-        // A session that cannot be read is not the scene's, and keeps nobody from starting.
+        // A session that cannot be read does not count as the scene's, and does not prevent a start.
         let database =
             rusqlite::Connection::open(data.path().join("bendylights.sqlite")).expect("a database");
         let fault = "DROP TRIGGER record_stays; UPDATE record SET json = 'damaged'";

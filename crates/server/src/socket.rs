@@ -1,4 +1,4 @@
-//! One connection of a client: a task that reads, and one that writes.
+//! A client's connection: a task that reads and a task that writes.
 
 use std::sync::Arc;
 
@@ -34,10 +34,10 @@ use crate::state::AppState;
 /// A connection that has become a WebSocket.
 pub type Socket = WebSocketStream<WriteTimeoutStream>;
 
-/// What a client is told whose connection ends because it takes too little.
+/// Reason for closing a connection that takes its messages too slowly.
 const TOO_SLOW: &str = "what was sent to this connection was not taken in time: connect again";
 
-/// Serves a connection until either side ends it.
+/// Serves a connection until either side closes it.
 pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection) {
     let (sink, mut messages) = socket.split();
     let (outbox, end) = outbox(state.backend.in_flight.clone());
@@ -49,21 +49,21 @@ pub async fn serve(socket: Socket, state: Arc<AppState>, connection: Connection)
         let pacing = SocketPacing::new(payer, &state.backend.edit_pacing);
         tokio::select! {
             () = read(&mut messages, backlog, pacing, (&room, client), &state) => {}
-            // The session let the client go, or the connection is broken.
+            // The room removed the client, or the connection is broken.
             _ = &mut writing => {}
         }
-        // A session that is closed has let everybody go.
+        // A closed room has already removed all clients.
         let _ = room.send(RoomMessage::Leave(client)).await;
     }
-    // What is left of the control queue is still sent.
+    // The rest of the control queue is still sent.
     if !writing.is_finished() {
         let _ = writing.await;
     }
-    // A connection that is dropped with something unread is reset, and the client never sees why it was closed.
+    // Reads the rest. Otherwise the system resets the connection, and the client never sees the reason for closing.
     let _ = timeout(CLOSE_TIMEOUT, async { while let Some(Ok(_)) = messages.next().await {} }).await;
 }
 
-/// Waits for `hello` and joins the session that it names; or says what is wrong with it.
+/// Waits for `hello` and joins its session. Sends the error if that fails.
 async fn handshake(
     messages: &mut SplitStream<Socket>,
     mut outbox: Outbox,
@@ -93,10 +93,11 @@ async fn handshake(
     }
 }
 
-/// Who comes, and the history that they know.
+/// A joining client, and the epoch and record that it knows.
 type HelloClaims = (Principal, Option<String>, Option<u64>);
 
-/// The first message; `None` where the connection ends before. What cannot be read is said and passed over.
+/// Waits for the first message. Returns `None` if the connection ends before. Answers unreadable messages with an error
+/// and skips them.
 async fn hello(
     messages: &mut SplitStream<Socket>,
     outbox: &mut Outbox,
@@ -110,7 +111,7 @@ async fn hello(
     }
 }
 
-/// The session that a `hello` names, its name with a permit for the socket, and who comes.
+/// Finds the session of a `hello`. Returns it with its name, a permit for the socket, and the claims of the client.
 async fn join(
     hello: Result<ClientMessage, ServerError>,
     state: &AppState,
@@ -123,7 +124,7 @@ async fn join(
     Ok((state.rooms.find(&session).await?, (session.into(), permit), newcomer))
 }
 
-/// The session that a `hello` may join.
+/// Checks a `hello` and returns its session.
 fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, HelloClaims), ServerError> {
     let ClientMessage::Hello { protocol, token, session, actor: wire, epoch, last_seq } = hello else {
         return Err(ServerError::Hello);
@@ -135,8 +136,8 @@ fn admit(hello: ClientMessage, state: &AppState) -> Result<(String, HelloClaims)
     Ok((session, (Principal { credential, actor: actor(wire)? }, epoch, last_seq)))
 }
 
-/// Passes on what the client asks for, until it leaves or says nothing for too long. One that does not take its answers
-/// is asked for nothing more until it does.
+/// Passes requests of the client to the room, until it leaves or is silent for too long. While it does not take its
+/// answers, its requests are not read.
 async fn read(
     messages: &mut SplitStream<Socket>,
     mut backlog: watch::Receiver<Backlog>,
@@ -156,7 +157,7 @@ async fn read(
         if matches!(request, ClientRequest::Step(_)) {
             pacing.wait_to_edit().await;
         }
-        // What edits waits here for what this client sent before, so that nobody else does.
+        // Editing messages wait here for the client's earlier ones, so that no other client waits.
         let place = if request.may_edit() { Arc::clone(&places).acquire_owned().await.ok() } else { None };
         if room.send(RoomMessage::Client { client, request, queue_permit: place }).await.is_err() {
             return;
@@ -164,7 +165,7 @@ async fn read(
     }
 }
 
-/// The next control message, or why it is none; `None` at the end.
+/// The next control message, or the error of its conversion. `None` at the end.
 async fn next(
     messages: &mut (impl Stream<Item = Result<WireMessage, Error>> + Unpin),
 ) -> Option<Result<ClientMessage, ServerError>> {
@@ -186,7 +187,7 @@ async fn next(
     }
 }
 
-/// Sends what is in the outbox, control before frames, and closes the connection when the control queue ends.
+/// Sends the messages of the outbox, control before frames. Closes the connection when the control queue ends.
 async fn write(mut sink: SplitSink<Socket, WireMessage>, mut end: OutboxReceiver) {
     let mut pings = interval_at(Instant::now() + PING_EVERY, PING_EVERY);
     loop {
@@ -216,11 +217,10 @@ async fn write(mut sink: SplitSink<Socket, WireMessage>, mut end: OutboxReceiver
     let _ = sink.close().await;
 }
 
-/// Why a message was not sent.
 enum SendError {
-    /// The connection is over.
+    /// The connection is broken.
     Broken,
-    /// The client takes too little.
+    /// The client takes its data too slowly.
     TooSlow,
 }
 
@@ -241,8 +241,8 @@ async fn send_all(
     Ok(())
 }
 
-/// Sends a message in parts, each of which waits until the one before is taken: of a large message that many are sent the
-/// bytes are shared, and the socket copies those of one part alone.
+/// Sends a message in parts, each after the client has taken the one before. A large message to many clients shares its
+/// bytes, and the socket copies only those of one part.
 async fn send(sink: &mut SplitSink<Socket, WireMessage>, message: SocketMessage) -> Result<(), SendError> {
     let (kind, pieces) = match message {
         SocketMessage::Text(text) => (Data::Text, text.into_pieces()),

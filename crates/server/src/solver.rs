@@ -1,10 +1,10 @@
 //! Threads that solve drags, in turns by client.
 //!
-//! Each solve has a thread of its own; as many go on at once as there are cores, the others wait. Every few milliseconds of counted
-//! work a solve charges whoever asked for it (`crate::turns`), and lets another go on in its place where that is of somebody who has
-//! been charged less. Solves that have taken little go before those that have taken long, which go on where the
-//! processor has nothing else to do, so that pictures hardly notice them; those of a client that has many count as long at once, given
-//! up or not. One that nobody waits for any more ends at its next question.
+//! Each solve has its own thread. As many run at once as there are cores, and the others wait. Every few milliseconds
+//! of counted work a solve charges its client (`crate::charges`). It yields if a waiting solve is of a less charged
+//! client. Short solves precede long ones. Long solves run on threads of idle priority, so pictures are hardly delayed.
+//! All solves of a client that has used up its allowance count as long, even cancelled ones. A cancelled solve ends at
+//! its next check.
 
 use std::cmp::Ordering as Order;
 use std::fmt;
@@ -23,18 +23,18 @@ use crate::charges::{Charges, Payer};
 use crate::limits::{MAX_SOLVES, SHORT_SOLVE_RATE, SHORT_SOLVE_STEPS};
 use crate::views::MovingPixels;
 
-/// For so many times as long as it has worked a long solve rests while views of other clients move.
+/// Factor of a long solve's rest to its work while views of other clients move.
 const LONG_SOLVE_REST_FACTOR: u32 = 3;
-/// Where a thread was held up meanwhile it rests no longer than that.
+/// Greatest rest, which limits it after a thread was delayed.
 const MAX_REST: Duration = Duration::from_millis(60);
 
-/// Threads that solve. Clones share them.
+/// Handle to the threads that solve. Clones share them.
 #[derive(Clone)]
 pub struct Solver {
     turns: Arc<Mutex<SolveQueue>>,
-    /// Whose views move.
+    /// Actors whose views move.
     moving: Arc<MovingPixels>,
-    /// Solves that wait or go on.
+    /// Number of solves that run or wait.
     under_way: Gauge,
 }
 
@@ -44,22 +44,21 @@ impl fmt::Debug for Solver {
     }
 }
 
-/// Who goes on.
+/// Queue of solves and their charges.
 struct SolveQueue {
     charges: Charges,
-    /// How long each client's solves may still go on as short ones.
+    /// Time for which each client's solves may still run as short ones.
     allowances: Allowances,
     waiting: Vec<QueuedSolve>,
-    /// How many short ones go on, and how many long ones. Those may be slow to give way, since all else goes before them.
+    /// Number of running short and long solves. Long ones may yield late, since everything else precedes them.
     running: [usize; 2],
-    /// How many of each may go on; long ones where no short one takes the place.
+    /// Greatest number of running short solves. Long ones run if short ones leave slots.
     max_running: usize,
-    /// Those that wait or go on.
+    /// Number of solves that run or wait.
     total: usize,
     next_number: u64,
 }
 
-/// A solve that waits.
 struct QueuedSolve {
     number: u64,
     payer: Payer,
@@ -68,13 +67,13 @@ struct QueuedSolve {
 }
 
 impl SolveQueue {
-    /// Whether there is a place for one more.
+    /// True if there is a slot for another solve.
     fn has_room(&self, is_long: bool) -> bool {
         let [short, long] = self.running;
         if is_long { short + long < self.max_running } else { short < self.max_running }
     }
 
-    /// Of the solves that wait the one that is next, by its index: a short one, of who has been charged least, the oldest.
+    /// Index of the next waiting solve: short before long, then the least charged client, then the oldest.
     fn next(&self) -> Option<usize> {
         let order = |a: &usize, b: &usize| {
             let (a, b) = (&self.waiting[*a], &self.waiting[*b]);
@@ -87,7 +86,7 @@ impl SolveQueue {
         a.0.cmp(&b.0).then_with(|| self.charges.of(a.1).order(&self.charges.of(b.1)))
     }
 
-    /// Lets those that wait go on, as far as there is room.
+    /// Lets waiting solves run while there are slots.
     fn admit_waiting(&mut self) {
         while let Some(next) = self.next()
             && self.has_room(self.waiting[next].is_long)
@@ -99,7 +98,7 @@ impl SolveQueue {
     }
 }
 
-/// The turn of a solve on its thread.
+/// A solve on its thread, running or waiting.
 pub struct SolveTurn {
     turns: Arc<Mutex<SolveQueue>>,
     moving: Arc<MovingPixels>,
@@ -107,12 +106,12 @@ pub struct SolveTurn {
     payer: Payer,
     number: u64,
     is_long: bool,
-    /// Since when it goes on and has not been charged; `None` while it waits.
+    /// Start of the time that is not charged yet. `None` while the solve waits.
     since: Option<Instant>,
     is_cancelled: Arc<AtomicBool>,
 }
 
-/// Whoever waits for a solve, who gives it up by being dropped.
+/// Cancels a solve when its asker is dropped.
 struct CancelOnDrop {
     is_given_up: Arc<AtomicBool>,
     thread: Thread,
@@ -126,8 +125,8 @@ impl Drop for CancelOnDrop {
 }
 
 impl Solver {
-    /// None go on. `most` may at once; `pending` counts those that wait or go on. Long ones go on a quarter of the time while views
-    /// of other clients move.
+    /// Makes a solver that runs up to `most` solves at once. `under_way` counts those that run or wait. Long ones run a
+    /// quarter of the time while views of other clients move.
     pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
         let allowances = Allowances::new(SHORT_SOLVE_RATE);
@@ -143,8 +142,8 @@ impl Solver {
         Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
     }
 
-    /// Runs `solve` on a thread of its own, once it is its turn. Whoever drops the future gives it up: then
-    /// [`Turn::may_continue`] says so within some milliseconds.
+    /// Runs `solve` on its own thread when its turn comes. Dropping the future cancels the solve:
+    /// [`SolveTurn::may_continue`] returns false within some milliseconds.
     pub async fn run<T: Send + 'static>(
         &self,
         payer: Payer,
@@ -160,7 +159,7 @@ impl Solver {
             if turn.wait() {
                 let solved = solve(&mut turn);
                 drop(turn);
-                // Where nobody waits any more the answer is of no use.
+                // Without an asker the answer is dropped.
                 let _ = done.send(solved);
             }
         };
@@ -172,7 +171,7 @@ impl Solver {
         answer.await.map_err(|_| ServerError::Internal)
     }
 
-    /// A solve that waits for its turn.
+    /// Makes a waiting solve.
     fn turn(&self, payer: Payer) -> Result<SolveTurn, ServerError> {
         let mut turns = lock(&self.turns);
         if turns.total >= MAX_SOLVES {
@@ -195,8 +194,8 @@ impl Solver {
 }
 
 impl SolveTurn {
-    /// Whether the solve goes on that has taken so many steps: at once, or after others have gone on in its place. `false` where it
-    /// was given up.
+    /// True if a solve that has taken that many steps may continue, at once or after yielding to others. `false` if it
+    /// is cancelled.
     pub fn may_continue(&mut self, steps: u64) -> bool {
         if self.is_cancelled.load(Ordering::Acquire) {
             return false;
@@ -212,7 +211,7 @@ impl SolveTurn {
             background::set_idle_priority();
         }
         if self.is_long && self.moving.is_another_interacting(self.payer.actor_id(), Instant::now()) {
-            // Also on threads of the lowest priority it takes caches, memory and half of what a core shares with another.
+            // Even a thread of idle priority uses caches, memory and half of a core shared by two threads.
             thread::park_timeout((worked * LONG_SOLVE_REST_FACTOR).min(MAX_REST));
             self.since = Some(Instant::now());
         }
@@ -228,7 +227,7 @@ impl SolveTurn {
         }
     }
 
-    /// Waits until it is its turn; `false` where it was given up instead.
+    /// Waits for a slot. Returns `false` if the solve is cancelled.
     fn wait(&mut self) -> bool {
         let mut turns = lock(&self.turns);
         turns.waiting.push(QueuedSolve {
@@ -251,12 +250,12 @@ impl SolveTurn {
         true
     }
 
-    /// Whether whoever asked for it has some of the time left for which solves may go on as short ones.
+    /// True if the client's solves may still run as short ones.
     fn has_short_allowance(&self) -> bool {
         lock(&self.turns).allowances.has_tokens(&self.payer, Instant::now())
     }
 
-    /// Charges for the time since it was last charged, and says how long that was.
+    /// Charges the time since the last charge and returns it.
     fn charge(&mut self) -> Duration {
         let now = Instant::now();
         let Some(since) = self.since.replace(now) else { return Duration::ZERO };
@@ -269,7 +268,7 @@ impl SolveTurn {
         worked
     }
 
-    /// Gives its place to another.
+    /// Frees its slot for another solve.
     fn release_slot(&mut self) {
         if self.since.take().is_some() {
             let mut turns = lock(&self.turns);
@@ -304,8 +303,8 @@ mod tests {
         Payer::new(&session.into(), session)
     }
 
-    /// Solves that take so many questions of a millisecond each, in the order in which they end. `gives_way` is the planted fault
-    /// where it is not.
+    /// Runs solves with that many checks of a millisecond each, and returns the order in which they end. The planted
+    /// fault is `gives_way` set to false.
     async fn ends(solves: &[(&'static str, u64)], gives_way: bool) -> Vec<&'static str> {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let ended = Arc::new(Mutex::new(Vec::new()));
@@ -322,7 +321,7 @@ mod tests {
                 };
                 solver.run(payer(session), solve).await.expect("solved");
             }));
-            // So that they come in this order.
+            // Keeps the order of arrival.
             tokio::time::sleep(Duration::from_millis(5)).await;
         }
         for task in tasks {
@@ -332,8 +331,8 @@ mod tests {
         Arc::into_inner(ended).expect("all have ended").into_inner().unwrap()
     }
 
-    /// Of two clients the one that asks for a little is not behind the other's many, and of two that ask for much the one that came
-    /// later is done with half as much before the other.
+    /// A client with a little work does not wait for the large work of another. If two have much work, the later one
+    /// ends first if it has half as much.
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn who_has_been_charged_less_goes_first() {
         let greedy = ("greedy", 200);
@@ -345,7 +344,7 @@ mod tests {
         assert_eq!(ends(&[greedy, ("short", 3)], false).await, ["greedy", "short"]);
     }
 
-    /// How long a long solve of Ada's takes while a view moves of this actor.
+    /// Time of a long solve of Ada's while a view of this actor moves.
     async fn takes_while_a_view_moves(of: &str) -> Duration {
         let moving = Arc::<MovingPixels>::default();
         let solver = Solver::new(1, Gauge::default(), Arc::clone(&moving));
@@ -365,7 +364,8 @@ mod tests {
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
     async fn a_long_solve_rests_three_times_as_long_as_it_works_while_anothers_view_moves() {
         let of_another = takes_while_a_view_moves("ben").await;
-        // That is four times as long at least; the other is where the machine does not hold it up.
+        // The one beside another takes at least four times as long. The own one is the least of three, to leave out
+        // delays of the machine.
         let mut own = Duration::MAX;
         for _ in 0..3 {
             own = own.min(takes_while_a_view_moves("ada").await);

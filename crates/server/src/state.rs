@@ -1,4 +1,4 @@
-//! What every request can use. How it comes to be is in `server`.
+//! State that all requests use. `server` makes it.
 
 use std::sync::Arc;
 
@@ -11,25 +11,26 @@ use crate::backend::Services;
 use crate::permits::SessionPermits;
 use crate::room::Rooms;
 
-/// One a server; requests share it.
+/// State of a server, shared by its requests.
 pub struct AppState {
     pub backend: Services,
     pub rooms: Rooms,
     pub token: Token,
-    /// Where sockets are served: they carry what hands do, and requests what programs ask, as many as they can.
+    /// Runtime of sockets. They carry users' interactions, while HTTP requests come from programs, which send as many
+    /// as they can.
     pub socket_runtime: Handle,
-    /// The names that it answers to.
+    /// Host names of the server.
     pub hosts: Hosts,
     /// A permit for each socket that has said hello.
     pub sockets: Arc<Semaphore>,
-    /// A permit for each request under way.
+    /// A permit for each request in progress.
     pub requests: SessionPermits,
-    /// A permit for each picture for HTTP under way.
+    /// A permit for each picture for HTTP in progress.
     pub stills: SessionPermits,
-    /// A permit for each scene on its way here.
+    /// A permit for each scene being uploaded.
     pub uploads: Semaphore,
-    /// Turns of strangers who look whether the server lives, or open a socket.
+    /// Permits of anonymous liveness checks and opening sockets.
     pub anonymous_short_permits: AnonymousPermits,
-    /// Turns of strangers who ask for anything else.
+    /// Permits of all other anonymous requests.
     pub anonymous_permits: AnonymousPermits,
 }

@@ -1,4 +1,4 @@
-//! The store as tasks use it: one thread commits, the blocking pool reads.
+//! Async access to the store: one thread commits, and the blocking pool reads.
 
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -14,24 +14,24 @@ use tokio::task::spawn_blocking;
 use crate::limits::{COMMIT_QUEUE, MAX_READERS};
 use crate::{ServerError, metrics::Metrics};
 
-/// Reaches the store. Clones share the thread that commits; it ends with the last of them.
+/// Handle to the store. Clones share the committing thread, which ends with the last of them.
 #[derive(Clone, Debug)]
 pub struct Storage {
     folder: Arc<Path>,
     writes: mpsc::Sender<WriteJob>,
-    /// Connections that nobody uses.
+    /// Unused connections.
     readers: Arc<Mutex<Vec<Store>>>,
 }
 
-/// What changes the database.
+/// A write to the database.
 enum WriteJob {
-    /// Records and rejections of a session; answered with what its log has grown by.
+    /// Records and rejections of a session. The answer is the growth of its log.
     Commit(Commit, oneshot::Sender<Result<RecordTail, StoreError>>),
-    /// What is a transaction of its own, and answers by itself.
+    /// A transaction of its own, which sends its own answer.
     Exclusive(Box<dyn FnOnce(&mut Store) + Send>),
 }
 
-/// What happened in one session, in order.
+/// Records and rejections of one session, in order.
 struct Commit {
     session: Arc<str>,
     records: Vec<Record>,
@@ -40,15 +40,15 @@ struct Commit {
 }
 
 impl Storage {
-    /// Gives `store`, which lies in `folder`, a thread of its own.
+    /// Starts a thread for `store`, which is in `folder`.
     pub fn start(folder: &Path, store: Store, metrics: Arc<Metrics>) -> Self {
         let (writes, inbox) = mpsc::channel(COMMIT_QUEUE);
         thread::spawn(move || write_until_closed(store, inbox, &metrics));
         Self { folder: folder.into(), writes, readers: Arc::default() }
     }
 
-    /// Writes records and rejections down; they are on disk when it returns. `hash` is of the document after the last
-    /// record. Gives what the log has grown by.
+    /// Writes records and rejections, which are on disk when this returns. `hash` is of the document after the last
+    /// record. Returns the growth of the log.
     pub async fn append(
         &self,
         session: Arc<str>,
@@ -61,7 +61,7 @@ impl Storage {
         receive_result(answer).await
     }
 
-    /// Makes a session, by people `title`, that begins with `records`, all of it or nothing, and gives its epoch.
+    /// Makes a session with that title and those records, completely or not at all. Returns its epoch.
     pub async fn begin_session(
         &self,
         session: &str,
@@ -73,7 +73,7 @@ impl Storage {
         self.run_exclusive(move |store| store.begin_session(&first.batch(), title.as_deref())).await
     }
 
-    /// Changes what the list says of a session.
+    /// Changes the title or the archived state of a session.
     pub async fn change_session(
         &self,
         name: String,
@@ -82,7 +82,7 @@ impl Storage {
         self.run_exclusive(move |store| store.change_session(&name, &change)).await
     }
 
-    /// Makes session `copy` of `name`, all of it or nothing.
+    /// Makes session `copy` of `name`, completely or not at all.
     pub async fn duplicate_session(
         &self,
         name: String,
@@ -92,12 +92,12 @@ impl Storage {
         self.run_exclusive(move |store| store.duplicate_session(&name, &copy, title.as_deref())).await
     }
 
-    /// Takes an archived session away. It must not be open.
+    /// Deletes an archived session, which must not be open.
     pub async fn delete_session(&self, name: Arc<str>) -> Result<(), ServerError> {
         self.run_exclusive(move |store| store.delete_session(&name)).await
     }
 
-    /// Keeps a session's checkpoint, in place of an earlier one; gives its bytes.
+    /// Stores a session's checkpoint, replaces an earlier one, and returns its size in bytes.
     pub async fn keep_checkpoint(
         &self,
         session: &Arc<str>,
@@ -107,13 +107,13 @@ impl Storage {
         self.run_exclusive(move |store| store.keep_checkpoint(&session, &checkpoint)).await
     }
 
-    /// Does `work` in the store's turn; it is on disk when this returns.
+    /// Runs `work` on the committing thread. Its writes are on disk when this returns.
     async fn run_exclusive<T: Send + 'static>(
         &self,
         work: impl FnOnce(&mut Store) -> Result<T, StoreError> + Send + 'static,
     ) -> Result<T, ServerError> {
         let (done, answer) = oneshot::channel();
-        // Nobody may be waiting any more; it is done all the same.
+        // The asker may be gone. The work stays done.
         self.write(WriteJob::Exclusive(Box::new(move |store| drop(done.send(work(store)))))).await?;
         receive_result(answer).await
     }
@@ -122,7 +122,7 @@ impl Storage {
         self.writes.send(write).await.map_err(|_| ServerError::Internal)
     }
 
-    /// Keeps an asset's bytes; they are on disk when it returns.
+    /// Stores an asset's bytes, which are on disk when this returns.
     pub async fn put_asset(
         &self,
         bytes: impl AsRef<[u8]> + Send + 'static,
@@ -130,12 +130,12 @@ impl Storage {
         self.with_reader(move |store| store.assets.put(bytes.as_ref()).map_err(ServerError::Store)).await
     }
 
-    /// Keeps what people call an asset; it is on disk when it returns.
+    /// Stores the display name of an asset, which is on disk when this returns.
     pub async fn name_asset(&self, asset: AssetHash, name: String) -> Result<(), ServerError> {
         self.with_reader(move |store| store.assets.set_name(&asset, &name).map_err(ServerError::Store)).await
     }
 
-    /// Asks the store on the blocking pool.
+    /// Reads from the store on the blocking pool.
     pub async fn read<T: Send + 'static>(
         &self,
         question: impl FnOnce(&Store) -> Result<T, StoreError> + Send + 'static,
@@ -153,7 +153,7 @@ impl Storage {
             let reader = known.map_or_else(|| storage.open(), Ok).map_err(ServerError::StoreRead)?;
             let answer = question(&reader);
             let mut readers = storage.readers();
-            // After an error another connection may do better.
+            // A connection that had an error is not reused.
             if answer.is_ok() && readers.len() < MAX_READERS {
                 readers.push(reader);
             }
@@ -166,12 +166,12 @@ impl Storage {
         self.readers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Where the data lies.
+    /// The data folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// A connection of the caller's own, for reading. Blocks.
+    /// Opens a connection for reading by the caller. Blocks.
     pub fn open(&self) -> Result<Store, StoreError> {
         Store::open(&self.folder)
     }
@@ -181,7 +181,7 @@ async fn receive_result<T>(answer: oneshot::Receiver<Result<T, StoreError>>) -> 
     answer.await.map_err(|_| ServerError::Internal)?.map_err(ServerError::Store)
 }
 
-/// Carries out writes. Commits that wait together become one transaction: the disk is waited for once.
+/// Carries out writes. Waiting commits become one transaction, so the disk is waited for once.
 fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, metrics: &Metrics) {
     let mut waiting = Vec::with_capacity(COMMIT_QUEUE);
     while inbox.blocking_recv_many(&mut waiting, COMMIT_QUEUE) > 0 {
@@ -195,7 +195,7 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, met
         if !commits.is_empty() {
             let started = std::time::Instant::now();
             let results = commit_all(&mut store, &commits);
-            // Counted before it is answered: whoever has the answer finds it in the metrics.
+            // Counted before the answer, so a client that has the answer finds it in the metrics.
             metrics.commit_seconds.observe(started.elapsed().as_secs_f64());
             for ((_, done), result) in commits.into_iter().zip(results) {
                 let _ = done.send(result);
@@ -204,7 +204,7 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, met
     }
 }
 
-/// Commits all together, or where that fails each for itself, so that no session fails for another's sake.
+/// Commits all together. If that fails, commits each alone, so that no session fails because of another.
 fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<RecordTail, StoreError>> {
     let batches: Vec<CommitBatch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
     let together = if batches.len() > 1 { store.append(&batches).ok() } else { None };

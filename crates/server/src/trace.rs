@@ -1,7 +1,7 @@
-//! The trace: a line of JSON for each picture, in a file that a thread of its own writes.
+//! The trace: a line of JSON for each picture, in a file written by its own thread.
 //!
-//! Who makes pictures only hands lines over, to a queue with a limit, so that no disk slows a picture and none fills the
-//! memory. A line that finds no room is counted in the next one that does.
+//! Other threads only put lines into a bounded queue. So no disk delays a picture, and none fills the memory. A line
+//! without room is counted in the next one that has room.
 
 use std::fs::File;
 use std::io::Write;
@@ -19,14 +19,14 @@ use crate::ServerError;
 use crate::limits::{TRACE_FLUSH_TIMEOUT, TRACE_QUEUE};
 use crate::picture_stats::micros;
 
-/// Takes lines of pictures; clones share the file. By default there is none, and they go nowhere.
+/// Handle that takes lines of pictures. Clones share the file. The default has no file and drops all lines.
 #[derive(Clone, Debug, Default)]
 pub struct Trace(Option<Lines>);
 
 #[derive(Clone, Debug)]
 struct Lines {
     queue: SyncSender<Entry>,
-    /// Those that found no room since the last that did.
+    /// Number of lines without room since the last one with room.
     left_out: Arc<AtomicU64>,
 }
 
@@ -36,24 +36,25 @@ enum Entry {
     End,
 }
 
-/// The thread that writes. Dropping this has it write what waits, and waits for that, unless the disk is stuck.
+/// The writing thread. Dropping this writes the waiting lines and waits for that, unless the disk is stuck.
 #[derive(Debug)]
 pub struct TraceThread {
     queue: SyncSender<Entry>,
-    /// Closed when it has ended.
+    /// Closed when the thread has ended.
     ended: Receiver<()>,
 }
 
 impl Drop for TraceThread {
     fn drop(&mut self) {
         if self.queue.try_send(Entry::End).is_ok() {
-            // That nothing comes but the end is what is waited for.
+            // The channel carries no messages. Its end is the signal.
             let _ = self.ended.recv_timeout(TRACE_FLUSH_TIMEOUT);
         }
     }
 }
 
-/// The line of a picture that is drawn: handed over when it is encoded, or when this is dropped because it never will be.
+/// The line of a drawn picture. It goes to the trace when the picture is encoded, or when this is dropped because it
+/// never will be.
 #[derive(Debug)]
 pub struct PictureTrace {
     trace: Trace,
@@ -61,7 +62,7 @@ pub struct PictureTrace {
 }
 
 impl PictureTrace {
-    /// The picture is encoded, which took so long.
+    /// Notes that the picture is encoded, and the time that took.
     pub fn encoded(mut self, took: Duration) {
         if let Some(line) = &mut self.line {
             line.encode_us = Some(micros(took));
@@ -80,7 +81,7 @@ impl Drop for PictureTrace {
 }
 
 impl Trace {
-    /// Writes to the end of a file, which is made where it is missing, for its owner alone.
+    /// Appends to a file, which is made if it is missing, for its owner alone.
     pub fn start(path: &Path) -> Result<(Self, TraceThread), ServerError> {
         let unusable = |reason| ServerError::Trace { path: path.into(), reason };
         let file = File::options().create(true).append(true).mode(0o600).open(path).map_err(unusable)?;
@@ -96,15 +97,14 @@ impl Trace {
         Ok((trace, TraceThread { queue, ended }))
     }
 
-    /// A picture is drawn; `line` tells what it came to, where somebody wants to know.
+    /// Starts the line of a drawn picture. `line` is called only if there is a file.
     pub fn drawn(&self, line: impl FnOnce() -> TraceLine) -> PictureTrace {
         let line = self.0.as_ref().map(|_| Box::new(line()));
         PictureTrace { trace: self.clone(), line }
     }
 }
 
-/// Writes each line at once and as a whole, until the end, or until the file takes no more: half a line is never followed by
-/// another.
+/// Writes each line at once and as a whole, until the end or an error. Half a line is never followed by another one.
 fn write_lines(mut file: File, path: &Path, entries: &Receiver<Entry>, left_out: &AtomicU64) {
     while let Ok(Entry::Line(mut line)) = entries.recv() {
         line.left_out = left_out.swap(0, Ordering::Relaxed);
@@ -162,7 +162,7 @@ mod tests {
             trace.drawn(|| line(0.5)).encoded(Duration::from_millis(3));
             drop(trace.drawn(|| line(1.5)));
             drop(thread);
-            // Nobody writes it any more.
+            // This line comes after the thread has ended.
             drop(trace.drawn(|| line(2.5)));
         }
         let written = lines(&std::fs::read_to_string(&path).unwrap());
@@ -173,7 +173,8 @@ mod tests {
         drop(Trace::default().drawn(|| unreachable!("nobody wants to know")));
     }
 
-    /// A reader that takes nothing stands for a disk that is stuck: nobody waits for it, and the next line says what is missing.
+    /// A reader that takes nothing stands for a stuck disk: nobody waits for it, and the next line says how many are
+    /// missing.
     ///
     /// Rules: TRACE-1
     #[test]

@@ -1,4 +1,4 @@
-//! A copy of the data folder while a server goes on using it.
+//! Copies of the data folder while a server uses it.
 
 use std::fs::{self, File, Permissions};
 use std::io;
@@ -10,28 +10,27 @@ use crate::assets::{Assets, check_folder};
 use crate::disk::sync_folder;
 use crate::sqlite::DatabaseSnapshot;
 
-/// How the name of a folder begins whose backup is not whole yet.
+/// Prefix of the folder of an unfinished backup.
 const PARTIAL_PREFIX: &str = ".bendylights-backup-";
 
-/// What a backup holds.
+/// Content of a backup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Backup {
-    /// Sessions.
     pub sessions: u64,
-    /// Records of all of them.
+    /// Records of all sessions.
     pub records: u64,
-    /// Scenes, with the files that name them.
+    /// Files of scenes and of their names.
     pub files: u64,
-    /// Of database and files.
+    /// Size of the database and the files.
     pub bytes: u64,
 }
 
-/// Copies sessions and scenes of the data folder `data` to the folder `to`, which must be missing or empty, and is a data
-/// folder then. All of it is on the disk when this returns; where it does not return, or with an error, nothing is at `to`.
+/// Copies sessions and scenes of the data folder `data` to the folder `to`, which must be missing or empty. Afterwards
+/// `to` is a data folder. All of it is on disk when this returns. After an error or a crash nothing is at `to`.
 ///
-/// It holds all that was acknowledged before it began: the database as it is at one moment, and the scenes that are there
-/// after that, since a scene is on the disk before a record names it. The server's token is not among it. `copied` is told of
-/// the bytes of each step and of all.
+/// The backup holds everything acknowledged before it began: a snapshot of the database, and the scenes listed after
+/// that. A scene is on disk before a record names it, so none is missing. The backup leaves out the server's token.
+/// `copied` receives the bytes of each step and the total.
 pub fn back_up(data: &Path, to: &Path, mut copied: impl FnMut(u64, u64)) -> Result<Backup, StoreError> {
     check_folder(data)?;
     let snapshot = DatabaseSnapshot::take(data)?;
@@ -56,20 +55,20 @@ pub fn back_up(data: &Path, to: &Path, mut copied: impl FnMut(u64, u64)) -> Resu
     assets.sync()?;
     let put = sync_folder(folder.path()).and_then(|()| fs::rename(folder.path(), to));
     put.and_then(|()| sync_folder(parent)).map_err(unusable)?;
-    // It has another name now, by which nobody removes it.
+    // The folder has its final name now, so the temporary folder must not be removed on drop.
     let _ = folder.keep();
     Ok(Backup { sessions, records, files: files.len() as u64, bytes })
 }
 
-/// A folder for a backup that is not whole yet, and the lock that says that somebody is at work on it. Those that others have
-/// left are removed.
+/// Makes the folder of an unfinished backup and takes the lock that marks it as in use. Removes the folders of
+/// interrupted backups.
 fn make_folder(parent: &Path) -> io::Result<(tempfile::TempDir, File)> {
-    // One at a time: a folder that is just made has no lock yet.
+    // One process at a time, since a new folder is not locked at once.
     let one_at_a_time = File::open(parent)?;
     one_at_a_time.lock()?;
     for file in fs::read_dir(parent)? {
         let file = file?;
-        // One that is whole by now has its own name.
+        // A completed backup has its final name and does not match the prefix.
         if file.file_name().to_string_lossy().starts_with(PARTIAL_PREFIX)
             && let Ok(leftover) = File::open(file.path())
             && leftover.try_lock().is_ok()

@@ -1,4 +1,4 @@
-//! Checkpoints: a session as it was after one of its records, so that opening it replays only what came since.
+//! Checkpoints: the state of a session after one of its records. Opening replays only the records after it.
 
 use document::AssetHash;
 use edit::Session;
@@ -8,24 +8,23 @@ use crate::records::RecordTail;
 use crate::stored::{FoundSession, SessionKey, SessionRow, StoredCheckpoint};
 use crate::{Store, StoreError};
 
-/// A session that was opened.
+/// An opened session.
 #[derive(Clone, Debug)]
 pub struct OpenedSession {
-    /// As it stands in the list of sessions.
     pub row: SessionRow,
-    /// After its last record.
+    /// The session after its last record.
     pub session: Session,
-    /// What had to be replayed.
+    /// The records that were replayed.
     pub tail: RecordTail,
-    /// Bytes of its checkpoint; 0 where it has none that is of use.
+    /// Size of its checkpoint. 0 without a usable one.
     pub checkpoint_bytes: u64,
-    /// The checkpoint was of no use: it is not what the log says, or damaged. All of the log was replayed.
+    /// The checkpoint was damaged or contradicted the log, so the whole log was replayed.
     pub checkpoint_failed: bool,
 }
 
 impl Store {
-    /// The session after its last record: from its checkpoint, which is proven by the hash that the log has for that
-    /// record, and the records that follow, which are proven as in [`Store::replay`].
+    /// Opens the session after its last record. It starts from the checkpoint, which the log's hash of that record
+    /// proves, and replays the records after it, which are proven as in [`Store::replay`].
     pub fn open_session(&self, session: &str) -> Result<OpenedSession, StoreError> {
         let FoundSession { key, row } = self.database.find(session)?;
         let checkpoint = self.checkpoint(key);
@@ -40,8 +39,8 @@ impl Store {
         Ok(OpenedSession { row, session, tail, checkpoint_bytes, checkpoint_failed })
     }
 
-    /// Keeps the session as its checkpoint, in place of an earlier one; gives its bytes. The record that it stands after
-    /// must be in the log, the last of its batch.
+    /// Stores a checkpoint of the session, replaces an earlier one, and returns its size in bytes. Its record must be
+    /// in the log as the last one of a batch.
     pub fn keep_checkpoint(
         &mut self,
         session: &str,
@@ -74,12 +73,11 @@ impl Store {
     }
 }
 
-/// What is found of a checkpoint.
 enum CheckpointState {
     None,
-    /// It cannot be used.
+    /// The checkpoint is damaged or not proven.
     Failed,
-    /// The session after its record, the log's proof there, and the checkpoint's own bytes.
+    /// The session after the checkpoint's record, the log's proof there, and the size of the checkpoint.
     Loaded {
         session: Box<Session>,
         proof: String,

@@ -1,26 +1,24 @@
-//! What is found where a log file is not what was logged.
+//! Differences between a log file and the log that was written.
 
 use std::fmt;
 
-/// How a log file is not what was logged.
+/// The first difference between a log file and the log that was written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
-    /// What is another.
     pub part: DifferingPart,
-    /// The last record up to which all was right.
+    /// The last record up to which everything matches.
     pub last_matching_seq: u64,
-    /// The record whose checkpoint says otherwise.
+    /// The record whose checkpoint differs.
     pub seq: u64,
 }
 
-/// What of a log file can be another than was logged.
+/// Part of a log file that can differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DifferingPart {
-    /// What its records come to.
+    /// The document after its records.
     Document,
-    /// Its lines, in what does not show in the document: who did something and when, or the session's name.
+    /// The lines, without an effect on the document: an actor, a time or the session's name.
     Lines,
-    /// The ends of its lines.
     LineEnds,
 }
 

@@ -1,10 +1,12 @@
-//! Where edit logs and assets live: a folder with one SQLite database, a file for each asset and one for its name.
+//! Storage of edit logs and assets in one folder: a SQLite database, one file per asset, and one for its name.
 //!
-//! What [`Store::append`] and [`Assets::put`] have returned from survives a crash of the program and of the
-//! machine. A log is read in passes and never held in memory as a whole. Calls block; whoever serves many runs them on
-//! a thread for that.
+//! Everything that [`Store::append`] or [`Assets::put`] has confirmed survives a crash of the program and of the
+//! machine. A log is read record by record and never held in memory as a whole. Calls block, so a server runs them on a
+//! thread of its own.
 //!
-//! Logs are made, read and replayed here as lines and records; `sqlite` keeps them, and knows nothing of what they mean.
+//! The crate knows no async runtime, no socket and no rendering. All SQL is in `sqlite`, which stores lines, numbers
+//! and hashes and does not know their meaning. Begin with [`Store`], then the modules `records`, `log_file` and
+//! `sqlite`.
 
 mod assets;
 mod backup;

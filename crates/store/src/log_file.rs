@@ -14,15 +14,15 @@ use crate::sessions::{check_name, insert_session};
 use crate::stored::{FoundSession, SessionRow, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
-/// Records between two checkpoints of an exported log.
+/// Number of records between two checkpoints of an exported log.
 const CHECKPOINT_EVERY: u64 = 10;
 
-/// What a log file comes to.
+/// Result of a replayed log file.
 #[derive(Clone, Debug)]
 pub struct ReplayedLog {
-    /// The session after the last record that was asked for.
+    /// The session after the last requested record.
     pub session: Session,
-    /// What the first checkpoint says that does not hold.
+    /// The difference at the first checkpoint that does not match.
     pub first_difference: Option<Difference>,
 }
 
@@ -31,7 +31,7 @@ pub fn replay_log(log: impl BufRead, to: Option<u64>) -> Result<ReplayedLog, Sto
     visit_log(log, to, |_, _| {})
 }
 
-/// The same, with `visit` told each record and the session after it.
+/// Replays like `replay_log`, and calls `visit` with each record and the session after it.
 pub fn visit_log(
     log: impl BufRead,
     to: Option<u64>,
@@ -76,10 +76,11 @@ impl Store {
         })
     }
 
-    /// Makes a session of a log file, all of it or, on an error, nothing. It is called `name`, or as the log says.
+    /// Makes a session from a log file, completely or, on an error, not at all. Its name is `name`, or else the one in
+    /// the log.
     ///
-    /// The log is replayed on the way: gaps, records that do not fit and checkpoints that differ are refused, and
-    /// scenes of which `is_here` says that their bytes are not.
+    /// The log is replayed meanwhile. Errors are gaps, records that do not apply, checkpoints that differ, and scenes
+    /// for which `is_here` returns false.
     pub fn import(
         &mut self,
         log: impl BufRead,
@@ -90,7 +91,7 @@ impl Store {
         self.database.write(|writer| {
             let name = name.unwrap_or(&header.session);
             let (key, _) = insert_session(writer, name, None, FORMAT)?;
-            // Of the lines as they are stored, in this version's format, whatever the file's was.
+            // The proof covers the lines as stored, in this version's format, even if the file has an earlier one.
             let mut proof = writer.find(name)?.row.proof;
             replay_lines(&header, lines, None, |passed| match passed {
                 ReplayedLine::Record(record, session) => {
@@ -108,7 +109,7 @@ impl Store {
     }
 }
 
-/// Refuses what [`Store::import`] refuses of a log and of a name, and writes nothing.
+/// Refuses the same logs and names as [`Store::import`] and writes nothing.
 pub fn check_log(
     log: impl BufRead,
     name: Option<&str>,
@@ -126,7 +127,7 @@ pub fn check_log(
     Ok(())
 }
 
-/// Refuses a scene whose bytes are not here.
+/// Refuses a scene whose bytes are missing.
 fn check_scene(seq: u64, session: &Session, is_here: &dyn Fn(&AssetHash) -> bool) -> Result<(), StoreError> {
     match session.document().scene().map(|scene| scene.asset) {
         Some(asset) if !is_here(&asset) => {
@@ -136,15 +137,15 @@ fn check_scene(seq: u64, session: &Session, is_here: &dyn Fn(&AssetHash) -> bool
     }
 }
 
-/// A line of a log file that the replay has passed.
+/// A line of a log file that was just replayed.
 enum ReplayedLine<'a> {
-    /// The session is the one after it.
+    /// The record and the session after it.
     Record(Box<Record>, &'a Session),
-    /// `hash` is the document's in this version's format.
+    /// `hash` is the document's hash in this version's format.
     Checkpoint { seq: u64, hash: String, difference: Option<Difference> },
 }
 
-/// Replays the lines after the first up to record `to` and what is said of it, or to the end. `visit` is told each.
+/// Replays the lines after the header up to record `to` and its checkpoint, or to the end. Calls `visit` for each line.
 fn replay_lines(
     header: &LogHeader,
     mut lines: Lines<impl BufRead>,
@@ -156,7 +157,7 @@ fn replay_lines(
     let mut right_up_to = 0;
     let mut operations = HashSet::new();
     let mut is_whole = false;
-    // Of the latest record, by which its checkpoint's hash is made.
+    // Format of the latest record. Its checkpoint's hash has the same format.
     let mut format = header.format;
     while let Some(line) = lines.next(|line| reader.read(line))? {
         let follows_checkpoint = is_whole;
@@ -195,7 +196,7 @@ fn replay_lines(
     if is_whole { Ok(session) } else { Err(StoreError::Truncated) }
 }
 
-/// The first line of a log file, and those after it.
+/// Reads the header and returns it with the following lines.
 fn open<R: BufRead>(log: R) -> Result<(LogHeader, Lines<R>), StoreError> {
     let mut lines = Lines { log, number: 0, text: Vec::new(), end_in_cr_lf: false };
     let header = lines.next(LogHeader::parse)?.ok_or(StoreError::Truncated)?;
@@ -205,15 +206,15 @@ fn open<R: BufRead>(log: R) -> Result<(LogHeader, Lines<R>), StoreError> {
 /// Lines of a file, one in memory at a time.
 struct Lines<R> {
     log: R,
-    /// Of the line last read, from 1.
+    /// Number of the latest line, from 1.
     number: u64,
     text: Vec<u8>,
-    /// One of those read so far does.
+    /// True once a line ended in CR LF.
     end_in_cr_lf: bool,
 }
 
 impl<R: BufRead> Lines<R> {
-    /// What the next line says; `None` after the last. A line may be as long as a record.
+    /// Parses the next line. Returns `None` after the last one. A line may be as long as a record.
     fn next<T>(&mut self, parse: impl FnOnce(&str) -> Result<T, FileError>) -> Result<Option<T>, StoreError> {
         self.text.clear();
         let limit = MAX_RECORD_BYTES as u64 + 1;
@@ -230,7 +231,7 @@ impl<R: BufRead> Lines<R> {
         parse(self.line()?).map(Some).map_err(|reason| StoreError::Line { line, reason })
     }
 
-    /// The line last read, without its end.
+    /// The latest line without its line feed.
     fn line(&self) -> Result<&str, StoreError> {
         let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotUtf8 { line: self.number })?;
         Ok(text.strip_suffix('\n').unwrap_or(text))

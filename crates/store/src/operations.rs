@@ -1,11 +1,12 @@
-//! What became of operations, for those that come again (SPEC, REC-4).
+//! Outcomes of operations, for clients that repeat one (SPEC, REC-4).
 
 use protocol::{Committed, Outcome};
 
 use crate::{Store, StoreError};
 
 impl Store {
-    /// What became of an actor's operation in a session; `None` where it never came, or was refused too long ago.
+    /// Returns the outcome of an actor's operation in a session. Returns `None` if the operation never arrived, or if
+    /// its rejection is no longer kept.
     pub fn outcome(&self, session: &str, actor_id: &str, op_id: &str) -> Result<Option<Outcome>, StoreError> {
         let key = self.database.find(session)?.key;
         let Some(seq) = self.database.record_of(key, actor_id, op_id)? else {
@@ -19,7 +20,7 @@ impl Store {
         Ok(Some(Outcome::Committed(committed)))
     }
 
-    /// What its sender was told of record `seq`.
+    /// Returns the outcome of record `seq` as its sender received it.
     fn committed_outcome(&self, session: &str, seq: u64) -> Result<Committed, StoreError> {
         let record = self.records(session, seq, 1)?.pop().ok_or(StoreError::ConcurrentWrite(seq))?;
         let record =

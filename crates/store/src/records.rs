@@ -1,4 +1,4 @@
-//! The records of a log: appended together, read one by one.
+//! Records of a log: appended in batches, read one by one.
 
 use std::ops::ControlFlow;
 
@@ -12,13 +12,11 @@ use crate::sqlite::Writer;
 use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
-/// Records that follow a checkpoint, or that a log has grown by, and the bytes of their JSON in full: what replaying them
-/// costs.
+/// Number and size of records that follow a checkpoint or extend a log: the cost of replaying them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RecordTail {
-    /// How many.
     pub records: u64,
-    /// Of JSON.
+    /// Size of their complete JSON.
     pub bytes: u64,
 }
 
@@ -29,22 +27,22 @@ impl std::ops::AddAssign for RecordTail {
     }
 }
 
-/// What happened in one session and is committed together.
+/// Records and rejections of one session that are committed together.
 #[derive(Clone, Copy, Debug)]
 pub struct CommitBatch<'a> {
-    /// The session's name.
+    /// Name of the session.
     pub session: &'a str,
-    /// The records, the next of its log in order. None is no error.
+    /// The next records of its log, in order. May be empty.
     pub records: &'a [edit::Record],
-    /// Operations that were refused meanwhile.
+    /// Operations refused since the last batch.
     pub rejections: &'a [Rejection],
-    /// Of the document after the last record; replay checks it.
+    /// Hash of the document after the last record. Replay checks it.
     pub hash: DocumentHash,
 }
 
 impl Store {
-    /// Writes all batches down in one transaction: they are on the disk when this returns. On an error none is, but for
-    /// [`StoreError::UnknownOutcome`]. Gives what each log has grown by.
+    /// Writes all batches in one transaction. They are on disk when this returns. On an error other than
+    /// [`StoreError::UnknownOutcome`] nothing is written. Returns the growth of each log.
     pub fn append(&mut self, batches: &[CommitBatch<'_>]) -> Result<Vec<RecordTail>, StoreError> {
         self.database.write(|writer| {
             let insert = |batch: &CommitBatch| insert_batch(writer, &writer.find(batch.session)?, batch);
@@ -52,8 +50,8 @@ impl Store {
         })
     }
 
-    /// Makes a session called `first.session`, by people `title`, that begins with `first`, all of it or, on an error,
-    /// nothing. Gives its epoch.
+    /// Makes a session with the name `first.session`, that title and the first batch, completely or, on an error, not
+    /// at all. Returns its epoch.
     pub fn begin_session(
         &mut self,
         first: &CommitBatch<'_>,
@@ -66,13 +64,14 @@ impl Store {
         })
     }
 
-    /// The records from `from` on, in full, at most `most` and [`MAX_PAGE_BYTES`]; none past the end.
+    /// Returns complete records from `from` on, at most `limit` and at most [`MAX_PAGE_BYTES`] of JSON, except for a
+    /// single larger record. Returns none past the end.
     pub fn records(&self, session: &str, from: u64, limit: usize) -> Result<Vec<Record>, StoreError> {
         self.page(session, from, limit, MAX_PAGE_BYTES)
     }
 
-    /// The records from `from` on, in full, at most `most`, and at most `most_bytes` of JSON but for a single record that has
-    /// more; none past the end.
+    /// Returns complete records from `from` on, at most `limit` and at most `max_bytes` of JSON, except for a single
+    /// larger record. Returns none past the end.
     pub fn page(
         &self,
         session: &str,
@@ -97,8 +96,8 @@ impl Store {
         Ok(page)
     }
 
-    /// The session as it is after record `to`, or after its last, from its log alone. The hash and the proof of each
-    /// batch are checked on the way.
+    /// Replays the log alone up to record `to`, or to its end, and returns the session. Checks the hash and the proof
+    /// of each batch.
     pub fn replay(&self, session: &str, to: Option<u64>) -> Result<Session, StoreError> {
         let FoundSession { key, row } = self.database.find(session)?;
         let to = to.unwrap_or(row.seq);
@@ -110,7 +109,7 @@ impl Store {
         Ok(session)
     }
 
-    /// Replays the records that follow, up to `to`.
+    /// Replays the records after the session's latest one, up to `to`.
     pub(crate) fn replay_following(
         &self,
         key: SessionKey,
@@ -138,7 +137,7 @@ impl Store {
         Ok(tail)
     }
 
-    /// A stored record in full, and the bytes of its JSON.
+    /// Returns a stored record with its references resolved, and the size of its JSON in bytes.
     fn read_record(
         &self,
         reader: &mut LogReader,
@@ -155,7 +154,7 @@ impl Store {
     }
 }
 
-/// Makes the session go on by a record from outside.
+/// Applies a record from outside to the session.
 pub(crate) fn apply_record(session: &mut Session, record: Record) -> Result<(), StoreError> {
     if session.seq() as usize >= edit::MAX_RECORDS {
         return Err(StoreError::TooManyRecords);
@@ -165,7 +164,7 @@ pub(crate) fn apply_record(session: &mut Session, record: Record) -> Result<(), 
     Ok(session.replay(&record)?)
 }
 
-/// Writes a batch down; gives what its log has grown by.
+/// Writes a batch and returns the growth of its log.
 pub(crate) fn insert_batch(
     writer: &Writer,
     FoundSession { key, row }: &FoundSession,
@@ -184,15 +183,15 @@ pub(crate) fn insert_batch(
     Ok(RecordTail { records: batch.records.len() as u64, bytes })
 }
 
-/// Writes a record of session `key` down, what the log holds already referred to; gives the bytes of its JSON in full.
-/// `proof` is the log's before and after.
+/// Writes a record of session `key`, with references to the values that the log already holds. Returns the size of its
+/// complete JSON in bytes. Advances `proof` to the log's proof after the record.
 pub(crate) fn insert_record(
     writer: &Writer,
     key: SessionKey,
     record: Record,
     proof: &mut String,
 ) -> Result<usize, StoreError> {
-    // One of an earlier format is upgraded: it may have references now.
+    // A record of an earlier format is upgraded, since it may hold references now.
     let record = Record { format: FORMAT, ..record };
     let json = record.to_json();
     if json.len() > MAX_RECORD_BYTES {

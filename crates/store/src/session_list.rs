@@ -1,4 +1,4 @@
-//! The list of sessions, and what is done with whole ones: described, duplicated, deleted.
+//! The list of sessions, and operations on whole sessions: describe, duplicate, delete.
 
 use protocol::next_proof;
 
@@ -6,27 +6,26 @@ use crate::sessions::{check_title, insert_session};
 use crate::stored::{FoundSession, SessionSummary, StoredRecord};
 use crate::{Store, StoreError};
 
-/// What is to be another about a session; what is `None` stays.
+/// New description of a session. A property that is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SessionChange {
-    /// What people call it.
     pub title: Option<String>,
-    /// Archived, or brought back.
+    /// True archives the session, false restores it.
     pub archived: Option<bool>,
 }
 
 impl Store {
-    /// All sessions, in the order of names. No log is read for it.
+    /// Lists all sessions by name. Reads no log.
     pub fn sessions(&self) -> Result<Vec<SessionSummary>, StoreError> {
         self.database.summaries()
     }
 
-    /// What the list says of the session of that name.
+    /// Returns the list's row of the session of that name.
     pub fn summary(&self, name: &str) -> Result<SessionSummary, StoreError> {
         self.database.summary(name)
     }
 
-    /// Changes what the list says of a session. Neither its log nor its name knows of it.
+    /// Changes the title or the archived state of a session. Its log and its name stay.
     pub fn change_session(
         &mut self,
         name: &str,
@@ -45,9 +44,9 @@ impl Store {
         })
     }
 
-    /// Makes a session `copy` with all of the log of `name`, line for line, and its checkpoint; all of it or, on an error,
-    /// nothing. Its proofs are its own, since they cover its name; so those of `name` are held to first, and lines that
-    /// were changed get no others.
+    /// Makes a session `copy` with the whole log of `name`, line for line, and its checkpoint. It succeeds completely
+    /// or, on an error, changes nothing. Proofs cover the session's name, so the copy has its own. The proofs of `name`
+    /// are checked first, so changed lines do not get new proofs.
     pub fn duplicate_session(
         &mut self,
         name: &str,
@@ -70,8 +69,8 @@ impl Store {
         })
     }
 
-    /// Takes an archived session away, with its log and its checkpoint: nothing of it is left on the disk, but for what a
-    /// backup that is being made still reads. The scenes that it loads stay: other logs may load them too.
+    /// Deletes an archived session with its log and its checkpoint. Nothing of it stays on disk, except for the pages
+    /// that a running backup still reads. The scenes stay, since other logs may load them.
     pub fn delete_session(&mut self, name: &str) -> Result<(), StoreError> {
         self.database.write(|writer| {
             if !writer.summary(name)?.is_archived {

@@ -1,4 +1,4 @@
-//! The sessions of a data folder: their names, and what their logs come to.
+//! Sessions of a data folder: their names and the ends of their logs.
 
 use document::FIRST_FORMAT_OF_HASH;
 use protocol::{FORMAT, Record};
@@ -10,13 +10,13 @@ use crate::stored::{SessionKey, SessionRow};
 use crate::{Store, StoreError};
 
 impl Store {
-    /// Makes a session with an empty document, and gives its epoch.
+    /// Makes a session with an empty document and returns its epoch.
     pub fn create_session(&mut self, name: &str) -> Result<String, StoreError> {
         self.database.write(|writer| Ok(insert_session(writer, name, None, FORMAT)?.1))
     }
 
-    /// The hash of a session's document, as this version makes it: the one in its row but where an earlier version has
-    /// written that, whose log is then read.
+    /// Returns the hash of a session's document in this version's format. It is the one in the session's row, unless an
+    /// earlier version wrote that. Then the log is read.
     pub fn document_hash(&self, row: &SessionRow) -> Result<String, StoreError> {
         let key = self.database.find(&row.name)?.key;
         let last = self.database.line(key, row.seq)?;
@@ -29,13 +29,13 @@ impl Store {
         }
     }
 
-    /// The session of that name.
+    /// Finds the session of that name.
     pub fn session(&self, name: &str) -> Result<SessionRow, StoreError> {
         Ok(self.database.find(name)?.row)
     }
 }
 
-/// A new session's key and its epoch.
+/// Makes a session and returns its key and its epoch.
 pub(crate) fn insert_session(
     writer: &Writer,
     name: &str,
@@ -50,7 +50,6 @@ pub(crate) fn insert_session(
     writer.insert_session(name, title, format)?.ok_or_else(|| StoreError::Exists(name.into()))
 }
 
-/// Refuses what cannot name a session.
 pub(crate) fn check_name(name: &str) -> Result<(), StoreError> {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
     let starts = |c: char| c.is_ascii_alphanumeric();
@@ -58,7 +57,6 @@ pub(crate) fn check_name(name: &str) -> Result<(), StoreError> {
     if is_name { Ok(()) } else { Err(StoreError::BadName(name.into())) }
 }
 
-/// Refuses what cannot be what people call a session.
 pub(crate) fn check_title(title: &str) -> Result<(), StoreError> {
     if is_label(title) { Ok(()) } else { Err(StoreError::BadTitle) }
 }

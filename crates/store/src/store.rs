@@ -1,4 +1,4 @@
-//! A data folder: a database of logs, and a folder of assets.
+//! The data folder: a database of logs and a folder of assets.
 
 use std::path::Path;
 
@@ -6,21 +6,21 @@ use crate::StoreError;
 use crate::assets::{ASSETS_FOLDER, Assets, check_folder};
 use crate::sqlite::{DATABASE_FILE, Database};
 
-/// All that the store keeps in the data folder, and for nobody but its owner.
+/// All files and folders of the store in the data folder. Only their owner may read them.
 pub const FILES: &[&str] =
     &[DATABASE_FILE, "bendylights.sqlite-wal", "bendylights.sqlite-shm", ASSETS_FOLDER];
 
-/// One connection to a data folder. Several may be open at a time, in this program and others: one writes, the others
-/// wait their turn; reading waits for nobody.
+/// A connection to a data folder. Several can be open at once, in this program and others. One writes while the other
+/// writers wait. Reads never wait.
 #[derive(Debug)]
 pub struct Store {
     pub(crate) database: Database,
-    /// The scenes that its logs load.
+    /// Scenes that the logs load.
     pub assets: Assets,
 }
 
 impl Store {
-    /// Opens the data in `folder`, and makes what is missing.
+    /// Opens the data in `folder`, and makes the missing files.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
         check_folder(folder)?;
         let assets = Assets::in_folder(folder);
@@ -28,7 +28,7 @@ impl Store {
         Ok(Self { database: Database::create(folder)?, assets })
     }
 
-    /// Opens the data in `folder`, which must be there.
+    /// Opens the data in `folder`. Gives an error if it is missing.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
         check_folder(folder)?;
         Ok(Self { database: Database::open(folder)?, assets: Assets::in_folder(folder) })

@@ -1,21 +1,21 @@
-//! What is kept, in plain values: what the store's logic and its database say to each other.
+//! Plain values that the store's logic and its database exchange.
 
 use protocol::{LogHeader, LogReader, Problem};
 
-/// A session and how far its log goes.
+/// A session and the end of its log.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionRow {
-    /// Its name.
     pub name: String,
-    /// Names this history: 128 random bits in hexadecimal, another one for each session that is made or imported.
+    /// Identifies this history: 128 random bits in hexadecimal, new for each session that is made or imported.
     pub epoch: String,
-    /// The [`protocol::FORMAT`] in which it began.
+    /// The [`protocol::FORMAT`] of its first record.
     pub format: u32,
-    /// The latest record, 0 before the first.
+    /// Number of the latest record. 0 before the first.
     pub seq: u64,
-    /// The document's hash after it, 64 hexadecimal digits, as the version made it that wrote the record.
+    /// Hash of the document after the latest record, as 64 hexadecimal digits, in the format of the version that wrote
+    /// the record.
     pub hash: String,
-    /// The log's proof up to it ([`protocol::next_proof`]), 64 hexadecimal digits.
+    /// Proof of the log up to the latest record ([`protocol::next_proof`]), as 64 hexadecimal digits.
     pub proof: String,
 }
 
@@ -31,94 +31,90 @@ impl SessionRow {
         header.first_proof(&header.to_json())
     }
 
-    /// Reads its log from the first record.
+    /// Makes a reader of its log, from the first record on.
     pub(crate) fn reader(&self) -> LogReader {
         LogReader::new(&self.header())
     }
 }
 
-/// What a list says of a session.
+/// A row of the list of sessions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionSummary {
-    /// What addresses, commands and its log call it; it stays.
+    /// Permanent name in addresses, commands and the log.
     pub name: String,
-    /// What people call it, by default its name.
+    /// Display name. The default is the name.
     pub title: String,
-    /// Names its history, as in [`SessionRow`].
+    /// Identifies its history, as in [`SessionRow`].
     pub epoch: String,
-    /// The latest record, 0 before the first.
+    /// Number of the latest record. 0 before the first.
     pub seq: u64,
-    /// Nobody works on it, and it can be deleted.
+    /// True if nobody works on the session. Then it can be deleted.
     pub is_archived: bool,
-    /// When it was made in this folder, in milliseconds since 1970.
+    /// Creation time in this folder, in milliseconds since 1970.
     pub made_ms: Option<u64>,
     /// `None` before the first record.
     pub changed: Option<LastChange>,
 }
 
-/// Of a session's latest record.
+/// Time and actor of a session's latest record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LastChange {
-    /// In milliseconds since 1970.
+    /// Milliseconds since 1970.
     pub time_ms: u64,
-    /// Who made it.
     pub actor_name: String,
 }
 
-/// The database's own name for a session.
+/// Key of a session in the database.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SessionKey(pub i64);
 
-/// A session with its key.
 pub struct FoundSession {
     pub key: SessionKey,
     pub row: SessionRow,
 }
 
-/// A record as it is kept.
+/// A record of the database.
 pub struct StoredRecord {
     pub seq: u64,
-    /// Its line in a log file.
+    /// Line in a log file.
     pub line: String,
-    /// Of the document after it, where that was noted.
+    /// Hash of the document after the record, if one was noted.
     pub hash: Option<String>,
-    /// Of all lines up to it, where that was noted.
+    /// Proof of all lines up to the record, if one was noted.
     pub proof: Option<String>,
 }
 
-/// A record to keep, the next of its log.
+/// The next record of a log.
 pub struct NewRecord<'a> {
     pub seq: u64,
     pub time_ms: u64,
     pub actor_id: &'a str,
     pub actor_name: &'a str,
     pub op_id: &'a str,
-    /// Its line in a log file.
+    /// Line in a log file.
     pub line: &'a str,
-    /// The long values that it is the first to hold: the hash of each, and the byte of the line where it begins.
+    /// Long values that the log does not hold yet: the hash of each, and the byte at which it begins in the line.
     pub new_values: &'a [(String, usize)],
 }
 
-/// A checkpoint as it is kept, with what the log says of its record.
+/// A checkpoint of the database, with the log's data of its record.
 pub struct StoredCheckpoint {
     pub json: String,
-    /// SHA-256 of `json`, in hexadecimal.
+    /// SHA-256 of `json` in hexadecimal.
     pub digest: String,
-    /// Its record's line in a log file.
+    /// Line of its record in a log file.
     pub line: String,
-    /// Of the document after its record.
+    /// Hash of the document after its record.
     pub hash: Option<String>,
-    /// Of the log up to its record.
+    /// Proof of the log up to its record.
     pub proof: Option<String>,
 }
 
-/// An operation that was refused.
+/// A refused operation.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rejection {
-    /// Who asked.
     pub actor_id: String,
-    /// The sender's name for the operation.
+    /// The sender's id of the operation.
     pub op_id: String,
-    /// Why.
     pub problem: Problem,
 }

@@ -1,68 +1,62 @@
-//! The header that stands before a frame's payload: section 8 of the protocol.
+//! The header before the payload of a frame: section 8 of the protocol.
 
 use crate::StreamError;
 
-/// Bytes of a header.
+/// Size of a frame header in bytes.
 pub const HEADER_BYTES: usize = 64;
 
-/// The one kind of frame there is.
+/// The only kind of frame in version 1.
 const PICTURE: u8 = 1;
 
-/// How the payload is encoded.
+/// Encoding of the payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Codec {
-    /// With loss, while things move.
+    /// Lossy, while something moves.
     Jpeg,
-    /// Without.
+    /// Lossless.
     Png,
 }
 
-/// What is special about a frame.
+/// Flags of a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FrameFlags {
-    /// Needs no earlier frame, and replaces all of them.
+    /// The frame needs no earlier frame and replaces all of them.
     pub is_key: bool,
-    /// The lossless picture of a still view.
+    /// The frame belongs to the lossless picture of a still view.
     pub is_settled: bool,
-    /// The picture is complete with this tile.
+    /// This tile completes the picture.
     pub is_last_tile: bool,
 }
 
-/// The part of the picture that a frame holds, in pixels from the top left.
+/// Rectangle of a picture that a frame holds, in pixels from the top left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameTile {
-    /// Left edge.
     pub x: u16,
-    /// Upper edge.
     pub y: u16,
-    /// Pixels.
     pub width: u16,
-    /// Pixels.
     pub height: u16,
 }
 
-/// What a frame shows and how it came about.
+/// Content of a frame, its origin and its times.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameHeader {
-    /// Of the payload.
     pub codec: Codec,
-    /// What is special about it.
     pub flags: FrameFlags,
-    /// Which view of the connection.
+    /// Number of the view on its connection.
     pub view: u32,
-    /// Counts from 1 for each connection.
+    /// Number of the frame. Counts from 1 on each connection.
     pub frame: u64,
-    /// The log's sequence that it shows.
+    /// Sequence number of the latest log record that the frame shows.
     pub log_seq: u64,
-    /// Of the view's camera.
+    /// Revision of the view's camera.
     pub camera_revision: u32,
-    /// Of the session's gestures.
+    /// Revision of the session's live gestures.
     pub live_revision: u32,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u16,
-    /// By how much the texels a side of shadow maps are divided: 1 where they are full.
+    /// Divisor of the shadow maps' texels per side. 1 at full size.
     pub shadow_map_divisor: u16,
-    /// Where the payload goes.
+    /// Position of the payload in the picture.
     pub tile: FrameTile,
     /// Width of the whole picture in pixels.
     pub width: u16,
@@ -70,18 +64,16 @@ pub struct FrameHeader {
     pub height: u16,
     /// Microseconds from the change to the start of the render.
     pub wait_us: u32,
-    /// Microseconds of the render.
     pub render_us: u32,
-    /// Microseconds of the encoding.
     pub encode_us: u32,
-    /// Width of the view in pixels: of a picture that is reduced while something moves, what it is shown as.
+    /// Width of the view in pixels. A picture that is reduced while something moves is shown at this size.
     pub view_width: u16,
     /// Height of the view in pixels.
     pub view_height: u16,
 }
 
 impl FrameHeader {
-    /// The header as it goes over the wire; the payload follows.
+    /// Returns the header in its wire form. The payload follows it.
     pub fn to_bytes(&self) -> [u8; HEADER_BYTES] {
         let mut bytes = [0; HEADER_BYTES];
         let mut put =
@@ -111,7 +103,7 @@ impl FrameHeader {
         bytes
     }
 
-    /// The header at the beginning of a message; the payload begins at [`HEADER_BYTES`].
+    /// Reads the header at the beginning of a message. The payload begins at [`HEADER_BYTES`].
     pub fn from_bytes(message: &[u8]) -> Result<Self, StreamError> {
         let header: &[u8; HEADER_BYTES] = message.first_chunk().ok_or(StreamError::Short(message.len()))?;
         let u16_at = |offset: usize| u16::from_le_bytes(array_at(header, offset));

@@ -1,7 +1,13 @@
-//! Pixels to frames, and when a client gets its next one.
+//! Frames of a picture stream: encoding, division into tiles, headers and pacing.
 //!
-//! [`jpeg()`] and [`png()`] encode, [`changed_tiles()`] and [`png_bands()`] say in which parts, [`FrameHeader`] is what stands before the payload on the wire, [`FramePacer`]
-//! decides for one client what it needs next. No sockets, no scene and no clock: times are passed in.
+//! - [`jpeg()`] and [`png()`] encode pixels.
+//! - [`changed_tiles()`] finds the parts of a picture that differ, and [`png_bands()`] cuts a lossless picture into
+//!   bands.
+//! - [`FrameHeader`] is the header before the payload on the wire.
+//! - [`FramePacer`] decides the next frame of one client.
+//!
+//! The crate knows no sockets, no scene and no clock: callers pass times in. Begin with [`FramePacer`], then
+//! [`changed_tiles()`] and [`FrameHeader`].
 
 mod encode;
 mod error;

@@ -1,62 +1,63 @@
-//! When a client gets its next frame, and which.
+//! Choice of a client's next frame and of its time.
 
 use std::time::{Duration, Instant};
 
 use crate::AckWindow;
 
-/// How long after the last change a view counts as still.
+/// Time after the last change at which a view counts as still.
 pub const SETTLE_AFTER: Duration = Duration::from_millis(250);
 
-/// What a view shows at the moment.
+/// Current content of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ViewContent {
-    /// Another one for all that can change the picture: the document, a gesture, the camera, the size.
+    /// Changes with everything that can change the picture: the document, a gesture, the camera, the size.
     pub revision: u64,
-    /// When it last did.
+    /// Time at which the revision last changed.
     pub changed_at: Instant,
 }
 
-/// How good a frame is.
+/// Quality of a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameQuality {
-    /// Quick, with loss: things move.
+    /// Fast and lossy, while something moves.
     Moving,
-    /// Lossless: things are still.
+    /// Lossless, once nothing moves.
     Settled,
 }
 
-/// What a client needs.
+/// Next need of a client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextFrame {
     /// Nothing, until the content changes or the client acknowledges a frame.
     Nothing,
-    /// Nothing before this time either; ask again then.
+    /// Nothing before this time. The caller asks again then, or earlier if the content changes or the client
+    /// acknowledges a frame.
     WaitUntil(Instant),
     /// A frame of [`FrameQuality::Moving`], now.
     Moving,
-    /// A frame of [`FrameQuality::Settled`], now. Give it up when the content changes meanwhile.
+    /// A frame of [`FrameQuality::Settled`], now. The caller abandons it if the content changes meanwhile.
     Settle,
 }
 
-/// What one client of a view has been sent, and what follows from it.
+/// Frames sent to one client of a view, from which follows the next one.
 ///
-/// A new content is sent at once as a moving frame, if the window has room; what lies between two such
-/// moments is never sent. Once the content is still, one settled frame of it follows. Whoever uses it asks
-/// for [`FramePacer::next`] when the content has changed, a frame was acknowledged, or the time it named has come.
+/// New content goes out at once as a moving frame if the window has a free slot. Content between two such moments is
+/// never sent. Once the content is still, one settled frame of it follows. The caller calls [`FramePacer::next`] when
+/// the content has changed, a frame was acknowledged, or the time of [`NextFrame::WaitUntil`] has come.
 #[derive(Clone, Debug, Default)]
 pub struct FramePacer {
     window: AckWindow,
-    /// The revision and quality of the latest frame; `None` where the client has to start anew.
+    /// Revision and quality of the latest frame. `None` if the next one is a key frame.
     latest: Option<(u64, FrameQuality)>,
 }
 
 impl FramePacer {
-    /// For a client that has seen nothing of this view.
+    /// Pacer of a client that has no frame of this view.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// What the client needs: nothing while it acknowledges nothing of what is on its way.
+    /// Returns the next need of the client. A client that acknowledges none of its frames in flight needs nothing.
     pub fn next(&self, content: ViewContent, now: Instant) -> NextFrame {
         let still_at = content.changed_at + SETTLE_AFTER;
         match self.latest {
@@ -73,31 +74,31 @@ impl FramePacer {
         }
     }
 
-    /// The client has nothing any more that a frame could go onto, and shows nothing of what is on its way: its next frame is a
-    /// key frame.
+    /// Resets a client that has no picture left to draw tiles on and that shows none of its frames in flight. Its next
+    /// frame is a key frame.
     pub fn start_anew(&mut self) {
         self.window.clear();
         self.latest = None;
     }
 
-    /// Whether the client's next frame is a key frame: its first, and that of [`Self::start_anew`].
+    /// True if the client's next frame is a key frame: its first one, and the one after [`Self::start_anew`].
     pub fn needs_key_frame(&self) -> bool {
         self.latest.is_none()
     }
 
-    /// How many more frames may be on their way.
+    /// Number of frames that may still be sent before an acknowledgement.
     pub fn free_slots(&self) -> usize {
         self.window.free_slots()
     }
 
-    /// A frame of that revision was sent, as [`FramePacer::next`] asked for.
+    /// Notes that a frame of that revision was sent after [`FramePacer::next`] requested it.
     pub fn sent(&mut self, frame: u64, revision: u64, quality: FrameQuality, now: Instant) {
         self.window.sent(frame, now);
         self.latest = Some((revision, quality));
     }
 
-    /// The client has shown a frame. Returns how long after sending, or `None` where the frame is not on its
-    /// way.
+    /// Notes that the client has shown a frame. Returns the time since it was sent, or `None` if the frame is not in
+    /// flight.
     pub fn acked(&mut self, frame: u64, now: Instant) -> Option<Duration> {
         self.window.acked(frame, now)
     }

@@ -1,27 +1,28 @@
-//! Pictures in parts: what of one differs from another, and bands of about as many bytes each.
+//! Parts of pictures: the tiles that differ between two, and bands of about equal size in bytes.
 
 use crate::{FrameTile, StreamError, png};
 
-/// Sides of the blocks that pictures are compared by, in pixels: a multiple of what JPEG works on.
+/// Side of the blocks in which pictures are compared, in pixels. A multiple of the block size of JPEG.
 const BLOCK: usize = 64;
 
-/// Where so much of a picture differs all of it is as good.
+/// Share of differing pixels above which the whole picture is sent.
 const WHOLE_PICTURE_SHARE: f64 = 0.6;
 
-/// Bytes that a band is meant to have, and what is thought of the first one's pixels.
+/// Target size of a band in bytes, and the estimate of bytes per pixel for the first band.
 const BAND_BYTES: f64 = 30_000.0;
 const FIRST_BYTES_PER_PIXEL: f64 = 0.8;
 
-/// Rows of the lowest band.
+/// Least number of rows in a band, except for the last one.
 const MIN_BAND_ROWS: usize = 16;
 
-/// All of a picture.
+/// Returns the tile that covers the whole picture.
 pub fn whole_tile(width: u16, height: u16) -> FrameTile {
     FrameTile { x: 0, y: 0, width, height }
 }
 
-/// Where `to` differs from `from`, two pictures of RGBA pixels of that size: few rectangles that hold every pixel that
-/// does and share none. Where most differs it is one, the whole picture; where nothing does there is none.
+/// Finds the rectangles in which two pictures of RGBA pixels of that size differ. They hold every pixel that differs
+/// and do not overlap. If most of the picture differs, the only rectangle is the whole picture. If nothing differs,
+/// there is none.
 pub fn changed_tiles(
     before: &[u8],
     after: &[u8],
@@ -51,7 +52,7 @@ pub fn changed_tiles(
             while column < columns && differs(column, row) {
                 column += 1;
             }
-            // One as wide that ends here goes on.
+            // A rectangle of the same columns that ends above grows by this row.
             let above =
                 rectangles.iter_mut().find(|[x, y, w, h]| (*x, *w, y + *h) == (from, column - from, row));
             match above {
@@ -71,7 +72,7 @@ pub fn changed_tiles(
     Ok(if is_most { vec![whole_tile(width, height)] } else { tiles })
 }
 
-/// The pixels of a tile of a picture that is `width` pixels wide, rows from the top.
+/// Copies the pixels of a tile from a picture that is `width` pixels wide, with rows from the top.
 pub fn crop(rgba: &[u8], width: u16, tile: FrameTile) -> Vec<u8> {
     let (x, y, columns) = (usize::from(tile.x), usize::from(tile.y), usize::from(tile.width));
     let line = |row: usize| {
@@ -81,8 +82,8 @@ pub fn crop(rgba: &[u8], width: u16, tile: FrameTile) -> Vec<u8> {
     (0..usize::from(tile.height)).map(line).collect::<Vec<_>>().concat()
 }
 
-/// A picture as PNGs that go one below the other, from the top, each of 20 to 40 KB as a rule: a client shows what has come of
-/// it, and what has not been sent can be left out.
+/// Cuts a picture into PNG bands from top to bottom, each of 20 to 40 KB as a rule. A client shows the bands it has,
+/// and the sender can stop between two.
 pub fn png_bands(rgba: &[u8], width: u16, height: u16) -> Result<Vec<(FrameTile, Vec<u8>)>, StreamError> {
     crate::encode::check_size(rgba, width, height)?;
     let (mut bands, mut y, mut bytes_a_pixel) = (Vec::new(), 0, FIRST_BYTES_PER_PIXEL);

@@ -1,4 +1,4 @@
-//! Why a study could not be made, or what it found wrong.
+//! Errors of studies.
 
 use assets::AssetError;
 use cli::CliError;
@@ -6,16 +6,14 @@ use light::LightError;
 use render::RenderError;
 use thiserror::Error;
 
-/// Why a study could not be made, or what it found wrong.
+/// Reason that a study failed, or the fault that it found.
 #[derive(Debug, Error)]
 pub enum StudyError {
-    /// The adapter could not do its part.
+    /// The GPU or the renderer failed.
     #[error(transparent)]
     Render(#[from] RenderError),
-    /// A light that cannot be evaluated.
     #[error(transparent)]
     Light(#[from] LightError),
-    /// A scene could not be read.
     #[error(transparent)]
     Asset(#[from] AssetError),
     /// A property of `stress` does not hold.
@@ -24,20 +22,20 @@ pub enum StudyError {
          and `bendylights-studies stress --only {property} --seed {seed} --cases 1` makes it again"
     )]
     Broken {
-        /// Properties that do not hold.
+        /// Number of properties that do not hold.
         count: usize,
-        /// The name of one.
+        /// Name of the first of them.
         property: &'static str,
-        /// The seed of its case.
+        /// Seed of its case.
         seed: u64,
     },
-    /// An answer or a file could not be written.
     #[error(transparent)]
     Cli(#[from] CliError),
 }
 
 impl StudyError {
-    /// 2 where the user can mend it, 1 where this machine stands in the way or a study finds the product wrong.
+    /// Returns 2 for errors that the user can correct, and 1 if the machine is not able to run the study or the product
+    /// is wrong.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Cli(error) => error.exit_code(),

@@ -1,5 +1,6 @@
-//! `bendylights-studies`: a command for each study. Exit codes as those of `bendylights`: 0, done; 2, the input is wrong
-//! and one sentence on standard error says how to mend it; 1, this machine cannot do it, or the product is wrong.
+//! `bendylights-studies`, with a command for each study. Exit codes are those of `bendylights`: 0 if done; 2 if the
+//! input is wrong, with a sentence on standard error that says how to correct it; 1 if this machine cannot do it or the
+//! product is wrong.
 
 mod commands;
 
@@ -22,7 +23,7 @@ enum Study {
     Drags(drags::Args),
     /// Does anything break, for any light and scene? Random and unkind cases against bounds, for as long as you like
     Stress(stress::Args),
-    /// What do drags cost? Counted steps and seconds, and a search for the most expensive one
+    /// Cost of drags: counted steps and seconds, and a search for the most expensive one
     Work(work::Args),
 }
 

@@ -1,5 +1,5 @@
-//! The command line, by running the real binary: `--help` teaches, answers are JSON, and what is wrong is said in one
-//! sentence with an exit code.
+//! Tests the command line with the real binary: `--help` teaches, answers are JSON, and errors are one sentence with an
+//! exit code.
 
 use std::process::{Command, Output};
 
@@ -17,7 +17,7 @@ fn help(args: &[&str]) -> String {
     String::from_utf8(done.stdout).expect("UTF-8")
 }
 
-/// The answer of a study that comes to an end with exit code `code`, and what it says on standard error.
+/// Runs a study that ends with exit code `code`. Returns its JSON and its standard error.
 fn answer(args: &[&str], code: i32) -> (Value, String) {
     let done = run(args);
     let said = String::from_utf8(done.stderr).expect("UTF-8");
@@ -35,7 +35,7 @@ fn help_names_every_study_and_shows_examples() {
     }
 }
 
-/// Words of `text`'s commands, each on a line that starts with `bendylights-studies`, that no help names.
+/// Words in commands of `text`, on lines that start with `bendylights-studies`, that are in no help text.
 fn unknown_words(text: &str) -> Vec<String> {
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("bendylights-studies "));
     lines

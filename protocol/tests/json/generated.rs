@@ -1,4 +1,5 @@
-//! The generated documents are those of the types. Run with `BENDYLIGHTS_BLESS=1` to write them anew.
+//! Tests that the generated documents match the types. With `BENDYLIGHTS_BLESS=1` they write the documents
+//! anew.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -23,7 +24,7 @@ fn schemas_are_those_of_the_types() {
     agrees("openapi.json", &openapi());
 }
 
-/// Every reference of `value`.
+/// Collects every reference in `value`.
 fn references<'a>(value: &'a Value, found: &mut Vec<&'a str>) {
     match value {
         Value::Object(fields) => {
@@ -50,7 +51,7 @@ fn every_reference_leads_somewhere() {
     }
 }
 
-/// Names of definitions that choose among objects without names.
+/// Returns the names of definitions that choose among objects without names.
 fn unnamed_variants(definitions: &Value) -> Vec<&str> {
     let is_object = |variant: &&Value| variant.get("properties").is_some();
     let definitions = definitions.as_object().expect("definitions").iter();
@@ -61,7 +62,8 @@ fn unnamed_variants(definitions: &Value) -> Vec<&str> {
     unnamed.map(|(name, _)| name.as_str()).collect()
 }
 
-/// So that what is generated from them has classes `SetPoint` and `AddLight`, not `CommandType5` and `CommandType1`.
+/// Code generated from the schemas then has classes `SetPoint` and `AddLight`, not `CommandType5` and
+/// `CommandType1`.
 #[test]
 fn every_variant_of_a_union_has_a_name() {
     for (mut document, place) in [
@@ -79,7 +81,7 @@ fn every_variant_of_a_union_has_a_name() {
     }
 }
 
-/// Every operation of the HTTP interface.
+/// Returns every operation of the HTTP interface.
 fn operations(document: &Value) -> impl Iterator<Item = &Value> {
     let paths = document["paths"].as_object().expect("paths").values();
     paths.flat_map(|path| path.as_object().expect("operations").values())

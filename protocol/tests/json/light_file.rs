@@ -1,4 +1,4 @@
-//! Light files: what they mean, that they keep every bit, and what is said of bad ones.
+//! Tests of light files: their values, exact round trips and refusals.
 
 use glam::{DQuat, DVec3};
 use light::parameters::{
@@ -31,7 +31,7 @@ fn everything_but_type_points_and_radii_has_its_documented_default() {
     assert_eq!(one(r#"{"type": "spot"}"#), Light::spot());
 }
 
-/// However they are written, equal links are one value, and all nodes are the default.
+/// Equal sets of links are one value in every notation, and the set of all nodes is the default.
 ///
 /// Rules: LINK-4
 #[test]
@@ -52,7 +52,7 @@ fn links_are_sets() {
     assert_eq!(refused, "lightLink.only: there is no field `only`, only `include` or `exclude`");
 }
 
-/// No pairs are no curve, which is the default.
+/// An empty list is no curve, which is the default.
 ///
 /// Rules: CURVE-1
 #[test]
@@ -132,7 +132,7 @@ fn lists_that_have_a_default_may_be_null() {
     assert_eq!(refusal(&twice), "the field `colors` is there twice");
 }
 
-/// As those of glTF files, at the end of a character.
+/// Names are cut like those of glTF files, at a character boundary.
 #[test]
 fn a_long_name_is_cut() {
     for (name, cut) in [
@@ -215,7 +215,7 @@ proptest! {
         prop_assert_eq!(back[0].position.to_array().map(f64::to_bits), bits);
     }
 
-    /// Whatever the text, there is an answer and no panic; and what is read can be written and read again.
+    /// No text makes the parser panic. Every light that it accepts can be written and parsed again.
     #[test]
     fn no_text_panics(text in r#"[\[\]{}",:0-9a-z.\-]{0,40}"#, at in 0..SHORT.len(), byte in any::<char>()) {
         let _ = point_file::parse(&text);
@@ -230,12 +230,12 @@ proptest! {
     }
 }
 
-/// The sentence `text` is refused with.
+/// Returns the message with which `text` is refused.
 fn refusal(text: &str) -> String {
     light_file::parse(text).expect_err("a bad light").to_string()
 }
 
-/// The sentence a light is refused with that differs from [`SHORT`] by `to` in place of `from`.
+/// Returns the message for [`SHORT`] with `from` replaced by `to`.
 fn spoilt(from: &str, to: &str) -> String {
     assert!(SHORT.contains(from));
     refusal(&SHORT.replacen(from, to, 1))
@@ -259,7 +259,8 @@ fn broken_json_is_refused_with_its_line_and_column() {
     }
 }
 
-/// The fields of a light by the table, as sentences list them; control points' come after the transform.
+/// Returns the fields of a light by the table, in the form of messages. The lists of control points follow the
+/// transform.
 fn fields(owner: ParameterOwner) -> String {
     let mut names = vec!["type"];
     for row in light::parameters_of(owner) {
@@ -341,7 +342,7 @@ fn a_bad_point_file_is_refused_with_its_place() {
     }
 }
 
-/// A vector with a number too many or too few is a matter of shape, and says where.
+/// A vector with a number too many or too few is an error of shape that names the field.
 #[test]
 fn vectors_have_three_numbers() {
     let said = |text: &str| protocol::point_file::parse(text).expect_err("refused").to_string();

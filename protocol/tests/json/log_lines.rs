@@ -1,4 +1,4 @@
-//! Lines of a log file, one by one.
+//! Tests of single lines of a log file.
 
 use protocol::{
     Checkpoint, FIRST_PROOF, FileError, LogHeader, LogLine, LogPosition, LogReader, MIN_HELD_BYTES,
@@ -51,7 +51,7 @@ fn other_lines_are_refused_by_what_is_wrong() {
     assert!(later.contains("format 6"), "{later}");
 }
 
-/// A record that adds a light with `points` control points, and one that removes it, in full.
+/// Returns a record that adds a light with 40 control points, and one that removes it, in full.
 fn long_records() -> [Value; 2] {
     let points: Vec<[f64; 3]> = (0..40).map(|i| [0.0, 0.0, -0.1 * f64::from(i)]).collect();
     let light =
@@ -69,7 +69,7 @@ fn long_records() -> [Value; 2] {
     ]
 }
 
-/// The lines of those records in a log, one after the other.
+/// Returns the lines of these records in a log, in order.
 fn compacted(records: &[Value]) -> Vec<String> {
     let mut held = std::collections::BTreeMap::new();
     let lines = records.iter().map(|record| {
@@ -100,7 +100,7 @@ fn a_long_value_stands_in_a_log_once() {
         let expected: protocol::Record = serde_json::from_value(record.clone()).expect("a record");
         assert_eq!(*read, expected);
     }
-    // Behind a checkpoint the earlier lines are asked for.
+    // After a checkpoint the reader requests the earlier lines.
     let mut asked = Vec::new();
     let mut find_line = |seq: u64| {
         asked.push(seq);
@@ -133,13 +133,13 @@ fn references_that_lead_nowhere_are_refused() {
     let around = r#"{"format":2,"seq":1,"x":[{"sameAs":{"record":1,"at":24,"hash":""}}]}"#;
     let said = read(around).expect_err("a circle").to_string();
     assert!(said.contains("what is around it"), "{said}");
-    // A record that is given, but is another than was asked for.
+    // The source returns another record than the requested one.
     let mut find_line = |_: u64| Ok::<_, ()>(Some(lines[1].clone()));
     let error = LogReader::default().read_record(&lines[1], &mut find_line);
     assert!(matches!(error, Err(ReadError::Line(_))), "{error:?}");
 }
 
-/// A short line that would be long: each list holds the one before eight times.
+/// The short line would expand to a long one: each list holds the one before eight times.
 ///
 /// Rules: REC-6, HTTP-11
 #[test]
@@ -153,7 +153,7 @@ fn a_line_that_grows_beyond_all_bounds_is_refused() {
         line.push(',');
         let hash = document::AssetHash::of(whole.as_bytes()).hex();
         item = list(&format!(r#"{{"sameAs":{{"record":1,"at":{at},"hash":"{hash}"}}}}"#), 8);
-        // Further in reading has stopped, and the hash is of no use.
+        // Later lines need no correct hash, because the reader stops before it checks them.
         whole = if whole.len() < 8 << 20 { list(&whole, 8) } else { whole };
     }
     line += "0]}";
@@ -161,8 +161,8 @@ fn a_line_that_grows_beyond_all_bounds_is_refused() {
     assert!(said.contains("more than"), "{said}");
 }
 
-/// A light that is changed bit by bit, as by hundreds of insertions: each line refers to the one before, but only what is
-/// asked for is looked up, however long the log.
+/// A light changes bit by bit, as by hundreds of insertions, and each line refers to the one before. The reader
+/// requests only the lines that it needs, whatever the length of the log.
 ///
 /// Rules: REC-6
 #[test]
@@ -183,7 +183,7 @@ fn any_record_of_a_long_log_can_be_read_alone() {
             asked.push(seq);
             Ok::<_, ()>(lines.get(seq as usize - 1).cloned())
         };
-        // It is no record, which is only seen once it is read in full.
+        // The line is not a record, which shows only after its expansion.
         let error = LogReader::default().read_record(&lines[seq - 1], &mut find_line).expect_err("no record");
         let ReadError::Line(error) = error else { panic!("{error:?}") };
         assert!(error.to_string().contains("`new`"), "{error}");

@@ -1,4 +1,4 @@
-//! Messages of the socket, as SPEC.md says them.
+//! Tests of the socket's messages against SPEC.md.
 
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ fn camera() -> Value {
     json!({"name": "", "translation": [0.0, 1.5, 5.0], "rotation": [0.0, 0.0, 0.0, 1.0], "projection": projection})
 }
 
-/// One of each type.
+/// Returns one message of each type.
 fn from_the_client() -> Vec<Value> {
     let actor = json!({"id": "a", "name": "Ada"});
     let command = json!({"type": "setLight", "light": 1, "parameter": {"coneAngle": 30.5}});
@@ -42,7 +42,7 @@ fn from_the_client() -> Vec<Value> {
     ]
 }
 
-/// One of each command.
+/// Returns one command of each type.
 fn commands() -> Vec<Value> {
     let light = json!({"type": "spot", "name": "lamp", "transform": {"translation": [0.0, 0.0, 0.0],
         "rotation": [0.0, 0.0, 0.0, 1.0], "scale": 1.0}, "color": [1.0, 1.0, 1.0], "intensity": 1.0,
@@ -162,7 +162,7 @@ fn messages_of_the_server_are_read_and_written_alike() {
     }
 }
 
-/// Puts a field that nobody knows into each object of `value` in turn.
+/// Returns copies of `value`, each with an unknown field in another object.
 fn with_gobo(value: &Value) -> Vec<Value> {
     let mut planted = Vec::new();
     if let Value::Object(fields) = value {
@@ -187,7 +187,8 @@ fn fields_that_nobody_knows_are_refused() {
         for planted in with_gobo(&message) {
             let text = planted.to_string();
             let said = ClientMessage::parse(&text).expect_err(&text).to_string();
-            // Beside the one field of a choice there can be no second, whatever its name.
+            // An object that represents a choice has exactly one field, so the error need not name the second
+            // one.
             assert!(said.contains("`gobo`") || said.contains("map with a single key"), "{text}: {said}");
         }
     }

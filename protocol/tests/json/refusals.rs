@@ -1,4 +1,4 @@
-//! What commands refuse, above all `set`: in words of its own and few of the sender's.
+//! Tests of refused commands, mainly of `set`. The messages quote little of the input.
 
 use document::{Command, CommandContext, Document, execute_command};
 use protocol::{ErrorCode, Refused};
@@ -42,7 +42,7 @@ fn a_value_of_another_type_is_told_what_the_parameter_takes() {
     set("/cameras/2/projection", &json!({"perspective": {"yfov": 1, "znear": 0.1}})).expect("a projection");
 }
 
-/// Radii are solved for in drags of features alone.
+/// Only drags of features solve for radii.
 ///
 /// Rules: CMD-14
 #[test]
@@ -62,7 +62,7 @@ fn the_radii_of_a_dragged_point_are_kept_or_follow() {
     assert!(refused.to_string().contains("\"keep\" or \"follow\""), "{refused}");
 }
 
-/// A refusal is kept as the result of its operation, so it may not hold what came.
+/// A refusal is stored as the result of its operation, so it must not hold a long input.
 ///
 /// Rules: CMD-10
 #[test]
@@ -91,7 +91,7 @@ fn no_refusal_repeats_a_long_input() {
     assert!(refusal("/lights/1/gobo", &json!(1)).contains("there is no parameter `gobo`, only `name`"));
 }
 
-/// Clients of before know one code for a long name, whichever command brings it.
+/// Earlier clients know one code for a long name, whatever the command.
 ///
 /// Rules: CMD-9
 #[test]

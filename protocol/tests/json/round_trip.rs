@@ -1,4 +1,4 @@
-//! Documents and records go through JSON and come back to the last bit.
+//! Tests that documents and records survive JSON bit for bit.
 
 use document::{AssetHash, CameraId, CameraParameter, Command, CommandContext, SceneContents};
 use edit::{Actor, EditRequest, EditSources, Session, UndoScope};
@@ -11,7 +11,7 @@ mod random;
 
 const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
 
-/// The log of those of `requests` that are valid.
+/// Executes `requests`, and returns the session and the log of the valid ones.
 fn logged(requests: Vec<Result<Command, UndoScope>>) -> (Session, Vec<edit::Record>) {
     let (mut session, mut log) = (Session::default(), Vec::new());
     for (index, request) in requests.into_iter().enumerate() {
@@ -91,7 +91,7 @@ proptest! {
         prop_assert_eq!(read.scene(), document.scene());
     }
 
-    /// Every finite number, not only those that are likely.
+    /// Covers every finite number.
     ///
     /// Rules: LOG-2
     #[test]
@@ -111,7 +111,7 @@ proptest! {
     }
 }
 
-/// The comparisons above see the smallest of differences.
+/// The comparisons above detect the smallest difference.
 ///
 /// Rules: DOC-4, LOG-2
 #[test]

@@ -1,5 +1,5 @@
-//! `vectors/`: cases that this side makes and the page's side runs too. Run with `BENDYLIGHTS_BLESS=1` to write them
-//! anew.
+//! Tests of `vectors/`: cases that this test generates, and that the page's tests run too. With
+//! `BENDYLIGHTS_BLESS=1` the tests write the files anew.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use scene::{Camera, Projection};
 use serde_json::{Value, json};
 use stream::{Codec, FrameFlags, FrameHeader, FrameTile};
 
-/// The committed file is what the code makes.
+/// Asserts that the committed file equals the generated text.
 fn agrees(name: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("vectors").join(name);
     if std::env::var_os("BENDYLIGHTS_BLESS").is_some() {
@@ -26,7 +26,7 @@ fn agrees(name: &str, made: &str) {
     assert!(committed == made, "{name} is not what the code makes: run this test with BENDYLIGHTS_BLESS=1");
 }
 
-/// A case a line.
+/// Formats one case per line.
 fn list(cases: &[Value]) -> String {
     let lines: Vec<_> = cases.iter().map(Value::to_string).collect();
     format!("[\n{}\n]\n", lines.join(",\n"))
@@ -55,14 +55,14 @@ fn eye() -> Camera {
     Camera { name: "eye".into(), translation, rotation, projection }
 }
 
-/// A scene with a spotlight.
+/// Scene with a spotlight.
 const ROOM: AssetHash = AssetHash([1; 32]);
 
 fn contents() -> SceneContents {
     SceneContents { lights: vec![checked(spot())], cameras: vec![eye()] }
 }
 
-/// What `command` does to `document`, which goes on from there.
+/// Applies `command` to `document` and returns the changes.
 fn done(document: &mut document::Document, command: &Command) -> Vec<document::Change> {
     let contents = contents();
     let context = CommandContext { loaded: Some(&contents), ..CommandContext::default() };
@@ -89,7 +89,7 @@ fn change_case(
     json!({"name": name, "document": Document::from(before), "changes": changes, "after": Document::from(after)})
 }
 
-/// The command on [`edited`], and taking it back.
+/// Returns the case of the command on [`edited`], and the case of its undo.
 fn forward_and_inverse_cases((name, command): &(&str, Command)) -> [Value; 2] {
     let before = edited();
     let mut after = before.clone();
@@ -99,7 +99,7 @@ fn forward_and_inverse_cases((name, command): &(&str, Command)) -> [Value; 2] {
     [change_case(name, &before, &changes, &after), back]
 }
 
-/// A command for each type of change, and for what comes and goes.
+/// Returns a command for each type of change, and for each kind of addition and removal.
 fn commands() -> Vec<(&'static str, Command)> {
     let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_xyzw(0.0, 0.6, 0.0, 0.8));
     let set_light = |light, setting| Command::SetLight { light, setting };
@@ -159,7 +159,7 @@ fn changes_do_the_same_on_both_sides() {
     agrees("changes.json", &list(&cases));
 }
 
-/// The curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
+/// Evaluates the curve of `light`, of scale 1, at `t`: light-local position, radius, and P'(t).
 fn curve_case(light: &Light, t: f64) -> Value {
     let tube = Tube::<f64>::new(light).expect("a valid light");
     let local_per_tube = tube.placement.world_per_tube / light.transform().scale;

@@ -15,7 +15,7 @@ export type BendyLightsProtocol1 =
   | DemoScenes
   | TraceLine;
 /**
- * What a client sends.
+ * Message from a client.
  */
 export type ClientMessage =
   | ClientHello
@@ -37,14 +37,14 @@ export type ClientMessage =
   | ClientProbe
   | ClientPing;
 /**
- * Whether something may be reduced.
+ * Policy of a reduction.
  *
- * - `auto`: As far as what pictures take makes it necessary.
- * - `full`: Never: it stays full.
+ * - `auto`: Reduces as far as the render time requires.
+ * - `full`: Never reduces.
  */
 export type Reduction = "auto" | "full";
 /**
- * Where a view looks from.
+ * Camera of a view.
  */
 export type ViewSource = OwnView | FollowView;
 /**
@@ -52,7 +52,7 @@ export type ViewSource = OwnView | FollowView;
  */
 export type Projection = PerspectiveProjection | OrthographicProjection;
 /**
- * `document::Command` in JSON; `type` says which (SPEC, section 2).
+ * `document::Command` in JSON. `type` selects the variant (SPEC, section 2).
  */
 export type Command =
   | LoadScene
@@ -126,29 +126,29 @@ export type LightParameter =
  */
 export type PointParameter = PointPosition | PointRadius | PointColor | PointIntensity;
 /**
- * `Radii` in JSON.
+ * `RadiusMode` in JSON.
  *
- * - `keep`: They stay.
- * - `solve`: Those of the moving points may change.
- * - `follow`: Those that would make the tube fold shrink, and come back.
+ * - `keep`: Keeps all radii.
+ * - `solve`: Solves for the radii of the moving points.
+ * - `follow`: Shrinks radii that would make the tube fold, and restores them when they no longer would.
  */
 export type DragRadii = "keep" | "solve" | "follow";
 /**
  * `Feature` in JSON.
  *
- * - `shadow`: M' comes to lie behind what shadows M.
- * - `hotspot`: M' comes to lie where M was in the light.
- * - `highlight`: At M' light arrives along the mirror direction.
- * - `diffuse`: At M' light arrives along the normal.
+ * - `shadow`: Moves the shadow at M: M' gets the light coordinates (v, w) of the caster that shadows M, and lies behind it.
+ * - `hotspot`: Moves the hotspot: M' gets the light coordinates (v, w) of M.
+ * - `highlight`: Moves the highlight: light arrives at M' along the mirror direction.
+ * - `diffuse`: Moves the brightest side: light arrives at M' along the normal.
  */
 export type DragKind = "shadow" | "hotspot" | "highlight" | "diffuse";
 /**
  * `drag::PinKind` in JSON.
  *
- * - `direction`: The direction from which light arrives.
- * - `lit`: That light arrives.
- * - `shadowed`: That something stands in the light's way.
- * - `shadow`: The shadow of the very point of the caster that throws it.
+ * - `direction`: Direction from which light arrives.
+ * - `lit`: Fact that light arrives.
+ * - `shadowed`: Fact that an occluder blocks the light.
+ * - `shadow`: Shadow of one point of the caster.
  */
 export type PinKind = "direction" | "lit" | "shadowed" | "shadow";
 /**
@@ -156,18 +156,18 @@ export type PinKind = "direction" | "lit" | "shadowed" | "shadow";
  */
 export type CameraParameter = CameraName | CameraTranslation | CameraRotation | CameraProjection;
 /**
- * `edit::Scope` in JSON.
+ * `edit::UndoScope` in JSON.
  *
- * - `mine`: One's own steps.
- * - `session`: Everybody's.
+ * - `mine`: Own steps of the actor.
+ * - `session`: Steps of all actors.
  */
 export type Scope = "mine" | "session";
 /**
- * Who looks.
+ * Camera of a probe.
  */
 export type ProbeCamera = ProbeOwnCamera | ProbeIdCamera;
 /**
- * What the server sends.
+ * Message from the server.
  */
 export type ServerMessage =
   | ServerWelcome
@@ -188,7 +188,7 @@ export type ServerWelcome = Welcome & {
   type: "welcome";
 };
 /**
- * `document::Change` in JSON; `type` says which (SPEC, section 3).
+ * `document::Change` in JSON. `type` selects the variant (SPEC, section 3).
  */
 export type Change =
   | SceneChange
@@ -200,51 +200,51 @@ export type Change =
   | CameraParameterChange
   | PinChange;
 /**
- * Why something is refused, for programs. The sentence beside it is for people.
+ * Reason of a refusal, for programs. The message beside it is for people.
  *
  * - `badMessage`: The message, the body or a parameter cannot be read.
  * - `badName`: The name cannot name a session or a scene.
- * - `badScene`: The scene's file cannot be used.
- * - `drag`: The feature cannot be dragged there, or the pin cannot be.
- * - `badLog`: The log was changed or does not fit together.
- * - `format`: The record is of a format that this server does not know.
- * - `render`: The picture cannot be made.
- * - `invalidLight`: The light could not be evaluated, or would be out of reach.
+ * - `badScene`: The scene's file cannot be imported.
+ * - `drag`: The feature cannot be dragged from or to that point, or the pin cannot be added.
+ * - `badLog`: The log was changed, or its lines contradict one another.
+ * - `format`: The record has a format that this server does not know.
+ * - `render`: The picture cannot be rendered.
+ * - `invalidLight`: The light cannot be evaluated, or lies too far from the scene.
  * - `invalidCamera`: The camera makes no picture.
  * - `wrongKind`: The light has no such parameter.
  * - `source`: The first control point is the source, which stays where it is.
- * - `conflict`: The document is not what the change says it was.
- * - `locked`: Somebody else is dragging the light.
- * - `stale`: The control points have been renumbered since.
- * - `nothingToUndo`: No step to take back.
- * - `nothingToRedo`: No undo to take back.
- * - `keepsChanging`: Others changed what the drag depends on each time that it was solved.
- * - `noGesture`: No such drag of the sender's.
- * - `emptyGesture`: The drag was never updated.
- * - `otherLight`: The drag's command is not of its light.
- * - `protocol`: Another version of the protocol, or no `hello` where one belongs.
- * - `helloTooLate`: No `hello` came in time.
+ * - `conflict`: The document does not hold the old value of the change.
+ * - `locked`: Another actor is dragging the light.
+ * - `stale`: The light's control points have been renumbered since.
+ * - `nothingToUndo`: There is no step to undo.
+ * - `nothingToRedo`: There is no undo to redo.
+ * - `keepsChanging`: The light, its pins or the scene changed during each attempt to solve the drag.
+ * - `noGesture`: The sender has no drag of that name.
+ * - `emptyGesture`: The drag was committed without any update.
+ * - `otherLight`: The command of the drag belongs to another light.
+ * - `protocol`: The protocol version differs, or the first message is not `hello`.
+ * - `helloTooLate`: The client did not send `hello` in time.
  * - `unauthorized`: The token is missing or wrong.
- * - `foreignOrigin`: A page of another place may not use this server.
- * - `foreignHost`: The server does not go by the name that the request came to.
- * - `notFound`: What the request names does not exist.
+ * - `foreignOrigin`: The `Origin` of the request may not use this server.
+ * - `foreignHost`: The server does not serve the host name of the request.
+ * - `notFound`: The object, session or address in the request does not exist.
  * - `unknownAsset`: The server does not have the scene.
- * - `methodNotAllowed`: The address takes other methods, which the header `Allow` lists.
- * - `stalled`: The request stopped coming.
- * - `exists`: The name is taken.
- * - `notArchived`: The session is not archived, and only what is archived can be deleted.
- * - `inUse`: People are in the session.
- * - `ambiguous`: The name is that of several, whose ids the sentence says.
- * - `tooLarge`: A size over its limit, which the sentence names.
- * - `unsupportedMediaType`: The body is not JSON by its `Content-Type`.
- * - `tooMany`: A count over its limit, which the sentence names.
- * - `storage`: The server's disk failed; nothing was changed.
- * - `unknownOutcome`: The server's disk failed, and this may have been done or not.
+ * - `methodNotAllowed`: The address does not accept this method. The header `Allow` lists those that it accepts.
+ * - `stalled`: The rest of the request did not arrive in time.
+ * - `exists`: The name is already in use.
+ * - `notArchived`: The session is not archived. Only an archived session can be deleted.
+ * - `inUse`: Clients are connected to the session.
+ * - `ambiguous`: Several objects have that name. The message lists their ids.
+ * - `tooLarge`: A size exceeds its limit. The message names the limit.
+ * - `unsupportedMediaType`: The `Content-Type` of the body is not JSON.
+ * - `tooMany`: A count exceeds its limit. The message names the limit.
+ * - `storage`: The server's disk failed. Nothing was changed.
+ * - `unknownOutcome`: The server's disk failed. The operation may or may not have been committed.
  * - `damagedAsset`: The stored file of the scene is damaged.
- * - `fault`: A fault of the server's own.
- * - `busy`: The server holds as many bytes of requests and answers as it may.
+ * - `fault`: The server has an internal fault.
+ * - `busy`: Requests and answers fill the server's memory limit.
  * - `warmingUp`: The renderer is not ready yet.
- * - `notReady`: The renderer could not be made ready.
+ * - `notReady`: The renderer failed to start.
  * - `draining`: The server is stopping.
  */
 export type ErrorCode =
@@ -293,40 +293,40 @@ export type ErrorCode =
   | "notReady"
   | "draining";
 /**
- * How a drag ended.
+ * End of a drag.
  *
- * - `committed`: As a record.
- * - `cancelled`: By its holder, or with the connection.
- * - `expired`: Without an update for too long.
+ * - `committed`: The drag ended as a record.
+ * - `cancelled`: The holder cancelled the drag, or its connection ended.
+ * - `expired`: The drag had no update for too long.
  * - `rejected`: The begin or the commit was refused.
  */
 export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
 /**
- * `Limit` in JSON.
+ * `drag::DragLimit` in JSON.
  *
  * - `fold`: The tube would fold.
- * - `radius`: A radius would be less than 0.
- * - `tubeEdge`: M' would lie outside the light, or elsewhere in it.
- * - `noDescent`: No small change brings the feature nearer.
- * - `sourceInside`: The source would go through a surface.
- * - `pin`: What is pinned would not stay: see `pin`.
- * - `tooMuchWork`: To bring it nearer takes too much work: choose fewer control points, or remove pins.
+ * - `radius`: A radius would become negative.
+ * - `tubeEdge`: M' would lie outside the light, or in another part of it.
+ * - `noDescent`: No small change brings the feature nearer to the cursor.
+ * - `sourceInside`: The source would pass through a surface.
+ * - `pin`: A hard pin would not hold. `pin` names it.
+ * - `tooMuchWork`: The solver reached its work limit. Choose fewer control points, or remove pins.
  */
 export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
 /**
- * `Status` in JSON.
+ * `drag::DragStatus` in JSON.
  *
- * - `landed`: Within half a pixel.
- * - `limited`: As near as the light may bring it.
- * - `refused`: Nothing was moved.
+ * - `landed`: The feature lies within half a pixel of the cursor.
+ * - `limited`: The feature lies as near to the cursor as the limits of the light allow.
+ * - `refused`: The light did not change.
  */
 export type DragStatus = "landed" | "limited" | "refused";
 /**
- * The document, whole or from where the client stands.
+ * Document of the session, in full or as the records that the client lacks.
  */
 export type State = SnapshotState | TailState;
 /**
- * `edit::Action` in JSON; `type` says which.
+ * `edit::Action` in JSON. `type` selects the variant.
  */
 export type Action = EditAction | GestureAction | GroupAction | UndoAction | RedoAction;
 export type ServerResync = Resync & {
@@ -336,12 +336,12 @@ export type ServerEditResult = EditResult & {
   type: "editResult";
 };
 /**
- * What became of a request.
+ * Status of a request.
  *
- * - `committed`: In the log.
- * - `rebased`: In the log, after another's change of the same light that the sender did not know.
- * - `rejected`: Not carried out, however often it is sent again under this name.
- * - `unknown`: The disk failed while it was written down: it may be in the log or not. Sent again under the same name it is carried out at most once.
+ * - `committed`: The record is in the log.
+ * - `rebased`: The record is in the log. Another actor changed the same light in between, which the sender did not know.
+ * - `rejected`: The request was not executed, and will not be under this operation id.
+ * - `unknown`: The disk failed during the write, so the record may or may not be in the log. Sent again with the same operation id, the request is executed at most once.
  */
 export type EditStatus = "committed" | "rebased" | "rejected" | "unknown";
 export type ServerGestureState = GestureState & {
@@ -356,59 +356,59 @@ export type ServerProbed = ProbeAnswer & {
 /**
  * `DisabledBy` in JSON.
  *
- * - `muted`: The view shows others alone.
- * - `off`: It is turned off.
- * - `dark`: Its intensity or its colour is 0, or what surfaces scatter and mirror of it.
+ * - `muted`: The view shows only other lights.
+ * - `off`: The light is off.
+ * - `dark`: The intensity or the color is 0, or the light adds to neither diffuse nor specular reflection.
  */
 export type ProbeDisabledBy = "muted" | "off" | "dark";
 /**
- * Whether a light lights a surface, or the first reason of these that it does not.
+ * State of a light at a surface: `lit`, or the first of these reasons that it is not.
  *
- * - `lit`: Its light arrives.
- * - `disabled`: It shines nowhere.
- * - `unlinked`: The node is not among those that it lights.
- * - `outside`: The surface lies outside of its tube, its cone or its sides, or past its range.
- * - `faded`: Nothing of its light is left there: past a cut, outside its outline, at an edge of its profile.
- * - `facingAway`: The surface turns its back to where its light comes from.
- * - `shadowed`: Something stands in its way.
+ * - `lit`: The light arrives.
+ * - `disabled`: The light emits nothing.
+ * - `unlinked`: The light's `lightLink` excludes the node.
+ * - `outside`: The surface lies outside the light's tube, cone or rectangle, or beyond its range.
+ * - `faded`: The light has faded to zero: beyond a cutoff, outside its outline, or at the edge of its profile.
+ * - `facingAway`: The surface faces away from the light.
+ * - `shadowed`: An occluder lies on the light path.
  */
 export type ProbeState = "lit" | "disabled" | "unlinked" | "outside" | "faded" | "facingAway" | "shadowed";
 export type ServerStats = FrameStats & {
   type: "stats";
 };
 /**
- * Why a pass had to run.
+ * Reason that a pass ran instead of using a cached result.
  *
- * - `first`: There was nothing of its kind yet.
- * - `scene`: The scene is another.
- * - `camera`: The camera moved, or the picture has another size.
- * - `gbuffer`: What its pixels see has changed.
- * - `light`: A light has changed.
- * - `resolution`: What there was is not fine enough, or another size.
- * - `evicted`: What there was had to go for want of room.
- * - `notKept`: It is not kept: it is of one picture, tile or sample.
+ * - `first`: No result existed yet.
+ * - `scene`: The scene changed.
+ * - `camera`: The camera moved, or the picture changed its size.
+ * - `gbuffer`: The G-buffer changed.
+ * - `light`: A light changed.
+ * - `resolution`: The existing result has a lower resolution or another size.
+ * - `evicted`: The existing result was evicted to free memory.
+ * - `notKept`: The result is never cached: it belongs to one picture, tile or sample.
  */
 export type Cause = "first" | "scene" | "camera" | "gbuffer" | "light" | "resolution" | "evicted" | "notKept";
 /**
- * A kind of pass.
+ * Kind of pass.
  *
- * - `gbuffer`: What pixels see.
- * - `shadowMap`: A light's shadow map.
- * - `lighting`: The fill, and lights that have no layers.
- * - `layer`: What one light alone adds.
- * - `sum`: Layers of some lights added up.
- * - `display`: The picture for a screen.
+ * - `gbuffer`: Surface of each pixel.
+ * - `shadowMap`: Shadow map of a light.
+ * - `lighting`: Fill light, and lights without layers.
+ * - `layer`: Contribution of one light.
+ * - `sum`: Sum of the layers of several lights.
+ * - `display`: Tone-mapped picture for a screen.
  */
 export type Pass = "gbuffer" | "shadowMap" | "lighting" | "layer" | "sum" | "display";
 /**
- * How good a picture is.
+ * Quality of a picture.
  *
- * - `moving`: Quick, with loss: things move.
- * - `settled`: Lossless and in full: things are still.
+ * - `moving`: Fast and lossy: something in the view moves.
+ * - `settled`: Lossless and in full: nothing in the view moves.
  */
 export type FrameQuality = "moving" | "settled";
 /**
- * `light::Owner` in JSON.
+ * `light::ParameterOwner` in JSON.
  *
  * - `spot`: A light of type `spot`.
  * - `bendy`: A light of type `bendy`.
@@ -419,7 +419,7 @@ export type FrameQuality = "moving" | "settled";
  */
 export type ParameterOwner = "spot" | "bendy" | "omni" | "directional" | "point" | "camera";
 /**
- * `light::Kind` in JSON.
+ * `light::ParameterKind` in JSON.
  */
 export type ParameterKind =
   | NumberKind
@@ -433,46 +433,46 @@ export type ParameterKind =
   | PeriodicCurveKind
   | ProjectionKind;
 /**
- * `light::Scale` in JSON.
+ * `light::ParameterScale` in JSON.
  *
- * - `linear`: Evenly.
- * - `logarithmic`: Evenly in the logarithm.
+ * - `linear`: Linear scale.
+ * - `logarithmic`: Logarithmic scale.
  */
 export type ParameterScale = "linear" | "logarithmic";
 /**
- * `light::Needed` in JSON.
+ * `light::ParameterNeeded` in JSON.
  */
 export type ParameterNeeded = NeededOneOf | NeededNoneOf;
 /**
- * `light::Touches` in JSON.
+ * `light::ParameterTouches` in JSON.
  *
- * - `nothing`: No picture shows it.
- * - `weight`: By which factors it adds what it adds to pictures.
- * - `radiance`: What the light adds to pictures.
- * - `shadowMap`: That and the light's shadow map.
- * - `scene`: Everything.
+ * - `nothing`: No picture.
+ * - `weight`: Factors by which pictures add the light's contribution.
+ * - `radiance`: Contribution of the light to pictures.
+ * - `shadowMap`: Contribution of the light and its shadow map.
+ * - `scene`: All pictures and maps.
  */
 export type ParameterTouches = "nothing" | "weight" | "radiance" | "shadowMap" | "scene";
 /**
- * Of what a traced picture is.
+ * Subject of a traced picture.
  */
 export type TraceWhat = TracedView | TracedStill;
 
 /**
- * The first message.
+ * Joins a session. It is the first message.
  */
 export interface ClientHello {
   actor: Actor;
   /**
-   * The history that the client knows.
+   * Id of the history that the client knows.
    */
   epoch?: string;
   /**
-   * The latest record that the client knows.
+   * Sequence number of the latest record that the client knows.
    */
   lastSeq?: number;
   /**
-   * `PROTOCOL`.
+   * Version of the protocol: `PROTOCOL`.
    */
   protocol: number;
   /**
@@ -480,7 +480,7 @@ export interface ClientHello {
    */
   session: string;
   /**
-   * The server's token.
+   * Token of the server.
    */
   token: string;
   type: "hello";
@@ -490,78 +490,79 @@ export interface ClientHello {
  */
 export interface Actor {
   /**
-   * Stays with a person over connections.
+   * Id of a person or program, the same over all connections.
    */
   id: string;
   /**
-   * For people.
+   * Name for people.
    */
   name: string;
 }
 /**
- * Asks for frames; another one replaces the view before.
+ * Opens a view, for which the server sends frames. It replaces the client's earlier view.
  */
 export interface ClientOpenView {
   /**
-   * The client's number for its camera.
+   * Number that the client gives its camera.
    */
   cameraRevision: number;
   /**
-   * Pixels.
+   * Height in pixels.
    */
   height: number;
   interaction?: Interaction;
   settings?: ViewSettings;
   source: ViewSource;
   /**
-   * Whether `stats` comes after each frame; of one that follows another too.
+   * True if a `stats` message comes after each frame, also for a view that follows another.
    */
   stats?: boolean;
   type: "openView";
   /**
-   * Pixels.
+   * Width in pixels.
    */
   width: number;
 }
 /**
- * What of a view's pictures may be reduced while something moves, where they would come too slowly in full. At rest
- * they are always full.
+ * Allowed reduction of a view's pictures while something moves, if full pictures would take too long. At rest
+ * the pictures are always full.
  */
 export interface Interaction {
   resolution: Reduction;
   shadowMap: Reduction;
 }
 /**
- * What is a viewer's own, besides the camera: it is in no document, and others see their own.
+ * Settings of a view besides its camera. They are not part of the document, and each viewer has settings of
+ * its own.
  */
 export interface ViewSettings {
   /**
-   * Stops by which the picture is brightened before it is tone-mapped, -32 to 32.
+   * Stops by which the picture is brightened before tone-mapping, -32 to 32.
    */
   exposure: number;
   /**
-   * Ids of the lights that shine alone; empty for all. One that is not there counts for nothing, and where none is left
-   * all shine.
+   * Ids of the only lights that shine; empty for all lights. Ids of lights that do not exist are ignored. If
+   * no id of an existing light remains, all lights shine.
    */
   solo: number[];
 }
 /**
- * A camera of one's own.
+ * Camera of the client.
  */
 export interface OwnView {
   own: Camera;
 }
 /**
- * `scene::Camera` in JSON. Looks along its local -Z with +Y up.
+ * `scene::Camera` in JSON. It looks along its local -Z, with +Y up.
  */
 export interface Camera {
   /**
-   * Name for people; empty by default.
+   * Name for people. Default: empty.
    */
   name: string;
   projection: Projection;
   /**
-   * Camera to world axes.
+   * Rotation from camera to world axes.
    *
    * @minItems 4
    * @maxItems 4
@@ -576,22 +577,22 @@ export interface Camera {
   translation: [number, number, number];
 }
 /**
- * Perspective.
+ * Perspective projection.
  */
 export interface PerspectiveProjection {
   perspective: Perspective;
 }
 export interface Perspective {
   /**
-   * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+   * Width over height of the frame, all of which the picture shows. Default: that of the picture.
    */
   aspectRatio?: number;
   /**
-   * Full vertical angle of view, radians.
+   * Full vertical field of view in radians.
    */
   yfov: number;
   /**
-   * Distance of the far plane; endless by default.
+   * Distance of the far plane. Default: infinite.
    */
   zfar?: number;
   /**
@@ -600,18 +601,18 @@ export interface Perspective {
   znear: number;
 }
 /**
- * Orthographic.
+ * Orthographic projection.
  */
 export interface OrthographicProjection {
   orthographic: Orthographic;
 }
 export interface Orthographic {
   /**
-   * Width over height of what it frames, all of which is in the picture; the picture's own by default.
+   * Width over height of the frame, all of which the picture shows. Default: that of the picture.
    */
   aspectRatio?: number;
   /**
-   * Half the height of the view.
+   * Half the height of the frame in world units.
    */
   ymag: number;
   /**
@@ -624,83 +625,83 @@ export interface Orthographic {
   znear: number;
 }
 /**
- * Another client's view, by the client's number.
+ * View of another client, by the client's number.
  */
 export interface FollowView {
   follow: number;
 }
 /**
- * Moves one's own view; never logged.
+ * Moves the camera of the client's own view. It is never logged.
  */
 export interface ClientSetCamera {
   camera: Camera;
   /**
-   * The client's number for it.
+   * Number that the client gives the camera.
    */
   cameraRevision: number;
   type: "setCamera";
 }
 /**
- * Sets how one's own view is; never logged.
+ * Changes the settings of the client's own view. It is never logged.
  */
 export interface ClientSetView {
   /**
-   * The client's number for its camera, which is another although the camera stays: frames say by it which settings
-   * they show.
+   * New number of the camera, although the camera stays. Frames identify the settings that they show by
+   * it.
    */
   cameraRevision: number;
   settings: ViewSettings;
   /**
-   * Whether `stats` comes after each frame from now on; left out, that stays as it is.
+   * True if a `stats` message comes after each frame from now on. Default: no change.
    */
   stats?: boolean;
   type: "setView";
 }
 /**
- * The view has another size.
+ * Changes the size of the view.
  */
 export interface ClientViewport {
   /**
-   * Pixels.
+   * Height in pixels.
    */
   height: number;
   type: "viewport";
   /**
-   * Pixels.
+   * Width in pixels.
    */
   width: number;
 }
 /**
- * A frame has been decoded and shown.
+ * Acknowledges a frame that the client decoded and showed.
  */
 export interface ClientAck {
   /**
-   * The number in its header.
+   * Frame number, as in the frame's header.
    */
   frame: number;
   type: "ack";
 }
 /**
- * A frame could not be decoded: the next one is a key frame.
+ * Reports a frame that the client could not decode. The next frame is a key frame.
  */
 export interface ClientRequestKeyFrame {
   /**
-   * The number in its header.
+   * Frame number, as in the frame's header.
    */
   frame: number;
   type: "requestKeyFrame";
 }
 /**
- * One command.
+ * Executes one command.
  */
 export interface ClientEdit {
   /**
-   * The latest record that the client knew.
+   * Sequence number of the latest record that the client knew.
    */
   baseSeq: number;
   command: Command;
   /**
-   * The client's name for it; see REC-4.
+   * Operation id, chosen by the client (REC-4).
    */
   opId: string;
   type: "edit";
@@ -710,11 +711,11 @@ export interface ClientEdit {
  */
 export interface LoadScene {
   /**
-   * What people call it; by default what it was uploaded as, or what its file calls it.
+   * Name for people. Default: the name from the upload, or the name in the file.
    */
   name?: string;
   /**
-   * `"demo:NAME"` or `"sha256:HEX"`.
+   * Scene: `"demo:NAME"` or `"sha256:HEX"`.
    */
   scene: string;
   type: "loadScene";
@@ -1370,32 +1371,32 @@ export interface Directional {
  */
 export interface RemoveLight {
   /**
-   * Its id.
+   * Id of the light.
    */
   light: number;
   type: "removeLight";
 }
 /**
- * Places a whole light.
+ * Places a light as a whole.
  */
 export interface PlaceLight {
   /**
-   * Its id.
+   * Id of the light.
    */
   light: number;
   /**
-   * Light-local to world axes; stays by default.
+   * Rotation from light-local to world axes. Default: no change.
    *
    * @minItems 4
    * @maxItems 4
    */
   rotation?: [number, number, number, number];
   /**
-   * World units per light-local unit; stays by default.
+   * World units per light-local unit. Default: no change.
    */
   scale?: number;
   /**
-   * World position of its source; stays by default.
+   * World position of the source. Default: no change.
    *
    * @minItems 3
    * @maxItems 3
@@ -1404,16 +1405,17 @@ export interface PlaceLight {
   type: "placeLight";
 }
 /**
- * Sets what an address names: `/lights/3/coneAngle`, `/lights/3/points/2/position`, `/cameras/1/projection`.
+ * Sets the parameter at an address: `/lights/3/coneAngle`, `/lights/3/points/2/position`,
+ * `/cameras/1/projection`.
  */
 export interface Set {
   /**
-   * The address.
+   * Address of the parameter.
    */
   target: string;
   type: "set";
   /**
-   * The value, as the parameter's other commands take it.
+   * Value, in the form that the other commands of the parameter take.
    */
   value: {
     [k: string]: unknown;
@@ -1424,7 +1426,7 @@ export interface Set {
  */
 export interface SetLight {
   /**
-   * Its id.
+   * Id of the light.
    */
   light: number;
   parameter: LightParameter;
@@ -1820,12 +1822,12 @@ export interface LightShadowLink {
  */
 export interface SetPoint {
   /**
-   * Its light's id.
+   * Id of the light.
    */
   light: number;
   parameter: PointParameter;
   /**
-   * Its index.
+   * Index of the control point.
    */
   point: number;
   type: "setPoint";
@@ -1873,19 +1875,19 @@ export interface PointIntensity {
   intensity: number;
 }
 /**
- * Drags a control point: it goes as near to a position as it can without the tube folding.
+ * Moves a control point as near to a position as is possible without a fold of the tube.
  */
 export interface DragPoint {
   /**
-   * Its light's id.
+   * Id of the light.
    */
   light: number;
   /**
-   * Its index, 1 or more.
+   * Index of the control point, 1 or more.
    */
   point: number;
   /**
-   * Where it is to go, in light-local space.
+   * Target in light-local space.
    *
    * @minItems 3
    * @maxItems 3
@@ -1895,13 +1897,14 @@ export interface DragPoint {
   type: "dragPoint";
 }
 /**
- * Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another place of a picture; the document's
- * pins of the light stay.
+ * Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a
+ * picture. The document's pins of the light hold.
  */
 export interface DragFeature {
   camera: Camera;
   /**
-   * Where the feature is taken, in pixels from the picture's top left corner; a pixel's centre is at .5.
+   * Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is
+   * at .5.
    *
    * @minItems 2
    * @maxItems 2
@@ -1909,11 +1912,11 @@ export interface DragFeature {
   from: [number, number];
   kind: DragKind;
   /**
-   * The light's id.
+   * Id of the light.
    */
   light: number;
   /**
-   * The control points that take part; without them the light moves as a whole.
+   * Indices of the control points that may move. Default: the light moves as a whole.
    */
   points?: number[];
   radii: DragRadii;
@@ -1925,11 +1928,11 @@ export interface DragFeature {
    */
   size: [number, number];
   /**
-   * Whether the source may not go through a surface.
+   * True if the source may not pass through a surface.
    */
   sourceOutside?: boolean;
   /**
-   * Where it goes.
+   * Target of the feature in the picture, in the same pixels.
    *
    * @minItems 2
    * @maxItems 2
@@ -1945,22 +1948,22 @@ export interface AddPin {
   type: "addPin";
 }
 /**
- * `LightPin` in JSON: what is to stay as it is at a point while its light is dragged.
+ * `LightPin` in JSON: a property at a point that a drag of the light preserves.
  */
 export interface Pin {
   /**
-   * Where, in the world: on a surface.
+   * World position on a surface.
    *
    * @minItems 3
    * @maxItems 3
    */
   at: [number, number, number];
   /**
-   * Of a shadow: the node that throws it, by its name or its path; the first that light meets where it is left out.
+   * Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
    */
   caster?: string;
   /**
-   * Whether it stays whatever is asked, or as far as that lets it.
+   * True if the pin always holds. False if it holds as far as the drag allows.
    */
   hard: boolean;
   kind: PinKind;
@@ -1974,7 +1977,7 @@ export interface Pin {
  */
 export interface RemovePin {
   /**
-   * Id of one of the document's.
+   * Id of the pin in the document.
    */
   pin: number;
   type: "removePin";
@@ -1984,11 +1987,11 @@ export interface RemovePin {
  */
 export interface SetPin {
   /**
-   * Whether it stays whatever is asked, or as far as that lets it.
+   * True if the pin always holds. False if it holds as far as the drag allows.
    */
   hard: boolean;
   /**
-   * Id of one of the document's.
+   * Id of the pin in the document.
    */
   pin: number;
   type: "setPin";
@@ -1998,33 +2001,34 @@ export interface SetPin {
  */
 export interface InsertPoint {
   /**
-   * Linear RGB; between its neighbours' by default.
+   * Color in linear RGB. Default: a value between those of the neighbours.
    *
    * @minItems 3
    * @maxItems 3
    */
   color?: [number, number, number];
   /**
-   * Between its neighbours' by default.
+   * Intensity. Default: a value between those of the neighbours.
    */
   intensity?: number;
   /**
-   * The light's id.
+   * Id of the light.
    */
   light: number;
   /**
-   * The index that the new point gets, 1 to the number of points.
+   * Index of the new point, 1 to the number of points.
    */
   point: number;
   /**
-   * Light-local position. By default the point there becomes two, and the curve stays nearly as it is.
+   * Light-local position. Default: the point at this index is split into two, and the curve hardly
+   * changes.
    *
    * @minItems 3
    * @maxItems 3
    */
   position?: [number, number, number];
   /**
-   * Light-local radius; between its neighbours' by default.
+   * Light-local radius. Default: a value between those of the neighbours.
    */
   radius?: number;
   type: "insertPoint";
@@ -2034,38 +2038,39 @@ export interface InsertPoint {
  */
 export interface RemovePoint {
   /**
-   * The light's id.
+   * Id of the light.
    */
   light: number;
   /**
-   * Its index, 1 or more.
+   * Index of the control point, 1 or more.
    */
   point: number;
   type: "removePoint";
 }
 /**
- * Makes a straight light a BendyLight under the same id. One that was a spotlight lights every point as it did.
+ * Turns a straight light into a BendyLight with the same id. A former spotlight lights every point as
+ * before.
  */
 export interface BendLight {
   /**
-   * Half angle of the cone that an omni or directional light is given, in degrees; 45 by default.
+   * Half angle of the cone for an omni or directional light, in degrees. Default: 45.
    */
   coneAngle?: number;
   /**
-   * Its id.
+   * Id of the light.
    */
   light: number;
   /**
-   * How far its control points reach along its axis, in world units, where it has no range of its own; by default to
-   * where its axis meets the scene.
+   * Length of the new light along its axis in world units, if the light has no range of its own.
+   * Default: the distance at which the axis meets the scene.
    */
   range?: number;
   /**
-   * Quadratic segments: two control points fewer than it gets. 3 by default.
+   * Number of quadratic segments, two less than the number of control points. Default: 3.
    */
   segments?: number;
   /**
-   * World position at which such a light then shines, the scene's middle by default.
+   * World position at which a former omni or directional light shines. Default: the centre of the scene.
    *
    * @minItems 3
    * @maxItems 3
@@ -2074,11 +2079,11 @@ export interface BendLight {
   type: "bendLight";
 }
 /**
- * Makes a BendyLight a spotlight under the same id, from its source to its last control point.
+ * Turns a BendyLight into a spotlight with the same id, from its source to its last control point.
  */
 export interface StraightenLight {
   /**
-   * Its id.
+   * Id of the light.
    */
   light: number;
   type: "straightenLight";
@@ -2095,7 +2100,7 @@ export interface AddCamera {
  */
 export interface RemoveCamera {
   /**
-   * Its id.
+   * Id of the camera.
    */
   camera: number;
   type: "removeCamera";
@@ -2105,18 +2110,18 @@ export interface RemoveCamera {
  */
 export interface PlaceCamera {
   /**
-   * Its id.
+   * Id of the camera.
    */
   camera: number;
   /**
-   * Camera to world axes; stays by default.
+   * Rotation from camera to world axes. Default: no change.
    *
    * @minItems 4
    * @maxItems 4
    */
   rotation?: [number, number, number, number];
   /**
-   * World position of the eye; stays by default.
+   * World position of the eye. Default: no change.
    *
    * @minItems 3
    * @maxItems 3
@@ -2129,7 +2134,7 @@ export interface PlaceCamera {
  */
 export interface SetCamera {
   /**
-   * Its id.
+   * Id of the camera.
    */
   camera: number;
   parameter: CameraParameter;
@@ -2152,7 +2157,7 @@ export interface CameraTranslation {
   translation: [number, number, number];
 }
 /**
- * Camera to world axes.
+ * Rotation from camera to world axes.
  */
 export interface CameraRotation {
   /**
@@ -2162,128 +2167,129 @@ export interface CameraRotation {
   rotation: [number, number, number, number];
 }
 /**
- * How it projects.
+ * Projection.
  */
 export interface CameraProjection {
   projection: Projection;
 }
 /**
- * Begins a drag.
+ * Begins a drag (a gesture).
  */
 export interface ClientGestureBegin {
   /**
-   * The latest record that the client knew.
+   * Sequence number of the latest record that the client knew.
    */
   baseSeq: number;
   /**
-   * The client's name for it.
+   * Name of the gesture, chosen by the client.
    */
   gesture: string;
   /**
-   * The light it is on.
+   * Id of the dragged light.
    */
   light: number;
   type: "gestureBegin";
 }
 /**
- * The latest state of a drag.
+ * Replaces the state of a drag.
  */
 export interface ClientGestureUpdate {
   command: Command;
   /**
-   * The name that it was begun under.
+   * Name of the gesture, as in `gestureBegin`.
    */
   gesture: string;
   type: "gestureUpdate";
   /**
-   * The client's number for this state.
+   * Number that the client gives this update.
    */
   update: number;
 }
 /**
- * Ends a drag as one record.
+ * Ends a drag and commits it as one record.
  */
 export interface ClientGestureCommit {
   /**
-   * The name that it was begun under.
+   * Name of the gesture, as in `gestureBegin`.
    */
   gesture: string;
   /**
-   * The client's name for the record.
+   * Operation id of the record, chosen by the client.
    */
   opId: string;
   type: "gestureCommit";
 }
 /**
- * Ends a drag without a trace.
+ * Cancels a drag. The log does not change.
  */
 export interface ClientGestureCancel {
   /**
-   * The name that it was begun under.
+   * Name of the gesture, as in `gestureBegin`.
    */
   gesture: string;
   type: "gestureCancel";
 }
 /**
- * Takes back a step.
+ * Undoes a step.
  */
 export interface ClientUndo {
   /**
-   * The client's name for it.
+   * Operation id, chosen by the client.
    */
   opId: string;
   scope: Scope;
   type: "undo";
 }
 /**
- * Takes back an undo.
+ * Redoes a step that was undone.
  */
 export interface ClientRedo {
   /**
-   * The client's name for it.
+   * Operation id, chosen by the client.
    */
   opId: string;
   scope: Scope;
   type: "redo";
 }
 /**
- * What this person is looking at.
+ * Publishes the light that the actor has selected.
  */
 export interface ClientPresence {
   /**
-   * A light's id.
+   * Id of the selected light; `null` for none.
    */
   selection: number | null;
   type: "presence";
 }
 /**
- * What undo and redo would take back; answered by `history`.
+ * Asks for the steps that undo and redo would take next. `history` is the answer.
  */
 export interface ClientHistory {
   type: "history";
 }
 /**
- * Why a pixel is lit or not; answered by `probed`, or by that of a later one.
+ * Asks why a pixel is lit or not. `probed` is the answer. A probe that a later one supersedes gets no
+ * answer.
  */
 export interface ClientProbe {
   camera?: ProbeCamera;
   /**
-   * Whether it is asked where highlights lie.
+   * True if the answer also has the positions of highlights.
    */
   highlights?: boolean;
   /**
-   * In pixels from the picture's top left corner; a pixel's centre is at .5.
+   * Position in pixels from the picture's top left corner. The centre of a pixel is at .5.
    *
    * @minItems 2
    * @maxItems 2
    */
   pixel: [number, number];
   /**
-   * The client's name for it.
+   * Name of the probe, chosen by the client.
    */
   probe: string;
   /**
-   * Width and height of the picture in pixels; by default those of that view.
+   * Width and height of the picture in pixels. Default: those of that view.
    *
    * @minItems 2
    * @maxItems 2
@@ -2292,63 +2298,63 @@ export interface ClientProbe {
   type: "probe";
 }
 /**
- * A camera that need not be one of the document's.
+ * Camera given in the request. It need not belong to the document.
  */
 export interface ProbeOwnCamera {
   own: Camera;
 }
 /**
- * One of the document's, by its id.
+ * Camera of the document, by its id.
  */
 export interface ProbeIdCamera {
   id: number;
 }
 /**
- * Answered by `pong`.
+ * Asks for a `pong`.
  */
 export interface ClientPing {
   /**
-   * Comes back as it is.
+   * Number that the answer repeats.
    */
   sent: number;
   type: "ping";
 }
 /**
- * The state of the session at a client's arrival.
+ * State of the session for a client that joins.
  */
 export interface Welcome {
   bounds: Bounds;
   camera: Camera;
   /**
-   * This client's number.
+   * Number of this client.
    */
   client: number;
   /**
-   * Everybody who is here, this client included.
+   * All clients of the session, including this one.
    */
   clients: Presence[];
   /**
-   * Names the history that `seq` counts in.
+   * Id of the history that `seq` counts in.
    */
   epoch: string;
   /**
-   * The drags under way.
+   * Drags in progress.
    */
   gestures: GestureState[];
   /**
-   * The document's hash after it.
+   * Hash of the document after that record.
    */
   hash: string;
   /**
-   * What of the scene's file is not drawn or was changed, a sentence each.
+   * Notes on the scene's file, one sentence each: content that is not drawn or was changed.
    */
   notes: string[];
   /**
-   * `PROTOCOL`.
+   * Version of the protocol: `PROTOCOL`.
    */
   protocol: number;
   /**
-   * The latest record.
+   * Sequence number of the latest record.
    */
   seq: number;
   /**
@@ -2359,88 +2365,84 @@ export interface Welcome {
   state: State;
 }
 /**
- * Corners of the box around a scene, in the world.
+ * Bounding box of a scene in world space.
  */
 export interface Bounds {
   /**
-   * Largest coordinates.
-   *
    * @minItems 3
    * @maxItems 3
    */
   max: [number, number, number];
   /**
-   * Smallest coordinates.
-   *
    * @minItems 3
    * @maxItems 3
    */
   min: [number, number, number];
 }
 /**
- * One client of a session.
+ * Client of a session.
  */
 export interface Presence {
   actor: Actor;
   /**
-   * Where its own view is; `null` without a view.
+   * Camera of the client's own view; `null` without a view.
    */
   camera: Camera | null;
   /**
-   * The number that the server gave it.
+   * Number that the server gave the client.
    */
   client: number;
   /**
-   * The client whose view it follows.
+   * Number of the client whose view this one follows.
    */
   following: number | null;
   /**
-   * The light that is selected.
+   * Id of the selected light.
    */
   selection: number | null;
   /**
-   * How its own view is; `null` without a view.
+   * Settings of the client's own view; `null` without a view.
    */
   settings: ViewSettings | null;
 }
 /**
- * A drag as all clients see it.
+ * State of a drag, for all clients.
  */
 export interface GestureState {
   /**
-   * What it changes in the document now.
+   * Changes of the document by the drag.
    */
   changes: Change[];
   /**
-   * Its holder.
+   * Number of the client that holds the gesture.
    */
   client: number;
   code?: ErrorCode;
   ended?: GestureEnd;
   /**
-   * Its holder's name for it.
+   * Name of the gesture, chosen by its holder.
    */
   gesture: string;
   /**
-   * The light it is on.
+   * Id of the dragged light.
    */
   light: number;
   /**
-   * The session's count of gesture changes; frames carry it.
+   * Number of gesture changes in the session. Frames carry it.
    */
   liveRevision: number;
   /**
-   * Why an update or a commit was refused, for people.
+   * Message for people, if an update or a commit was refused.
    */
   message?: string;
   outcome?: DragOutcome;
   /**
-   * The latest update, taken or refused; `changes` are of the latest that was taken.
+   * Number of the latest update, accepted or refused. `changes` come from the latest accepted one.
    */
   update: number;
 }
 /**
- * Another scene's geometry.
+ * Replacement of the scene's geometry.
  */
 export interface SceneChange {
   new: SceneRef | null;
@@ -2456,12 +2458,12 @@ export interface SceneRef {
    */
   asset: string;
   /**
-   * What people call it.
+   * Name for people.
    */
   name: string;
 }
 /**
- * A light that comes or goes.
+ * Addition, removal or replacement of a light.
  */
 export interface LightChange {
   light: number;
@@ -2470,17 +2472,17 @@ export interface LightChange {
   type: "light";
 }
 /**
- * `document::PlacedLight` in JSON.
+ * `document::NumberedLight` in JSON.
  */
 export interface PlacedLight {
   /**
-   * Numbering of its control points.
+   * Numbering of the control points (DOC-2).
    */
   layout: number;
   light: Light;
 }
 /**
- * A parameter of a light.
+ * Change of a light's parameter.
  */
 export interface LightParameterChange {
   light: number;
@@ -2489,7 +2491,7 @@ export interface LightParameterChange {
   type: "lightParameter";
 }
 /**
- * A parameter of a control point.
+ * Change of a control point's parameter.
  */
 export interface PointChange {
   layout: number;
@@ -2500,7 +2502,7 @@ export interface PointChange {
   type: "point";
 }
 /**
- * Control points that were renumbered.
+ * Renumbering of a light's control points.
  */
 export interface ControlPointsChange {
   light: number;
@@ -2509,19 +2511,16 @@ export interface ControlPointsChange {
   type: "controlPoints";
 }
 /**
- * `document::ControlPoints` in JSON; one entry a control point in each list.
+ * `document::ControlPoints` in JSON. Each list has one entry per control point.
  */
 export interface ControlPoints {
   /**
-   * Linear RGB.
+   * Colors in linear RGB.
    */
   colors: [number, number, number][];
-  /**
-   * Intensities.
-   */
   intensities: number[];
   /**
-   * Their numbering.
+   * Numbering of the control points (DOC-2).
    */
   layout: number;
   /**
@@ -2534,7 +2533,7 @@ export interface ControlPoints {
   radii: number[];
 }
 /**
- * A camera that comes or goes.
+ * Addition or removal of a camera.
  */
 export interface CameraChange {
   camera: number;
@@ -2543,7 +2542,7 @@ export interface CameraChange {
   type: "camera";
 }
 /**
- * A parameter of a camera.
+ * Change of a camera's parameter.
  */
 export interface CameraParameterChange {
   camera: number;
@@ -2552,7 +2551,7 @@ export interface CameraParameterChange {
   type: "cameraParameter";
 }
 /**
- * A pin that comes, goes, or becomes another.
+ * Addition, removal or change of a pin.
  */
 export interface PinChange {
   new: Pin | null;
@@ -2561,137 +2560,125 @@ export interface PinChange {
   type: "pin";
 }
 /**
- * How a drag of a feature stands, or ended: what a program reads of it besides the light.
+ * Outcome of a drag of a feature, besides the light.
  */
 export interface DragOutcome {
   /**
-   * M.
+   * World position of M.
    *
    * @minItems 3
    * @maxItems 3
    */
   fromWorld: [number, number, number] | null;
   /**
-   * Steps of the solver.
+   * Number of solver iterations.
    */
   iterations: number;
   limit?: DragLimit;
   /**
-   * Id of the pin that keeps it.
+   * Id of the pin that stopped the drag.
    */
   pin?: number;
   /**
-   * What throws the shadow that is dragged.
+   * World position on the caster of the dragged shadow.
    *
    * @minItems 3
    * @maxItems 3
    */
   pivotWorld: [number, number, number] | null;
   /**
-   * On the screen, from `to` to where the feature lies now; `null` where it is not in the picture.
+   * Distance in pixels from `to` to the feature; `null` if the feature is not in the picture.
    */
   residualPx: number | null;
   /**
-   * The node that shadows M' besides the one whose shadow is dragged.
+   * Node that shadows M', other than the caster of the dragged shadow.
    */
   shadowedBy: string | null;
   /**
-   * What solved it.
+   * Name of the solver.
    */
   solver: string;
   status: DragStatus;
   /**
-   * M'.
+   * World position of M'.
    *
    * @minItems 3
    * @maxItems 3
    */
   toWorld: [number, number, number] | null;
   /**
-   * Of the solver: another one may give another light.
+   * Version of the solver. Another version may give another light.
    */
   version: number;
 }
 /**
- * Numbers that clients need.
+ * Constants of the server that clients need.
  */
 export interface Settings {
   /**
-   * Frames under way at most.
+   * Number of frames that may be unacknowledged.
    */
   ackWindow: number;
   /**
-   * How long a gesture is held without an update.
+   * Milliseconds without an update after which a gesture expires.
    */
   leaseMs: number;
   /**
-   * Largest width and height of a view.
+   * Largest width and height of a view in pixels.
    */
   maxViewSide: number;
 }
 /**
- * All of it.
+ * Document in full.
  */
 export interface SnapshotState {
   snapshot: Document;
 }
 /**
- * `document::Document` in JSON, lists in the order of ids.
+ * `document::Document` in JSON. Lists are sorted by id.
  */
 export interface Document {
-  /**
-   * Its cameras.
-   */
   cameras: DocumentCamera[];
-  /**
-   * Its lights.
-   */
   lights: DocumentLight[];
   /**
-   * Its pins; left out where there are none.
+   * Pins; left out if there are none.
    */
   pins?: DocumentPin[];
   /**
-   * Its scene; `null` before one is loaded.
+   * Scene; `null` before one is loaded.
    */
   scene: SceneRef | null;
 }
 /**
- * A camera of a document.
+ * Camera of a document, with its id.
  */
 export interface DocumentCamera {
   camera: Camera;
-  /**
-   * Its id.
-   */
   id: number;
 }
 /**
- * A light of a document.
+ * Light of a document, with its id.
  */
 export interface DocumentLight {
-  /**
-   * Its id.
-   */
   id: number;
   /**
-   * Numbering of its control points.
+   * Numbering of the control points: a number that changes when they are renumbered (DOC-2).
    */
   layout: number;
   light: Light;
 }
 /**
- * A pin of a document.
+ * Pin of a document, with its id.
  */
 export interface DocumentPin {
   /**
-   * By which commands name it.
+   * Id of the pin in commands.
    */
   id: number;
   pin: Pin;
 }
 /**
- * The records after the client's `lastSeq`.
+ * Records after the client's `lastSeq`.
  */
 export interface TailState {
   tail: Record[];
@@ -2703,19 +2690,19 @@ export interface Record {
   action: Action;
   actor: Actor;
   /**
-   * What it did.
+   * Changes of the document.
    */
   changes: Change[];
   /**
-   * `FORMAT`.
+   * Format of the record: `FORMAT`.
    */
   format: number;
   /**
-   * The sender's name for the step.
+   * Operation id, chosen by the sender.
    */
   opId: string;
   /**
-   * Counts from 1 without gaps.
+   * Sequence number. Records count from 1 without gaps.
    */
   seq: number;
   /**
@@ -2724,7 +2711,7 @@ export interface Record {
   timeMs: number;
 }
 /**
- * A command.
+ * Command.
  */
 export interface EditAction {
   command: Command;
@@ -2733,7 +2720,7 @@ export interface EditAction {
   type: "edit";
 }
 /**
- * The last command of a drag.
+ * Last command of a drag.
  */
 export interface GestureAction {
   command: Command;
@@ -2742,7 +2729,7 @@ export interface GestureAction {
   type: "gesture";
 }
 /**
- * Commands as one step.
+ * Commands committed as one step.
  */
 export interface GroupAction {
   edits: RecordedCommand[];
@@ -2757,7 +2744,7 @@ export interface RecordedCommand {
   outcome?: DragOutcome;
 }
 /**
- * Taking back a step.
+ * Undo of a step.
  */
 export interface UndoAction {
   scope: Scope;
@@ -2766,7 +2753,7 @@ export interface UndoAction {
   type: "undo";
 }
 /**
- * Taking back an undo.
+ * Redo of a step that was undone.
  */
 export interface RedoAction {
   scope: Scope;
@@ -2775,276 +2762,280 @@ export interface RedoAction {
   type: "redo";
 }
 /**
- * A committed record.
+ * Announces a committed record.
  */
 export interface ServerLog {
   bounds?: Bounds;
   /**
-   * The document's hash after it.
+   * Hash of the document after the record.
    */
   hash: string;
   /**
-   * What of the scene's file is not drawn or was changed, a sentence each, where the record loads one.
+   * Notes on the scene's file, if the record loads one, one sentence each: content that is not drawn or
+   * was changed.
    */
   notes?: string[];
   record: Record;
   type: "log";
 }
 /**
- * The state of the session for a client that has missed some of it: in place of all records, gestures and presence
- * since the latest that it was sent.
+ * State of the session for a client that fell behind. It replaces all records, gestures and presence since the
+ * last one that the client received.
  */
 export interface Resync {
   bounds: Bounds;
   /**
-   * Everybody who is here, this client included.
+   * All clients of the session, including this one.
    */
   clients: Presence[];
   document: Document;
   /**
-   * The drags under way.
+   * Drags in progress.
    */
   gestures: GestureState[];
   /**
-   * The document's hash after it.
+   * Hash of the document after that record.
    */
   hash: string;
   /**
-   * What of the scene's file is not drawn or was changed, a sentence each.
+   * Notes on the scene's file, one sentence each: content that is not drawn or was changed.
    */
   notes: string[];
   /**
-   * The latest record.
+   * Sequence number of the latest record.
    */
   seq: number;
 }
 /**
- * The answer to a request that ends in a record.
+ * Answer to a request that ends in a record.
  */
 export interface EditResult {
   added?: Added;
   code?: ErrorCode;
   /**
-   * Why it was rejected or is unknown, for people.
+   * Message for people, if the request was rejected or its outcome is unknown.
    */
   message?: string;
   /**
-   * The sender's name for it.
+   * Operation id, chosen by the sender.
    */
   opId: string;
   outcome?: DragOutcome;
   /**
-   * The same of each edit of an atomic request, `null` of one that drags no feature; left out where none does.
+   * Outcome of each edit of an atomic request, `null` for one that drags no feature. Left out if none does.
    */
   outcomes?: (DragOutcome | null)[];
   /**
-   * Its record, where it was committed.
+   * Sequence number of the record, if it was committed.
    */
   seq?: number;
   /**
-   * What undo or redo left as it was, a sentence each.
+   * Parts that undo or redo left unchanged, one sentence each.
    */
   skipped?: string[];
   status: EditStatus;
 }
 /**
- * Ids of what a command brought into the document: what it adds, and what a scene comes with.
+ * Ids of new objects in the document: those that a command adds, and those that come with a scene.
  */
 export interface Added {
   /**
-   * Of cameras.
+   * Ids of cameras.
    */
   cameras?: number[];
   /**
-   * Of lights.
+   * Ids of lights.
    */
   lights?: number[];
   /**
-   * Of pins.
+   * Ids of pins.
    */
   pins?: number[];
 }
 /**
- * Everybody who is here.
+ * Lists all clients of the session.
  */
 export interface ServerPresence {
   /**
-   * In the order in which they came.
+   * Clients, in order of arrival.
    */
   clients: Presence[];
   type: "presence";
 }
 /**
- * What undo and redo would take back.
+ * Steps that undo and redo would take next.
  */
 export interface History {
   redo: HistorySteps;
   /**
-   * The latest record.
+   * Sequence number of the latest record.
    */
   seq: number;
   undo: HistorySteps;
 }
 /**
- * A step for each scope; `null` where there is nothing.
+ * Next step of each scope; `null` if there is none.
  */
 export interface HistorySteps {
   /**
-   * Of one's own steps.
+   * Next of the actor's own steps.
    */
   mine: HistoryStep | null;
   /**
-   * Of everybody's.
+   * Next of all actors' steps.
    */
   session: HistoryStep | null;
 }
 /**
- * A step that can be taken back.
+ * Step that undo or redo would take next.
  */
 export interface HistoryStep {
   actor: Actor;
   /**
-   * Why later steps stay, which are passed over for it, a sentence each.
+   * Reasons why later steps are passed over, one sentence each.
    */
   passed?: string[];
   /**
-   * The record that is taken back: the step's, or of an undo.
+   * Sequence number of the record to revert: the step for undo, the undo for redo.
    */
   seq: number;
   /**
-   * What it did, for people: `the radius of control point 2 of “key”`.
+   * Description of the step for people: `the radius of control point 2 of “key”`.
    */
   what: string;
 }
 /**
- * The answer to `probe`.
+ * Answer to `probe`.
  */
 export interface ProbeAnswer {
   /**
-   * What was found; `null` where the probe is refused.
+   * Result; `null` if the probe is refused.
    */
   found: Probed | null;
   /**
-   * The session's count of gesture changes then; frames carry it.
+   * Number of gesture changes in the session at that time. Frames carry it.
    */
   liveRevision: number;
   /**
-   * The record that the document was after, but for the drags under way.
+   * Sequence number of the latest record in the probed document. Drags in progress are applied on top.
    */
   logSeq: number;
   /**
-   * The client's name for it.
+   * Name of the probe, chosen by the client.
    */
   probe: string;
   /**
-   * Why it is refused; `null` where it is not.
+   * Reason of the refusal; `null` if the probe has a result.
    */
   refused: Problem | null;
 }
 /**
- * `Probe` in JSON: what a point of a picture shows.
+ * `Probe` in JSON: surface and lights at a point of a picture.
  */
 export interface Probed {
   /**
-   * Every light, in the order of ids; none where nothing is seen.
+   * All lights, sorted by id. Empty if no surface is visible.
    */
   lights: ProbedLight[];
   /**
-   * The nearest surface that is drawn there; `null` where there is only background.
+   * Nearest visible surface; `null` if there is only background.
    */
   seen: ProbedSurface | null;
 }
 /**
- * What a light does there.
+ * Light at the probed surface.
  */
 export interface ProbedLight {
   /**
-   * Why it shines nowhere, where it is `disabled`; else `null`.
+   * Reason that the light emits nothing, if it is `disabled`; else `null`.
    */
   disabledBy: ProbeDisabledBy | null;
   /**
-   * The centre of its highlight near the pixel, in pixels; left out where it is not asked for or there is none.
+   * Centre of the light's highlight near the pixel, in pixels. Left out if not requested or not found.
    *
    * @minItems 2
    * @maxItems 2
    */
   highlight?: [number, number];
   /**
-   * On a surface square to the light, linear RGB, were nothing in the way; 0 where it is `disabled`, `unlinked` or `outside`.
+   * Unshadowed irradiance on a surface perpendicular to the light, linear RGB. It is 0 if the light is
+   * `disabled`, `unlinked` or `outside`.
    *
    * @minItems 3
    * @maxItems 3
    */
   irradiance: [number, number, number];
   /**
-   * The light's id.
+   * Id of the light.
    */
   light: number;
   /**
-   * What people call it.
+   * Name for people.
    */
   name: string;
   /**
-   * The way of its light to the surface as a polyline: points in the world, from the source on; of a directional light from
-   * outside of the scene. Empty outside.
+   * Light path to the surface, as a polyline in world space. It starts at the source, or outside the scene
+   * for a directional light. Empty outside the light.
    */
   path: [number, number, number][];
   /**
-   * Where the surface lies in it; `null` outside.
+   * Light coordinates of the surface; `null` outside the light.
    */
   place: ProbedPlace | null;
   /**
-   * What it adds to the radiance towards the eye, linear RGB.
+   * Radiance that the light adds towards the viewer, linear RGB.
    *
    * @minItems 3
    * @maxItems 3
    */
   radiance: [number, number, number];
   /**
-   * What is in its way, where it is `shadowed`; else `null`.
+   * First occluder, if the light is `shadowed`; else `null`.
    */
   shadowedBy: ProbedCaster | null;
   /**
-   * Share of that in the luminance that all lights together give, 0 to 1.
+   * Share of that radiance in the luminance of all lights together, 0 to 1.
    */
   share: number;
   state: ProbeState;
 }
 /**
- * Where a surface lies in a light.
+ * Light coordinates of a surface.
  */
 export interface ProbedPlace {
   /**
-   * Unit vector in the world from the surface to where its light comes from.
+   * Unit vector in world space from the surface towards the light.
    *
    * @minItems 3
    * @maxItems 3
    */
   direction: [number, number, number];
   /**
-   * Length of the light's way from its source, bent as it is, in world units; `null` where it comes from infinitely far away.
+   * Length of the curved light path from the source, in world units; `null` if the source is infinitely far
+   * away.
    */
   pathLength: number | null;
   /**
-   * Radius of the tube or the cone there, in world units; `null` of lights that have none.
+   * Radius of the tube or cone there, in world units; `null` for other lights.
    */
   radius: number | null;
   /**
-   * Along the light: 0 to the number of segments of a BendyLight, or the share of a light's range (0 without).
+   * Coordinate along the light: 0 to the number of segments of a BendyLight, else the share of the light's
+   * range (0 without a range).
    */
   t: number;
   /**
-   * Across the light: in radii where it has a cone or a tube, in halves of a directional light's width (0 without), and on
-   * the face of a cube about an omni light, from -1 to 1.
+   * Coordinate across the light: in radii of a cone or tube, in half widths of a directional light (0
+   * without a width), and from -1 to 1 on the face of a cube around an omni light.
    */
   v: number;
   /**
-   * The same, upwards.
+   * Coordinate across the light and perpendicular to `v`, upwards, in the same units.
    */
   w: number;
 }
 /**
- * The first that light meets on its way.
+ * First occluder on a light path.
  */
 export interface ProbedCaster {
   /**
@@ -3052,7 +3043,7 @@ export interface ProbedCaster {
    */
   node: string;
   /**
-   * Where, in the world.
+   * World position.
    *
    * @minItems 3
    * @maxItems 3
@@ -3060,7 +3051,7 @@ export interface ProbedCaster {
   position: [number, number, number];
 }
 /**
- * A surface that is seen.
+ * Surface at the probed pixel.
  */
 export interface ProbedSurface {
   /**
@@ -3068,14 +3059,14 @@ export interface ProbedSurface {
    */
   depth: number;
   /**
-   * Radiance that the scene's fill gives it, linear RGB.
+   * Radiance from the scene's fill light, linear RGB.
    *
    * @minItems 3
    * @maxItems 3
    */
   fill: [number, number, number];
   /**
-   * Name of the material; `null` where it has none.
+   * Name of the material; `null` if it has none.
    */
   material: string | null;
   /**
@@ -3083,14 +3074,14 @@ export interface ProbedSurface {
    */
   node: string;
   /**
-   * Unit shading normal in the world, towards the viewer.
+   * Unit shading normal in world space, on the viewer's side.
    *
    * @minItems 3
    * @maxItems 3
    */
   normal: [number, number, number];
   /**
-   * In the world.
+   * World position.
    *
    * @minItems 3
    * @maxItems 3
@@ -3098,72 +3089,72 @@ export interface ProbedSurface {
   position: [number, number, number];
 }
 /**
- * What is wrong with a request.
+ * Error of a request.
  */
 export interface Problem {
   code: ErrorCode;
   /**
-   * For people: what to do.
+   * Message for people: what is wrong, and what to do.
    */
   message: string;
 }
 /**
- * How the view is served from now on.
+ * Announces the configuration of the view from now on.
  */
 export interface ServerViewConfig {
   /**
-   * Pixels.
+   * Height in pixels.
    */
   height: number;
   source: ViewSource;
   type: "viewConfig";
   /**
-   * Pixels.
+   * Width in pixels.
    */
   width: number;
 }
 /**
- * What a frame came to, for a client that asks.
+ * Statistics of one frame, sent to clients that asked for them.
  */
 export interface FrameStats {
   /**
-   * Bytes of its messages, headers included.
+   * Bytes of the frame's messages, headers included.
    */
   bytes: number;
   /**
-   * Microseconds of the encoding, as in its header.
+   * Microseconds of the encoding, as in the header.
    */
   encodeUs: number;
   /**
-   * The number in its header.
+   * Frame number, as in the frame's header.
    */
   frame: number;
   /**
-   * What ran for it; empty where the picture was held and nothing had to be drawn.
+   * Passes that ran for the picture. Empty if the picture came from the cache.
    */
   passes: PassRun[];
   quality: FrameQuality;
   /**
-   * Microseconds of the render, as in its header.
+   * Microseconds of the render, as in the header.
    */
   renderUs: number;
   /**
-   * By how much the texels a side of shadow maps are divided: 1 where they are full.
+   * Divisor of the texels a side of shadow maps: 1 at full resolution.
    */
   shadowMapDivisor: number;
   /**
-   * Width and height of its picture in pixels.
+   * Width and height of the picture in pixels.
    *
    * @minItems 2
    * @maxItems 2
    */
   size: [number, number];
   /**
-   * Its messages.
+   * Number of messages, one per tile.
    */
   tiles: number;
   /**
-   * Microseconds from the change to the start of the render, as in its header.
+   * Microseconds from the change to the start of the render, as in the header.
    */
   waitUs: number;
 }
@@ -3173,74 +3164,74 @@ export interface FrameStats {
 export interface PassRun {
   cause: Cause;
   /**
-   * Id of the light that it is of; `null` where it is of none.
+   * Id of the pass's light; `null` if the pass belongs to no light.
    */
   light: number | null;
   pass: Pass;
   /**
-   * How often, in all samples and tiles of the picture.
+   * Number of runs, over all samples and tiles of the picture.
    */
   runs: number;
 }
 /**
- * The answer to `ping`.
+ * Answers `ping`.
  */
 export interface ServerPong {
   /**
-   * As it came.
+   * Number from the `ping`.
    */
   sent: number;
   /**
-   * The server's clock, in microseconds since it started.
+   * Time on the server's clock, in microseconds since the server started.
    */
   serverTimeUs: number;
   type: "pong";
 }
 /**
- * What the list says of the session was changed.
+ * Announces a changed title or archived state of the session.
  */
 export interface ServerSessionChanged {
   /**
-   * Whether it is archived.
+   * True if the session is archived.
    */
   archived: boolean;
   /**
-   * What people call it.
+   * Title for people.
    */
   title: string;
   type: "sessionChanged";
 }
 /**
- * The server stops.
+ * Announces that the server stops.
  */
 export interface ServerDraining {
   /**
-   * When to try again.
+   * Milliseconds until the client should reconnect.
    */
   retryAfterMs: number;
   type: "draining";
 }
 /**
- * Something that no other answer says.
+ * Reports an error that no other message reports.
  */
 export interface ServerError {
   code: ErrorCode;
   /**
-   * Whether the connection ends.
+   * True if the server closes the connection.
    */
   fatal: boolean;
   /**
-   * For people.
+   * Message for people.
    */
   message: string;
   type: "error";
 }
 /**
- * The first line of a log file.
+ * First line of a log file.
  */
 export interface LogHeader {
   /**
-   * `crate::FORMAT` of the program that made the session.
+   * Format of the program that created the session, see `crate::FORMAT`.
    */
   format: number;
   /**
@@ -3249,34 +3240,35 @@ export interface LogHeader {
   session: string;
 }
 /**
- * A line that says what the hash is.
+ * Line of a log with a checkpoint.
  */
 export interface CheckpointLine {
   checkpoint: Checkpoint;
 }
 /**
- * What the document's hash is after a record.
+ * Hash of the document after a record.
  */
 export interface Checkpoint {
   /**
-   * Of the document, 64 hexadecimal digits.
+   * Hash of the document, 64 hexadecimal digits.
    */
   hash: string;
   /**
-   * Of the header and all lines of records up to there (`next_proof`), 64 hexadecimal digits. Logs of format 1 have none.
+   * Proof of the header and of all lines of records up to this one (`next_proof`), 64 hexadecimal digits.
+   * Logs of format 1 have none.
    */
   proof?: string;
   /**
-   * The record; 0 is the empty document before the first.
+   * Sequence number of the record; 0 for the empty document before the first.
    */
   seq: number;
 }
 /**
- * A row for each thing that can be set.
+ * Table of all parameters that can be set.
  */
 export interface ParameterTable {
   /**
-   * The rows, in the order in which people see them.
+   * Rows, in the order of presentation.
    */
   parameters: Parameter[];
 }
@@ -3285,146 +3277,145 @@ export interface ParameterTable {
  */
 export interface Parameter {
   /**
-   * What it is called in a document, by owner: `/lights/ID/coneAngle`, for the command `set`.
+   * Address in a document by owner, for the command `set`: `/lights/ID/coneAngle`.
    */
   address: {
     [k: string]: string;
   };
   /**
-   * Whether keyframes may drive it.
+   * True if keyframes may drive the parameter.
    */
   animates: boolean;
   /**
-   * By owner, the value where none is given, as in light files; none where the owner must have one of its own.
+   * Default by owner, as in light files. An owner that must have a value of its own is left out.
    */
   default: {
     [k: string]: unknown;
   };
   /**
-   * A sentence about it.
+   * One sentence about the parameter.
    */
   doc: string;
   /**
-   * The heading that it stands under.
+   * Heading of the parameter's group.
    */
   group: string;
   /**
-   * Which of those that have it have it for later alone, such as a spotlight that may be bent: no picture shows it of them.
+   * Owners that keep the parameter only for later, such as a spotlight that may be bent. It has no effect on
+   * their pictures.
    */
   idleOf?: ParameterOwner[];
   kind: ParameterKind;
   /**
-   * Its name for people.
+   * Name for people.
    */
   label: string;
   /**
-   * The word for it in commands, light files and logs.
+   * Name in commands, light files and logs.
    */
   name: string;
   needs?: ParameterNeeds;
   /**
-   * What has it.
+   * Owners of the parameter: types of lights, control points or cameras.
    */
   of: ParameterOwner[];
   /**
-   * Where it stands in its owner's JSON, fields within fields parted by `/`. Of a control point, the light's list.
+   * Path in the owner's JSON, with `/` between nested fields. For a control point, the path of the light's
+   * list.
    */
   path: string;
   touches: ParameterTouches;
 }
 /**
- * A number.
+ * Number.
  */
 export interface NumberKind {
   /**
-   * What it must be less than.
+   * Maximum, exclusive.
    */
   exclusiveMax?: number;
   /**
-   * What it must be more than.
+   * Minimum, exclusive.
    */
   exclusiveMin?: number;
   /**
-   * The most that it may be.
+   * Maximum, inclusive.
    */
   max?: number;
   /**
-   * The least that it may be.
+   * Minimum, inclusive.
    */
   min?: number;
   /**
-   * What `null` means, for people; where it is left out there has to be a number.
+   * Meaning of `null`, for people. If left out, the value must be a number.
    */
   none?: string;
   scale: ParameterScale;
   /**
-   * The ends of a slider; what is typed may go on to the range.
+   * Ends of a slider. A typed value may lie beyond them, within the range.
    *
    * @minItems 2
    * @maxItems 2
    */
   slider?: [number, number];
   /**
-   * What a step of a control changes it by.
+   * Step of a control.
    */
   step: number;
   type: "number";
   /**
-   * What it counts.
+   * Unit; empty for none.
    */
   unit?: string;
 }
 /**
- * Yes or no.
+ * Boolean.
  */
 export interface FlagKind {
   type: "flag";
 }
 /**
- * One of several words.
+ * One of several names.
  */
 export interface ChoiceKind {
-  /**
-   * The words.
-   */
   choices: ParameterChoice[];
   type: "choice";
 }
 /**
- * `light::Choice` in JSON.
+ * `light::ParameterChoice` in JSON.
  */
 export interface ParameterChoice {
   /**
-   * For people.
+   * Name for people.
    */
   label: string;
   /**
-   * The word.
+   * Name in JSON.
    */
   name: string;
 }
 /**
- * Linear RGB.
+ * Color in linear RGB.
  */
 export interface ColorKind {
   type: "color";
 }
 /**
- * Three numbers.
+ * Vector of three numbers.
  */
 export interface VectorKind {
   /**
-   * What a step of a control changes one by.
+   * Step of a control for each number.
    */
   step: number;
   type: "vector";
   /**
-   * What they count.
+   * Unit of each number; empty for none.
    */
   unit?: string;
 }
 /**
- * A unit quaternion `[x, y, z, w]`.
+ * Rotation as a unit quaternion `[x, y, z, w]`.
  */
 export interface RotationKind {
   type: "rotation";
@@ -3434,86 +3425,86 @@ export interface RotationKind {
  */
 export interface TextKind {
   /**
-   * Bytes of UTF-8 that it has at most.
+   * Maximum length in bytes of UTF-8.
    */
   maxBytes: number;
   type: "text";
 }
 /**
- * Some nodes of the scene: `{"include": [PATH, ...], "exclude": [PATH, ...]}`, or `null` for all of them.
+ * Set of nodes of the scene: `{"include": [PATH, ...], "exclude": [PATH, ...]}`, or `null` for all nodes.
  */
 export interface LinksKind {
   /**
-   * Bytes of UTF-8 that all their paths have at most.
+   * Maximum length of all paths together, in bytes of UTF-8.
    */
   maxBytes: number;
   /**
-   * Nodes that both lists name at most.
+   * Maximum number of paths in both lists together.
    */
   maxPaths: number;
   type: "links";
 }
 /**
- * A number over an angle: `[[DEGREES, NUMBER], ...]`, the degrees ascending from 0 to less than 360, linear from one to the
- * next and from the last on around to the first; or `null` for none.
+ * Number as a function of an angle: `[[DEGREES, NUMBER], ...]`, or `null` for none. Degrees ascend from 0
+ * to less than 360. The number is linear between pairs, and from the last pair around to the first.
  */
 export interface PeriodicCurveKind {
   /**
-   * The most.
+   * Maximum of the number.
    */
   max: number;
   /**
-   * Pairs that it has at most.
+   * Maximum number of pairs.
    */
   maxKnots: number;
   /**
-   * The least that the number may be.
+   * Minimum of the number.
    */
   min: number;
   /**
-   * What `null` means, for people.
+   * Meaning of `null`, for people.
    */
   none: string;
   /**
-   * What a step of a control changes it by.
+   * Step of a control.
    */
   step: number;
   type: "periodicCurve";
 }
 /**
- * How a camera projects, as a whole.
+ * Projection of a camera as a whole.
  */
 export interface ProjectionKind {
   type: "projection";
 }
 /**
- * `light::Needs` in JSON.
+ * `light::ParameterNeeds` in JSON.
  */
 export interface ParameterNeeds {
   /**
-   * The other's name.
+   * Name of the other parameter.
    */
   parameter: string;
   value: ParameterNeeded;
 }
 /**
- * One of these.
+ * Values of which the other parameter has one.
  */
 export interface NeededOneOf {
   oneOf: (boolean | number | string | null)[];
 }
 /**
- * Any but these.
+ * Values of which the other parameter has none.
  */
 export interface NeededNoneOf {
   noneOf: (boolean | number | string | null)[];
 }
 /**
- * `GET /sessions/S/nodes`.
+ * Answer to `GET /sessions/S/nodes`.
  */
 export interface SceneNodes {
   /**
-   * How many more there are.
+   * Number of further nodes that `paths` leaves out.
    */
   leftOut: number;
   /**
@@ -3522,113 +3513,113 @@ export interface SceneNodes {
   paths: string[];
 }
 /**
- * `GET /sessions`.
+ * Answer to `GET /sessions`.
  */
 export interface SessionList {
   /**
-   * In the order of names.
+   * Sessions, sorted by name.
    */
   sessions: SessionEntry[];
 }
 /**
- * An entry of `GET /sessions`.
+ * Entry of `GET /sessions`.
  */
 export interface SessionEntry {
   /**
-   * It is left out of the list that does not ask for those, and can be deleted.
+   * True if the session is archived. `GET /sessions` leaves it out by default, and it can be deleted.
    */
   archived: boolean;
   /**
-   * Its latest record; `null` before the first.
+   * Latest record; `null` before the first.
    */
   changed: LastChange | null;
   /**
-   * How many clients are connected.
+   * Number of connected clients.
    */
   clients: number;
   /**
-   * Names the history that `seq` counts in. Both together name a picture of it.
+   * Id of the history that `seq` counts in. Epoch and `seq` together identify a state of the document.
    */
   epoch: string;
   /**
-   * When it was made on this server, in milliseconds since 1970; `null` where that is not known.
+   * Time of creation on this server, in milliseconds since 1970; `null` if unknown.
    */
   madeMs: number | null;
   /**
-   * What addresses and its log call it; it stays.
+   * Name in addresses and in the log. It never changes.
    */
   name: string;
   /**
-   * What those who are connected are called, each person once, in the order in which they came.
+   * Names of the connected actors, each actor once, in order of arrival.
    */
   people: string[];
   /**
-   * The latest record.
+   * Sequence number of the latest record.
    */
   seq: number;
   /**
-   * What people call it, by default its name.
+   * Title for people. Default: the name.
    */
   title: string;
 }
 /**
- * The latest record of a session.
+ * Latest record of a session.
  */
 export interface LastChange {
   /**
-   * What who made it is called.
+   * Name of the actor.
    */
   actor: string;
   /**
-   * When it was made, in milliseconds since 1970.
+   * Time of the record, in milliseconds since 1970.
    */
   timeMs: number;
 }
 /**
- * `GET /scenes`: the scenes that come with the server.
+ * Answer to `GET /scenes`: the demo scenes of the server.
  */
 export interface DemoScenes {
   /**
-   * In the order in which they are offered.
+   * Demo scenes, in the order of presentation.
    */
   demos: DemoScene[];
 }
 /**
- * One of `DemoScenes`.
+ * Entry of `DemoScenes`.
  */
 export interface DemoScene {
   /**
-   * For people.
+   * Name for people.
    */
   name: string;
   /**
-   * What `NewSession` and `loadScene` take: `"demo:NAME"`.
+   * Name as `NewSession` and `loadScene` take it: `"demo:NAME"`.
    */
   scene: string;
   /**
-   * What is to be seen in it.
+   * Description of the scene's content.
    */
   shows: string;
 }
 /**
- * A line of the file that `bendylights serve --trace` writes: a picture that was made.
+ * Line of the file that `bendylights serve --trace` writes, for one picture.
  */
 export interface TraceLine {
   /**
-   * Microseconds of the encoding; `null` where it was not encoded, as something newer came.
+   * Microseconds of the encoding; `null` if a newer picture superseded this one before it was encoded.
    */
   encodeUs: number | null;
   /**
-   * Lines of pictures before it that are missing, as the disk was too slow for them.
+   * Number of lines missing before this one because the disk was too slow.
    */
   leftOut?: number;
   /**
-   * What ran for it.
+   * Passes that ran for the picture.
    */
   passes: PassRun[];
   quality: FrameQuality;
   /**
-   * Microseconds of the render, without what was drawn for others in between.
+   * Microseconds of the render, without the work for other pictures in between.
    */
   renderUs: number;
   /**
@@ -3643,27 +3634,27 @@ export interface TraceLine {
    */
   size: [number, number];
   /**
-   * When its drawing began, in seconds since the server started.
+   * Start of the render, in seconds since the server started.
    */
   time: number;
   /**
-   * Microseconds from the change, of a still from the request, to the start of the render.
+   * Microseconds until the start of the render: from the change, or for a still from the request.
    */
   waitUs: number;
   what: TraceWhat;
 }
 /**
- * The view of a client.
+ * View of a client.
  */
 export interface TracedView {
   /**
-   * The number that the session gave it.
+   * Number of the client in its session.
    */
   client: number;
   type: "view";
 }
 /**
- * A picture for HTTP.
+ * Picture for an HTTP request.
  */
 export interface TracedStill {
   type: "still";

@@ -9,6 +9,7 @@ import type { PixelQuestion } from "../core/probing";
 import type { Parameter } from "../core/protocol";
 import { isFree } from "./light_actions";
 import type { Page } from "./page";
+import type { Linking } from "./page_state";
 
 /** Whether a click in the picture links an object to a light. */
 export const isLinking = ({ linking, selectedLight }: Page): boolean =>

@@ -1,4 +1,5 @@
-//! Vine leaves on a lattice over a terrace, and a pierced lantern: everything that has holes by an alpha test.
+//! Demo scene `arbor`: vine leaves on a lattice over a terrace, and a pierced lantern. It has all kinds of
+//! alpha-tested geometry.
 
 use std::f64::consts::TAU;
 
@@ -12,13 +13,13 @@ use super::lathe::lathe;
 use super::stage::{Cyclorama, contents, look_at};
 use crate::LoadedScene;
 
-/// Raised whenever the scene changes: sessions that have it refer to it by this.
+/// Version of the scene. Raise it whenever the scene changes, because logs refer to the scene by it.
 pub const VERSION: u32 = 1;
 
-/// Leaves of both kinds.
+/// Number of leaves of both kinds.
 const LEAVES: u32 = 76;
 
-/// The scene `arbor`.
+/// Builds the scene `arbor`.
 pub fn arbor() -> LoadedScene {
     let mut scene = Scene { fill: fill(), ..Scene::default() };
     scene.images = vec![leaf(128), lattice(64), pierced(64)];
@@ -54,9 +55,11 @@ pub fn arbor() -> LoadedScene {
     LoadedScene { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
-/// The key light: from the upper left front through the lattice, then down onto the terrace and towards the camera.
+/// Returns the key light. It comes from the upper left front through the lattice, then bends down onto the
+/// terrace and towards the camera.
 ///
-/// One row a control point. Positions are in the world; the light's own space starts at the first.
+/// The table has one row per control point. Positions are in world space; the light's local space starts at the
+/// first.
 fn key() -> Light {
     #[rustfmt::skip]
     let rows = [
@@ -78,12 +81,12 @@ fn key() -> Light {
         .map_points(|index, point| (point.color, point.intensity) = (color, rows[index].2))
 }
 
-/// A cool sky over a warm terrace, weak enough that shadows stay dark.
+/// Returns a cool sky over a warm terrace, weak enough that shadows stay dark.
 fn fill() -> Fill {
     Fill { sky: DVec3::new(0.12, 0.135, 0.17), ground: DVec3::new(0.08, 0.07, 0.06) }
 }
 
-/// Frames lattice and lantern and the light that they cut out of the terrace.
+/// Returns a camera that frames the lattice, the lantern and their light patterns on the terrace.
 fn camera() -> Camera {
     let translation = DVec3::new(0.40, 1.95, 4.5);
     Camera {
@@ -99,26 +102,27 @@ fn camera() -> Camera {
     }
 }
 
-/// From the lattice's own space, where it stands in the plane z = 0 and its foot is about the origin.
+/// Returns the transform from the lattice's local space, in which it stands in the plane z = 0 with its foot
+/// centred at the origin.
 fn arbor_from_local() -> DAffine3 {
     DAffine3::from_rotation_translation(DQuat::from_rotation_y(-0.62), DVec3::new(-0.80, 0.0, -0.30))
 }
 
-/// Two triangles, 1.6 wide and 1.4 high, over which the lattice repeats.
+/// Returns two triangles, 1.6 wide and 1.4 high, over which the lattice repeats.
 fn panel() -> Primitive {
     let corners = [[-0.8, 0.0], [0.8, 0.0], [0.8, 1.4], [-0.8, 1.4]];
     Primitive {
         positions: corners.map(|[x, y]| DVec3::new(x, y, 0.0).as_vec3()).to_vec(),
         normals: vec![DVec3::Z.as_vec3(); 4],
-        // Five and a third laths a metre.
+        // Five and a third laths per metre.
         uvs: corners.map(|[x, y]| (DVec2::new(x, -y) / 0.1875).as_vec2()).to_vec(),
         indices: vec![0, 1, 2, 0, 2, 3],
         ..Primitive::default()
     }
 }
 
-/// Those leaves that are `wanted`, in the space of the lattice they climb: at even spacings that never repeat (the
-/// "R2" sequence), denser towards the top, each turned its own way.
+/// Returns the leaves whose index is `wanted`, in the lattice's local space. They are evenly spaced by the "R2"
+/// low-discrepancy sequence, denser towards the top, and have different rotations.
 fn leaves(wanted: impl Fn(u32) -> bool) -> Primitive {
     const PLASTIC: f64 = 1.324_717_957_244_746;
     const SQUARED: f64 = PLASTIC * PLASTIC;
@@ -137,13 +141,13 @@ fn leaves(wanted: impl Fn(u32) -> bool) -> Primitive {
     made
 }
 
-/// A leaf from -1 to 1, folded along its rib. Its tip's alpha is less: that makes the leaf narrower there.
+/// Adds a leaf from -1 to 1, folded along its midrib. The lower alpha at its tip makes the leaf narrower there.
 fn add_leaf(made: &mut Primitive, lattice_from_leaf: DAffine3) {
     const FOLD: f64 = 0.35;
     let first = made.positions.len() as u32;
     for (row, y) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
         for (column, x) in [-1.0, 0.0, 1.0].into_iter().enumerate() {
-            // The halves rise from the rib; the tip bends down.
+            // The halves rise from the midrib, and the tip bends down.
             let point = DVec3::new(x, y, FOLD * x.abs() - 0.2 * y * y);
             let normal = DVec3::new(-FOLD * x, 0.4 * y, 1.0).normalize();
             made.positions.push(lattice_from_leaf.transform_point3(point).as_vec3());
@@ -158,7 +162,7 @@ fn add_leaf(made: &mut Primitive, lattice_from_leaf: DAffine3) {
     }
 }
 
-/// An open cylinder of sheet, 0.46 high, with eight mirrored pictures around it and three up.
+/// Returns an open cylinder, 0.46 high, with eight mirrored pictures around it and three along its height.
 fn lantern() -> Primitive {
     const AROUND: u32 = 48;
     const RADIUS: f64 = 0.20;
@@ -178,7 +182,7 @@ fn lantern() -> Primitive {
     made
 }
 
-/// A low pot. Control points of radius and height; see [`lathe`].
+/// Returns the profile of a low pot as control points of radius and height; see [`lathe`].
 fn pot() -> Vec<DVec2> {
     let outside =
         [(0.0, 0.02), (0.10, 0.02), (0.13, 0.0), (0.15, 0.01), (0.18, 0.12), (0.21, 0.24), (0.23, 0.27)];
@@ -190,7 +194,7 @@ fn matte([r, g, b]: [f32; 3]) -> Material {
     Material { base_color: Vec4::new(r, g, b, 1.0), roughness: 0.85, ..Material::default() }
 }
 
-/// Seen and met by light from both sides.
+/// Returns a double-sided, alpha-tested material.
 fn cut_out(base_color: [f32; 4], alpha_cutoff: f32, image: usize, [wrap_u, wrap_v]: [Wrap; 2]) -> Material {
     let sampler = Sampler { wrap_u, wrap_v, nearest: false };
     Material {
@@ -219,7 +223,7 @@ mod tests {
 
     use super::*;
 
-    /// `R kappa < 1` all along (light model, section 3).
+    /// The tube fulfils `R kappa < 1` everywhere (light model, section 3).
     #[test]
     fn key_light_does_not_fold() {
         let light = key();
@@ -228,7 +232,8 @@ mod tests {
         assert!(Tube::new(&light).is_err(), "a tube twice as wide folds");
     }
 
-    /// Every way to wrap, alpha of vertices and of a material, and leaves that are there at all.
+    /// The scene covers every wrap mode and alpha of vertices and materials. Every picture has both opaque and
+    /// transparent parts.
     #[test]
     fn holes_are_cut_in_every_way() {
         let scene = arbor().scene;

@@ -1,18 +1,18 @@
-//! Pictures whose alpha says where there is something: a leaf, a lattice, pierced metal.
+//! Alpha-tested pictures: a leaf, a lattice and pierced metal.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use scene::Image;
 
-/// Texels over which alpha goes from 0 to 1 at an edge: between them it tells the distance from the edge.
+/// Texels over which alpha rises from 0 to 1 at an edge. There it encodes the distance from the edge.
 const EDGE_TEXELS: f64 = 8.0;
 
-/// A vine leaf with five lobes, its tip at the top, and two holes where something has eaten of it.
+/// Returns a vine leaf with five lobes, its tip at the top, and two bite holes.
 pub fn leaf(side: u32) -> Image {
     picture(side, |at| {
         let from_middle = at - DVec2::new(0.5, 0.54);
-        // From the tip, to both sides alike.
+        // Angle from the tip, mirrored at the axis.
         let angle = libm::atan2(from_middle.x.abs(), -from_middle.y);
         let lobes = 0.5 + 0.5 * libm::cos(5.0 * angle);
         let teeth = 0.5 + 0.5 * libm::cos(40.0 * angle);
@@ -30,12 +30,12 @@ pub fn leaf(side: u32) -> Image {
     })
 }
 
-/// Two crossing laths, to be repeated: a diagonal lattice.
+/// Returns two crossing laths, which repeat as a diagonal lattice.
 pub fn lattice(side: u32) -> Image {
     picture(side, |at| {
         let from_lath = |along: f64| {
             let across = (along - libm::floor(along) - 0.5).abs();
-            // Two sides of the picture are a lath's diagonal.
+            // The diagonal of the picture crosses two laths.
             0.15 - across * std::f64::consts::FRAC_1_SQRT_2
         };
         let (rising, falling) = (from_lath(at.x + at.y), from_lath(at.x - at.y));
@@ -46,7 +46,7 @@ pub fn lattice(side: u32) -> Image {
     })
 }
 
-/// A quarter of a rosette of holes, to be mirrored.
+/// Returns a quarter of a rosette of holes, to be mirrored.
 pub fn pierced(side: u32) -> Image {
     picture(side, |at| {
         let holes =
@@ -56,8 +56,8 @@ pub fn pierced(side: u32) -> Image {
     })
 }
 
-/// A picture from a function of the place, from (0, 0) at the top left to (1, 1): its colour, in sRGB, and how far
-/// it is inside of what is there.
+/// Draws a picture from a function of the position, from (0, 0) at the top left to (1, 1). It returns the sRGB
+/// color and the signed distance to the edge, positive inside.
 fn picture(side: u32, look: impl Fn(DVec2) -> (DVec3, f64)) -> Image {
     let texels = (0..side * side).flat_map(|k| {
         let at = (DVec2::new(f64::from(k % side), f64::from(k / side)) + 0.5) / f64::from(side);

@@ -1,23 +1,23 @@
-//! Turned shapes: a smooth profile swept about +Y.
+//! Surfaces of revolution about +Y, from a smooth profile.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use scene::Primitive;
 
-/// Rows of vertices from end to end of the profile.
+/// Maximum number of vertex rows along the profile.
 const ROWS: usize = 64;
-/// Points tried for each span between two control points, of which the rows are chosen.
+/// Candidate points per span between two control points, from which the rows are chosen.
 const TRIED_PER_SPAN: usize = 24;
 /// Vertices around the axis.
 const AROUND: usize = 60;
 
-/// The surface of revolution about +Y of the uniform cubic B-spline with control points `(radius, height)`,
-/// stood on y = 0.
+/// Returns the surface of revolution about +Y of the uniform cubic B-spline with control points `(radius,
+/// height)`, with its lowest point at y = 0.
 ///
-/// The profile starts and ends on the axis, at its first and last point, and keeps the outside on its right:
-/// from under the foot up the outer wall, over the lip, and down inside. Its first and last step are level, so
-/// that the surface is smooth on the axis. Normals are the spline's own.
+/// The profile starts and ends on the axis, at its first and last control point, and keeps the outside on its
+/// right: from under the foot up the outer wall, over the lip, and down inside. Its first and last step are
+/// level, so that the surface is smooth on the axis. Normals are those of the spline.
 pub fn lathe(profile: &[DVec2]) -> Primitive {
     let rows: Vec<(DVec2, DVec2)> = sample(profile);
     let ground = rows.iter().fold(f64::INFINITY, |least, (point, _)| least.min(point.y));
@@ -36,7 +36,7 @@ pub fn lathe(profile: &[DVec2]) -> Primitive {
         for column in 0..AROUND {
             let (a, b) = (vertex(row, column), vertex(row + 1, column));
             let (c, d) = (vertex(row, column + 1), vertex(row + 1, column + 1));
-            // On the axis a row is one point, and one of the two triangles has no area.
+            // On the axis a row is a single point, and one of the two triangles has zero area.
             if row > 0 {
                 made.indices.extend([a, b, c]);
             }
@@ -48,11 +48,11 @@ pub fn lathe(profile: &[DVec2]) -> Primitive {
     made
 }
 
-/// Points and tangents of the uniform cubic B-spline, `ROWS` of them from end to end; a mirrored point beyond
-/// each end makes it start and end at its control points.
+/// Samples at most `ROWS` points and tangents of the uniform cubic B-spline. A mirrored point beyond each end
+/// makes it start and end at its control points.
 ///
-/// Rows are spread evenly over the sum of length and turn, each as a share of the whole: long walls and tight
-/// lips both look round.
+/// Rows are evenly spaced by the sum of relative length and relative turn, so that both long walls and tight
+/// lips look round.
 fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     let last = control.len() - 1;
     let mut p = vec![2.0 * control[0] - control[1]];
@@ -90,7 +90,7 @@ fn sample(control: &[DVec2]) -> Vec<(DVec2, DVec2)> {
     chosen.into_iter().map(|k| tried[k]).collect()
 }
 
-/// The four uniform cubic B-spline weights at `u` in 0 to 1, and their derivatives.
+/// Returns the four uniform cubic B-spline weights at `u` in 0 to 1, and their derivatives.
 fn basis(u: f64) -> ([f64; 4], [f64; 4]) {
     let s = 1.0 - u;
     let weights = [
@@ -122,7 +122,8 @@ mod tests {
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-15);
             let (before, after) = (basis(u - h).0, basis(u + h).0);
             for (derivative, (before, after)) in derivatives.iter().zip(before.iter().zip(after)) {
-                // A cubic's central difference is off by h^2, rounding by eps / h.
+                // A central difference of a cubic has an error of h^2 from truncation, and of eps / h from
+                // rounding.
                 assert!((derivative - (after - before) / (2.0 * h)).abs() < 1e-9, "at {u}");
             }
         }
@@ -132,7 +133,8 @@ mod tests {
     fn triangles_wind_with_their_normals_and_close_the_surface() {
         let made = lathe(&cup());
         let (triangles, _) = made.indices.as_chunks::<3>();
-        // Divergence theorem: a closed surface wound outwards has its volume; this one is a thick cup.
+        // By the divergence theorem a closed surface with outward winding has a positive volume. This one is a
+        // thick cup.
         let mut six_volumes = 0.0;
         for t in triangles {
             let [a, b, c] = t.map(|i| made.positions[i as usize].as_dvec3());

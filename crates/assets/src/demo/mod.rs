@@ -1,4 +1,4 @@
-//! Scenes made by the program itself: the same numbers on every machine, and no file needed.
+//! Procedural demo scenes. They have the same numbers on every machine and need no file.
 
 mod arbor;
 mod cutouts;
@@ -11,26 +11,27 @@ use crate::LoadedScene;
 use crate::fault::excerpt;
 use crate::limits::MAX_MESSAGE_CHARS;
 
-/// The demo scenes: the name that [`demo`] takes, and what a person sees.
+/// Names of the demo scenes, as [`demo`] takes them, each with a description for people.
 pub const DEMO_NAMES: &[(&str, &str)] = &[
     ("vases", "two glazed vases on a table under a bent key light, after the paper's Tabletop Vases"),
     ("arbor", "vine leaves, a lattice and a pierced lantern, cut out by alpha, under a bent key light"),
 ];
 
-/// The demo scene called `name`, or `None` where [`DEMO_NAMES`] has no such name.
+/// Builds the demo scene called `name`, or returns `None` if [`DEMO_NAMES`] has no such name.
 ///
-/// Metres, +Y up, the table at y = 0. It has a camera called `camera` and a BendyLight called `key`.
+/// The unit is metres, +Y is up, the floor or table is at y = 0. The scene has a camera called `camera` and a
+/// BendyLight called `key`.
 pub fn demo(name: &str) -> Option<LoadedScene> {
     versioned(name).map(|(_, make)| LoadedScene { name: Some(format!("demo:{name}")), ..make() })
 }
 
-/// The bytes that stand for the demo scene called `name`: a line with its name and version, which
-/// [`crate::load_bytes`] understands.
+/// Returns the bytes that identify the demo scene called `name`: a line with its name and version, which
+/// [`crate::load_bytes`] accepts.
 pub fn demo_bytes(name: &str) -> Option<Vec<u8>> {
     versioned(name).map(|(version, _)| format!("{LINE_START}{name} {version}\n").into_bytes())
 }
 
-/// The demo scene that `bytes` stand for, or `None` where they are another kind of file.
+/// Returns the demo scene that `bytes` identify, or `None` if they are another kind of file.
 pub fn demo_from_bytes(bytes: &[u8]) -> Option<Result<LoadedScene, AssetFault>> {
     let named = bytes.strip_prefix(LINE_START.as_bytes())?;
     let found = DEMO_NAMES.iter().find(|(name, _)| demo_bytes(name).as_deref() == Some(bytes));
@@ -39,10 +40,10 @@ pub fn demo_from_bytes(bytes: &[u8]) -> Option<Result<LoadedScene, AssetFault>> 
     Some(found.and_then(|(name, _)| demo(name)).ok_or_else(unknown))
 }
 
-/// How the line that stands for a demo scene begins.
+/// Start of the line that identifies a demo scene.
 const LINE_START: &str = "bendylights demo ";
 
-/// The version of the demo scene called `name`, and what makes it.
+/// Returns the version of the demo scene called `name`, and its function.
 fn versioned(name: &str) -> Option<(u32, fn() -> LoadedScene)> {
     match name {
         "vases" => Some((vases::VERSION, vases::vases)),
@@ -67,20 +68,20 @@ mod tests {
         assert!(demo("no such scene").is_none());
     }
 
-    /// SHA-256 over all that a demo scene is made of, as text: shortest decimals name a float to its last
+    /// Computes SHA-256 over the text of a whole demo scene. The shortest decimals identify a float to its last
     /// bit.
     fn digest(demo: &LoadedScene) -> String {
         let Scene { nodes, meshes, materials, images, fill } = &demo.scene;
         let SceneContents { lights, cameras } = &demo.contents;
         let lights: Vec<_> = lights.iter().map(|light| light.digest()).collect();
         let text = format!("{nodes:?} {meshes:?} {materials:?} {cameras:?} {lights:?} {fill:?}");
-        // The text of a picture has no pixels.
+        // The debug text of a picture has no pixels.
         let pixels = images.iter().flat_map(|image| &image.rgba8).copied();
         format!("{:x}", Sha256::digest(text.into_bytes().into_iter().chain(pixels).collect::<Vec<_>>()))
     }
 
-    /// Logs refer to a demo by its version. Where this fails: if what the scene holds has changed, raise its
-    /// version; if only the names of Rust's fields have, do not. Then put the new digest here.
+    /// Logs refer to a demo by its version. If this test fails because the scene changed, raise its version. If
+    /// only names of Rust fields changed, do not. Then insert the new digest.
     #[test]
     fn a_version_names_one_scene() {
         let digests = [
@@ -93,7 +94,7 @@ mod tests {
             assert_eq!(digest(&demo(name).unwrap()), expected, "{name}");
         }
         assert_eq!(digests.len(), DEMO_NAMES.len());
-        // The planted fault: one vertex off by one ulp.
+        // Planted fault: one vertex is off by one ulp.
         let mut moved = demo("vases").unwrap();
         let x = &mut moved.scene.meshes[0].primitives[0].positions[0].x;
         *x = x.next_up();

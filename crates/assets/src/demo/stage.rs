@@ -1,4 +1,4 @@
-//! What the demo scenes stand on and are seen with.
+//! Background, camera rotation and contents that the demo scenes share.
 
 use std::sync::Arc;
 
@@ -10,24 +10,24 @@ use std::f64::consts::FRAC_PI_2;
 use glam::{DMat3, DQuat, DVec3};
 use scene::Primitive;
 
-/// A photographer's background: a level floor that curves up into a wall behind.
+/// Background of a photo studio: a level floor that curves up into a wall.
 pub struct Cyclorama {
-    /// Half its extent along x.
+    /// Half extent along x.
     pub half_width: f64,
-    /// Where the floor begins, towards the camera.
+    /// Position of the floor's front edge.
     pub front_z: f64,
-    /// Where the floor ends and the curve begins.
+    /// Position at which the floor ends and the curve begins.
     pub bend_z: f64,
-    /// Radius of the curve.
     pub bend_radius: f64,
     /// Height of the wall.
     pub height: f64,
-    /// Strips along the curve.
+    /// Number of strips along the curve.
     pub strips: usize,
 }
 
 impl Cyclorama {
-    /// Floor and wall are two triangles each on purpose: large triangles are what a bent shadow is hard on.
+    /// Returns the surface. Floor and wall have two triangles each, because large triangles are the hard case
+    /// of bent shadows.
     pub fn surface(&self) -> Primitive {
         let mut made = Primitive::default();
         let mut row = |y: f64, z: f64, normal: DVec3| {
@@ -50,14 +50,14 @@ impl Cyclorama {
     }
 }
 
-/// The rotation of a camera at `eye` that looks at `target` with +Y up.
+/// Returns the rotation of a camera at `eye` that looks at `target`, with +Y up.
 pub fn look_at(eye: DVec3, target: DVec3) -> DQuat {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();
     DQuat::from_mat3(&DMat3::from_cols(right, back.cross(right), back))
 }
 
-/// What comes with a demo scene: its light and its camera.
+/// Returns the light and the camera of a demo scene as its contents.
 pub fn contents(key: Light, camera: Camera) -> SceneContents {
     let key = CheckedLight::new(key).expect("the demo's own light");
     SceneContents { lights: vec![Arc::new(key)], cameras: vec![camera] }

@@ -1,4 +1,4 @@
-//! Two vases on a table: the paper's "Tabletop Vases" (about 15,000 triangles).
+//! Demo scene `vases`: two vases on a table, after the paper's "Tabletop Vases" (about 15,000 triangles).
 
 use glam::{DAffine3, DVec2, DVec3, Vec4};
 use light::Light;
@@ -9,10 +9,10 @@ use super::lathe::lathe;
 use super::stage::{Cyclorama, contents, look_at};
 use crate::LoadedScene;
 
-/// Raised whenever the scene changes: sessions that have it refer to it by this.
+/// Version of the scene. Raise it whenever the scene changes, because logs refer to the scene by it.
 pub const VERSION: u32 = 1;
 
-/// The scene `vases`.
+/// Builds the scene `vases`.
 pub fn vases() -> LoadedScene {
     let mut scene = Scene { fill: fill(), ..Scene::default() };
     let table =
@@ -33,10 +33,11 @@ pub fn vases() -> LoadedScene {
     LoadedScene { scene, contents: contents(key(), camera()), name: None, notes: Vec::new() }
 }
 
-/// The key light: from the upper left front, down over the vases, bending towards the camera as it goes,
-/// so that the shadows turn where a spotlight's run straight.
+/// Returns the key light. It comes from the upper left front, down over the vases, and bends towards the
+/// camera. The shadows curve, while those of a spotlight would be straight.
 ///
-/// One row a control point. Positions are in the world; the light's own space starts at the first.
+/// The table has one row per control point. Positions are in world space; the light's local space starts at the
+/// first.
 fn key() -> Light {
     #[rustfmt::skip]
     let rows = [
@@ -60,12 +61,12 @@ fn key() -> Light {
         .map_points(|_, point| (point.color, point.intensity) = (color, intensity))
 }
 
-/// A cool sky over a warm table, weak enough that the shadow stays dark.
+/// Returns a cool sky over a warm table, weak enough that the shadow stays dark.
 fn fill() -> Fill {
     Fill { sky: DVec3::new(0.10, 0.115, 0.145), ground: DVec3::new(0.070, 0.060, 0.050) }
 }
 
-/// Frames both vases and their shadows at the paper's 686 x 382.
+/// Returns a camera that frames both vases and their shadows at the paper's 686 x 382.
 fn camera() -> Camera {
     let translation = DVec3::new(0.30, 2.30, 4.5);
     Camera {
@@ -81,7 +82,8 @@ fn camera() -> Camera {
     }
 }
 
-/// A tall vase with a narrow neck, 1.1 high. Control points of radius and height; see [`lathe`].
+/// Returns the profile of a tall vase with a narrow neck, 1.1 high, as control points of radius and height; see
+/// [`lathe`].
 fn bottle() -> Vec<DVec2> {
     let outside = [
         (0.0, 0.03),
@@ -112,7 +114,7 @@ fn bottle() -> Vec<DVec2> {
     outside.into_iter().chain(lip_and_inside).map(DVec2::from).collect()
 }
 
-/// A round, low vase, 0.8 high. Control points of radius and height; see [`lathe`].
+/// Returns the profile of a round, low vase, 0.8 high, as control points of radius and height; see [`lathe`].
 fn jar() -> Vec<DVec2> {
     let outside = [
         (0.0, 0.03),
@@ -152,7 +154,7 @@ fn matte(name: &str, rgb: [f32; 3]) -> Material {
     glaze(name, rgb, 0.85)
 }
 
-/// Adds a node called as its material, with `surface` as its only primitive.
+/// Adds a node named after its material, with `surface` as its only primitive.
 fn add_node(scene: &mut Scene, material: Material, surface: Primitive, at: DVec3) {
     let (name, primitive) = (material.name.clone(), Primitive { material: scene.materials.len(), ..surface });
     scene.materials.push(material);
@@ -182,7 +184,7 @@ mod tests {
         }
     }
 
-    /// `R kappa < 1` all along (light model, section 3), with room to edit.
+    /// The tube fulfils `R kappa < 1` everywhere (light model, section 3), with a margin for edits.
     #[test]
     fn key_light_does_not_fold() {
         let light = key();

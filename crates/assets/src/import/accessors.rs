@@ -1,7 +1,7 @@
-//! Typed reads out of buffers, total on any input.
+//! Typed reads from buffers. They never panic, whatever the input.
 //!
-//! An accessor (glTF 2.0, section 3.6.2) is `count` elements, `stride` bytes apart, in a view of a buffer, or
-//! zeros where it has no view; a sparse one replaces some elements by others.
+//! An accessor (glTF 2.0, section 3.6.2) is `count` elements, `stride` bytes apart, in a view of a buffer.
+//! Without a view the elements are zero. A sparse accessor replaces some elements by others.
 
 use std::ops::Range;
 
@@ -21,7 +21,7 @@ struct Span {
     element: usize,
 }
 
-/// Every view lies in its buffer, and every accessor in its view.
+/// Checks that every view lies in its buffer, and every accessor in its view.
 pub fn check(root: &Root) -> Result<(), AssetFault> {
     for (index, view) in root.buffer_views.iter().enumerate() {
         let end = view.byte_offset.unwrap_or_default().0.checked_add(view.byte_length.0);
@@ -36,7 +36,7 @@ pub fn check(root: &Root) -> Result<(), AssetFault> {
     Ok(())
 }
 
-/// Where an accessor's elements, sparse indices and sparse values lie.
+/// Positions of an accessor's elements, sparse indices and sparse values.
 #[derive(Default)]
 struct Layout {
     dense: Option<Span>,
@@ -79,7 +79,7 @@ fn span(
     if end.is_none_or(|end| end > view.byte_length.0) {
         return Err("reaches past the end of its buffer view");
     }
-    // No overflow: the view was found to lie in its buffer, and this in the view.
+    // Cannot overflow: the view lies in its buffer, and the elements lie in the view.
     let start = (view.byte_offset.unwrap_or_default().0 + offset.0) as usize;
     let bytes = start..start + length.unwrap_or_default() as usize;
     Ok(Span { buffer: view.buffer.value(), bytes, stride, element })
@@ -92,7 +92,7 @@ fn component_type(accessor: &Accessor) -> ComponentType {
     }
 }
 
-/// How many components each element has.
+/// Returns the number of components of an element.
 pub fn components(accessor: &Accessor) -> usize {
     match accessor.type_ {
         Checked::Valid(kind) => kind.multiplicity(),
@@ -100,17 +100,17 @@ pub fn components(accessor: &Accessor) -> usize {
     }
 }
 
-/// How integers become floats.
+/// Conversion of integers to floats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum IntegerConversion {
-    /// As the accessor says: normalised or as they are.
+    /// Conversion that the accessor declares: normalized or unchanged.
     AsDeclared,
-    /// Always to 0..1 or -1..1, as colours are.
+    /// Always normalized to 0..1 or -1..1, as for colors.
     Normalized,
 }
 
 impl ImportSource<'_> {
-    /// An accessor of `N` components as finite floats.
+    /// Reads an accessor of `N` components as finite floats.
     pub fn floats<const N: usize>(
         &self,
         accessor: &Accessor,
@@ -133,7 +133,7 @@ impl ImportSource<'_> {
         Err(invalid_gltf("an attribute has values that are not finite numbers"))
     }
 
-    /// An accessor of unsigned integers.
+    /// Reads an accessor of unsigned integers.
     pub fn indices(&self, accessor: &Accessor) -> Result<Vec<u32>, AssetFault> {
         let kind = component_type(accessor);
         let unsigned = matches!(kind, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
@@ -150,7 +150,7 @@ impl ImportSource<'_> {
         decode: impl Fn(&[u8]) -> T,
     ) -> Result<Vec<T>, AssetFault> {
         let layout = layout(self.root, accessor).map_err(invalid_gltf)?;
-        // Callers check their own, smaller limits; an index list may be as long as this.
+        // Callers check smaller limits of their own. This one bounds index lists.
         ImportLimit::Triangles.check(accessor.count.0 / 3)?;
         let mut values = match &layout.dense {
             Some(span) => self.slices(span).map(&decode).collect(),
@@ -173,7 +173,8 @@ impl ImportSource<'_> {
         Ok(values)
     }
 
-    /// The elements' bytes. [`check`] has shown that they are there, but an empty answer is safe too.
+    /// Iterates over the bytes of each element. [`check`] has shown that they exist; if not, the result is
+    /// empty.
     fn slices<'s>(&'s self, span: &'s Span) -> impl Iterator<Item = &'s [u8]> + Clone {
         let bytes = self.buffers.get(span.buffer).and_then(|buffer| buffer.get(span.bytes.clone()));
         bytes.unwrap_or_default().chunks(span.stride).map(|chunk| &chunk[..span.element])
@@ -190,7 +191,7 @@ fn unsigned_at(bytes: &[u8], kind: ComponentType) -> u32 {
     }
 }
 
-/// One component; normalised integers by glTF 2.0, section 3.11.
+/// Converts one component. Normalized integers follow glTF 2.0, section 3.11.
 fn float(bytes: &[u8], kind: ComponentType, normalized: bool) -> f32 {
     let bits = unsigned_at(bytes, kind);
     let (value, scale) = match kind {

@@ -1,4 +1,5 @@
-//! Reads bytes: the scene file, `data:` addresses, and files in the scene's own folder. Nothing else.
+//! File access of the importer: the scene file, `data:` addresses, and files in the scene's own folder. It
+//! reads nothing else.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -12,9 +13,9 @@ use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::{Budget, MAX_MESSAGE_CHARS};
 use crate::{AssetFault, ImportLimit};
 
-/// Reads a regular file whole, once its size is known to fit the budget.
+/// Reads a whole regular file, after a check that its size fits the budget.
 pub fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, AssetFault> {
-    // Asked before opening: opening a pipe would wait for its writer.
+    // The check precedes the open, because opening a pipe would block until it has a writer.
     let found = std::fs::metadata(path)?;
     if !found.is_file() {
         return Err(AssetFault::NotAFile);
@@ -26,13 +27,13 @@ pub fn read_file(path: &Path, budget: &mut Budget) -> Result<Vec<u8>, AssetFault
     Ok(bytes)
 }
 
-/// Whether `uri` holds its bytes itself.
+/// Returns true if `uri` is a `data:` address.
 pub fn is_data(uri: &str) -> bool {
     uri.get(..5).is_some_and(|scheme| scheme.eq_ignore_ascii_case("data:"))
 }
 
-/// The bytes that `uri` names, seen from the scene file at `scene_file`; without one there are no other
-/// files.
+/// Returns the bytes at `uri`, relative to the scene file at `scene_file`. Without a scene file only `data:`
+/// addresses can be read.
 pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result<Vec<u8>, AssetFault> {
     let refuse = |why: String| AssetFault::Address { uri: excerpt(uri, MAX_MESSAGE_CHARS), why };
     if is_data(uri) {
@@ -47,7 +48,7 @@ pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result
     let folder = scene_file.parent().filter(|f| !f.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let unreadable = |error: std::io::Error| refuse(format!("cannot be read ({error})"));
     let folder = folder.canonicalize().map_err(unreadable)?;
-    // Resolved, so that a link inside the folder cannot lead out of it.
+    // Resolves links, so that a link inside the folder cannot lead out of it.
     let path = folder.join(name.as_ref()).canonicalize().map_err(unreadable)?;
     if !path.starts_with(&folder) {
         return Err(refuse("leads out of the scene's folder".into()));
@@ -59,8 +60,8 @@ pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result
     })
 }
 
-/// Refuses, from the text alone, all but a plain relative path downwards. Windows' rules hold everywhere:
-/// a scene that loads on one system loads on every one.
+/// Returns an error for every text but a plain relative path downwards. The rules of Windows apply on every
+/// system, so that a scene that loads on one system loads on all.
 fn stays_inside(name: &str) -> Result<(), &'static str> {
     const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
     if name.contains(':') {
@@ -80,7 +81,7 @@ fn stays_inside(name: &str) -> Result<(), &'static str> {
     Ok(())
 }
 
-/// The bytes of every buffer, each at least as long as it declares.
+/// Returns the bytes of every buffer, each at least as long as its declared length.
 pub fn buffers<'a>(
     root: &Root,
     bin: Option<&'a [u8]>,

@@ -1,4 +1,4 @@
-//! Cameras, placed in the world.
+//! Import of cameras, with their world transforms.
 
 use glam::DQuat;
 use gltf::json::camera::{Camera, Type};
@@ -10,7 +10,8 @@ use super::placement::rigid;
 use super::{ImportSource, display_name};
 use crate::notes::Notes;
 
-/// Every camera of the drawn scene, in node order; one whose numbers make no picture is left out.
+/// Returns every camera of the drawn scene, in node order. Cameras with invalid numbers are left out, with a
+/// note.
 pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> Vec<scene::Camera> {
     let mut cameras = Vec::new();
     for place in places {
@@ -32,7 +33,7 @@ pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> 
     cameras
 }
 
-/// The projection, or `None` where a number is outside its documented domain.
+/// Returns the projection, or `None` if a number is outside its documented domain.
 fn projection(camera: &Camera) -> Option<Projection> {
     let aspect_ratio = declared_aspect(camera).filter(|&aspect| is_aspect(aspect));
     match (&camera.type_, &camera.perspective, &camera.orthographic) {
@@ -51,7 +52,7 @@ fn projection(camera: &Camera) -> Option<Projection> {
     }
 }
 
-/// Width over height of what the camera frames, as the file has it.
+/// Returns width over height of the frame, as the file declares it.
 fn declared_aspect(camera: &Camera) -> Option<f64> {
     match (&camera.type_, &camera.perspective, &camera.orthographic) {
         (Checked::Valid(Type::Perspective), Some(p), _) => p.aspect_ratio.map(f64::from),

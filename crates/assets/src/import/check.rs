@@ -1,5 +1,5 @@
-//! Everything about the JSON that must hold before any of it is used: versions, extensions, indices, the
-//! node tree, and that every accessor lies inside its buffer.
+//! First check of a glTF document, before any of it is used: versions, extensions, indices, the node tree, and
+//! the position of every accessor in its buffer.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +12,7 @@ use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::MAX_MESSAGE_CHARS;
 use crate::notes::Notes;
 
-/// Extensions that are drawn as their specifications say, or whose fallback they allow.
+/// Extensions that are drawn as specified, or by a fallback that their specification allows.
 const SUPPORTED: [&str; 6] = [
     "EXT_mesh_gpu_instancing",
     "EXT_texture_webp",
@@ -22,8 +22,8 @@ const SUPPORTED: [&str; 6] = [
     "KHR_texture_transform",
 ];
 
-/// Extensions that change looks, or what does not move here anyway, and nothing else: a file may require them, and is
-/// drawn without them. Any other that is required changes what the file's geometry is or how it is read.
+/// Extensions that change only appearance, or only animation, which is not played. A file may require them and
+/// is drawn without them. Any other required extension changes the geometry, or the way to read it.
 const IGNORABLE: [&str; 16] = [
     "KHR_animation_pointer",
     "KHR_materials_anisotropy",
@@ -43,11 +43,12 @@ const IGNORABLE: [&str; 16] = [
     "KHR_xmp_json_ld",
 ];
 
-/// Checks the whole document, used parts or not.
+/// Checks the whole document, including unused parts.
 pub fn check_document(mut root: Root, notes: &mut Notes) -> Result<Root, AssetFault> {
     version(&root)?;
     extensions(&root, notes)?;
-    // Never needed, and the validation below copies them for every primitive that shares the accessor.
+    // The bounds are never used, and the validation below would copy them for every primitive that shares the
+    // accessor.
     for accessor in &mut root.accessors {
         (accessor.min, accessor.max) = (None, None);
     }
@@ -75,7 +76,7 @@ fn extensions(root: &Root, notes: &mut Notes) -> Result<(), AssetFault> {
     if let Some(name) = needed.find(|name| !ignorable(name)) {
         return Err(AssetFault::RequiredExtension(excerpt(name, MAX_MESSAGE_CHARS)));
     }
-    // What is required is to be listed as used too, but not every file does.
+    // Required extensions should be listed as used too, but some files omit them there.
     let named: BTreeSet<_> = root.extensions_used.iter().chain(&root.extensions_required).collect();
     for name in named.into_iter().filter(|name| !supported(name)) {
         notes.add("extensions that are not drawn", excerpt(name, MAX_MESSAGE_CHARS));
@@ -83,10 +84,10 @@ fn extensions(root: &Root, notes: &mut Notes) -> Result<(), AssetFault> {
     Ok(())
 }
 
-/// Every index exists and every enumeration is known, by the `gltf` crate's validation and what it leaves
-/// out.
+/// Checks that every index exists and every enumeration is known: the `gltf` crate's validation, and the checks
+/// that it lacks.
 fn indices(root: &Root) -> Result<(), AssetFault> {
-    // Its check of a primitive takes this index on trust, and panics.
+    // The validation does not check this index before it uses it, and would panic.
     let mut attributes = root.meshes.iter().flat_map(|m| &m.primitives).flat_map(|p| p.attributes.values());
     if let Some(index) = attributes.find(|a| a.value() >= root.accessors.len()) {
         return Err(invalid_gltf(format!("a mesh uses accessor {}, which does not exist", index.value())));
@@ -117,7 +118,8 @@ fn indices(root: &Root) -> Result<(), AssetFault> {
     }
 }
 
-/// Bounds are not needed, an accessor without a view is all zeros, and no positions draw nothing.
+/// Returns true for fields that may be missing: bounds are not used, an accessor without a view is all zeros,
+/// and a primitive without positions draws nothing.
 fn is_optional(path: &Path) -> bool {
     [".min", ".max", ".bufferView", "[\"POSITION\"]"].iter().any(|end| path.as_str().ends_with(end))
 }
@@ -131,7 +133,8 @@ fn describe(error: Error) -> &'static str {
     }
 }
 
-/// Every node has at most one parent and a scene's roots have none, so every scene is a forest.
+/// Checks that every node has at most one parent and that a scene's roots have none, so that every scene is a
+/// forest.
 fn node_tree(root: &Root) -> Result<(), AssetFault> {
     let mut has_parent = vec![false; root.nodes.len()];
     for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {

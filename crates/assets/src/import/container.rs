@@ -1,4 +1,4 @@
-//! From bytes to the JSON's types: the GLB container, and the bounds on JSON before it is parsed.
+//! Parsing of a scene file: the GLB container, limits on the JSON, and the JSON itself.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -11,22 +11,22 @@ use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::MAX_MESSAGE_CHARS;
 use crate::{AssetFault, ImportLimit};
 
-/// A JSON object whose members are left as they were written, in the order of their names.
+/// JSON object whose members keep their text, sorted by name.
 pub type Members = BTreeMap<String, Box<RawValue>>;
 
-/// The parts of a scene file.
+/// Parts of a scene file.
 #[derive(Debug)]
 pub struct Container<'a> {
-    /// The JSON text.
+    /// JSON text.
     pub json: &'a [u8],
-    /// The binary chunk of a GLB.
+    /// Binary chunk of a GLB.
     pub bin: Option<&'a [u8]>,
 }
 
 const GLB_HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// Splits a GLB (glTF 2.0, section 4.4) into its chunks; anything else is taken for JSON.
+/// Splits a GLB (glTF 2.0, section 4.4) into its chunks. Any other input is treated as JSON.
 pub fn split(bytes: &[u8]) -> Result<Container<'_>, AssetFault> {
     if bytes.is_empty() {
         return Err(invalid_gltf("it is empty"));
@@ -53,13 +53,13 @@ pub fn split(bytes: &[u8]) -> Result<Container<'_>, AssetFault> {
     Ok(Container { json: json.data, bin })
 }
 
-/// A GLB's chunk.
+/// Chunk of a GLB.
 struct Chunk<'a> {
     kind: &'a [u8],
     data: &'a [u8],
 }
 
-/// The first chunk, and what follows it.
+/// Returns the first chunk and the bytes after it.
 fn chunk(bytes: &[u8]) -> Result<(Chunk<'_>, &[u8]), AssetFault> {
     let cut = || invalid_gltf("one of its chunks is longer than the file");
     let length = u32_at(bytes, 0).ok_or_else(cut)?;
@@ -73,15 +73,15 @@ fn u32_at(bytes: &[u8], at: usize) -> Option<usize> {
     Some(u32::from_le_bytes(four) as usize)
 }
 
-/// Parses the JSON, once its depth and number of values are known to be small.
+/// Parses the JSON, after a check of its depth and its number of values.
 pub fn parse(json: &[u8]) -> Result<Root, AssetFault> {
     check_json_bounds(json)?;
     let parsed = without_idle_channels(json).and_then(|json| Root::from_slice(&json));
     parsed.map_err(|error| invalid_gltf(excerpt(&error.to_string(), 2 * MAX_MESSAGE_CHARS)))
 }
 
-/// The JSON without the animation channels that target no node, which the `gltf` crate does not parse: glTF 2.0 says
-/// that they are to be ignored (section 3.11), and extensions use them.
+/// Removes animation channels that target no node. The `gltf` crate does not parse them, extensions use them,
+/// and glTF 2.0 says to ignore them (section 3.11).
 fn without_idle_channels(json: &[u8]) -> serde_json::Result<Cow<'_, [u8]>> {
     let mut document: Members = serde_json::from_slice(json)?;
     let Some(raw) = document.get_mut("animations") else { return Ok(Cow::Borrowed(json)) };
@@ -102,7 +102,8 @@ fn without_idle_channels(json: &[u8]) -> serde_json::Result<Cow<'_, [u8]>> {
     serde_json::to_vec(&document).map(Cow::Owned)
 }
 
-/// Counts brackets and commas outside strings: at most one value follows each.
+/// Checks the depth and the number of values by counting brackets and commas outside strings. At most one value
+/// follows each of them.
 fn check_json_bounds(json: &[u8]) -> Result<(), AssetFault> {
     let (mut depth, mut values) = (0_u64, 0_u64);
     let (mut in_string, mut escaped) = (false, false);

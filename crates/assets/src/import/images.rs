@@ -1,4 +1,4 @@
-//! Decodes pictures, once their size is known to be within the limits.
+//! Decoding of pictures, after a check of their size.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -11,7 +11,8 @@ use crate::fault::{excerpt, invalid_gltf};
 use crate::limits::{MAX_IMAGE_SIDE, MAX_MESSAGE_CHARS, MAX_TEXTURE_BYTES};
 use crate::{AssetFault, ImportLimit};
 
-/// Decodes the picture at `index` in the file. Its own first bytes decide the format, not its declared type.
+/// Decodes the picture at `index` in the file. Its first bytes select the format, because declared types are
+/// often wrong.
 pub fn read(
     source: &ImportSource,
     index: usize,

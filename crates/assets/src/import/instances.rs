@@ -1,4 +1,4 @@
-//! `EXT_mesh_gpu_instancing`: one node's mesh in many places.
+//! `EXT_mesh_gpu_instancing`: instances of one node's mesh.
 
 use glam::DAffine3;
 use gltf::json::Node;
@@ -9,7 +9,7 @@ use super::{ImportReport, ImportSource};
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// Where the node's mesh stands, in the node's space; `None` where the node has no instances.
+/// Returns the transform of each instance in the node's space, or `None` if the node has no instances.
 pub fn read(
     source: &ImportSource,
     node: &Node,

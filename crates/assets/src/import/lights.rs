@@ -1,4 +1,4 @@
-//! `KHR_lights_punctual`: its lights, placed in the world.
+//! Import of `KHR_lights_punctual`, with world transforms.
 
 use std::sync::Arc;
 
@@ -13,12 +13,12 @@ use super::placement::rigid;
 use super::{ImportSource, display_name};
 use crate::notes::Notes;
 
-/// The widest half angle drawn, degrees: at 90 a cone is a plane.
+/// Largest half angle in degrees. At 90 degrees a cone is a plane.
 const MAX_CONE_ANGLE_DEGREES: f64 = 89.9;
-/// glTF's default, degrees.
+/// Default half angle of glTF in degrees.
 const DEFAULT_CONE_ANGLE_DEGREES: f64 = 45.0;
 
-/// Every light of the drawn scene, in node order. Numbers that make no light are repaired, with a note.
+/// Returns every light of the drawn scene, in node order. Invalid numbers are replaced, with a note.
 pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> Vec<Arc<CheckedLight>> {
     let mut lights = Vec::new();
     for place in places {
@@ -28,14 +28,14 @@ pub fn read(source: &ImportSource, places: &[PlacedNode], notes: &mut Notes) -> 
         let name = display_name(node.name.as_deref().or(light.name.as_deref()), "light", lights.len());
         match CheckedLight::new(light_from_gltf(light, place, &name, notes)) {
             Ok(light) => lights.push(Arc::new(light)),
-            // Nothing else is wrong with it by now.
+            // All other numbers are valid by now.
             Err(_) => notes.add("lights that stand infinitely far away are left out", name),
         }
     }
     lights
 }
 
-/// The light in degrees, and in candela or lux.
+/// Converts a light. Angles become degrees; intensities stay in candela or lux.
 fn light_from_gltf(light: &GltfLight, place: &PlacedNode, name: &str, notes: &mut Notes) -> Light {
     let world_from_light = rigid(&place.world_from_local);
     let transform = Transform {
@@ -64,8 +64,8 @@ fn light_from_gltf(light: &GltfLight, place: &PlacedNode, name: &str, notes: &mu
         .with(RANGE, range)
 }
 
-/// A spotlight with its cone and the penumbra that the extension recommends: the square of how far the angle's cosine is
-/// from the outer one's to the inner one's.
+/// Returns a spotlight with its cone and the penumbra that the extension recommends: the squared share of the
+/// cosine between those of the outer and the inner angle.
 fn with_cone(light: &GltfLight, name: &str, notes: &mut Notes) -> Light {
     let cone = light.spot.as_ref().map(|cone| [cone.inner_cone_angle, cone.outer_cone_angle].map(f64::from));
     let [inner, outer] = cone.unwrap_or_default();

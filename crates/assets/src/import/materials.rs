@@ -1,4 +1,4 @@
-//! Materials, the pictures they use, and how their texture coordinates are made.
+//! Import of materials, their pictures and their texture coordinates.
 
 use std::collections::BTreeMap;
 
@@ -13,25 +13,24 @@ use super::{ImportReport, ImportSource, display_name, images};
 use crate::AssetFault;
 use crate::fault::invalid_gltf;
 
-/// A material and what its primitives must know to make their one set of texture coordinates.
+/// Material, and the texture coordinates that its primitives need.
 #[derive(Debug)]
 pub struct ImportedMaterial {
-    /// As the scene has it.
     pub material: scene::Material,
-    /// Which coordinates its pictures are read with.
+    /// Texture coordinates of all its pictures.
     pub coordinates: Coordinates,
 }
 
-/// A set of texture coordinates and what `KHR_texture_transform` does to it.
+/// Set of texture coordinates, with its `KHR_texture_transform`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates {
     /// The `n` of `TEXCOORD_n`.
     pub set: u32,
-    /// From the stored coordinates to the ones a picture is read at.
+    /// Transform from stored coordinates to those in the picture.
     pub picture_from_stored: Affine2,
 }
 
-/// All materials in file order, and glTF's default one after them; and the pictures they refer to.
+/// Returns the pictures and all materials in file order, followed by glTF's default material.
 pub fn read(
     source: &ImportSource,
     report: &mut ImportReport,
@@ -51,7 +50,7 @@ pub fn read(
 #[derive(Default)]
 struct ImageCache {
     images: Vec<Image>,
-    /// Index in `images` by index in the file, so that each is decoded once.
+    /// Index in `images` by index in the file. Each picture is decoded once.
     decoded: BTreeMap<usize, usize>,
 }
 
@@ -153,8 +152,9 @@ fn sampler(sampler: &json::texture::Sampler) -> Sampler {
     }
 }
 
-/// `KHR_texture_transform`: scale, then turn, then move. The turn is the one of the extension's example, that
-/// `turn` pi/2, `scale` 1/2 and `offset` (0, 1) show the lower left quarter of the picture.
+/// Computes the transform of `KHR_texture_transform`: scale, then rotate, then translate. The direction of
+/// rotation follows the extension's example: rotation pi/2, scale 1/2 and offset (0, 1) show the lower left
+/// quarter of the picture.
 fn coordinates(info: Option<&Info>) -> Coordinates {
     let transform = info.and_then(|i| i.extensions.as_ref()?.texture_transform.as_ref());
     let set = info.map_or(0, |i| i.tex_coord);
@@ -179,7 +179,7 @@ mod tests {
         let info: Info = json::deserialize::from_str(text).unwrap();
         let Coordinates { set, picture_from_stored } = coordinates(Some(&info));
         assert_eq!(set, 3);
-        // Lower left, with v downwards: u from 0 to 1/2, v from 1/2 to 1.
+        // The lower left quarter, with v downwards: u from 0 to 1/2, v from 1/2 to 1.
         for corner in [Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE] {
             let uv = picture_from_stored.transform_point2(corner);
             assert!((-1e-6..=0.500_001).contains(&uv.x) && (0.499_999..=1.000_001).contains(&uv.y), "{uv}");

@@ -1,4 +1,4 @@
-//! Meshes as triangle lists with normals.
+//! Import of meshes as triangle lists with normals.
 
 use glam::{Vec2, Vec3, Vec4};
 use gltf::json;
@@ -13,7 +13,7 @@ use super::{ImportReport, ImportSource, display_name};
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// Reads the mesh at `index` in the file. What has no triangles is left out.
+/// Reads the mesh at `index` in the file. Primitives without triangles are left out.
 pub fn read(
     source: &ImportSource,
     index: usize,
@@ -49,7 +49,7 @@ pub fn read(
     Ok(scene::Mesh { name, primitives })
 }
 
-/// The vertices in drawing order, each in range.
+/// Returns the vertex indices in drawing order. Each is in range.
 fn vertex_order(
     source: &ImportSource,
     primitive: &json::mesh::Primitive,
@@ -59,7 +59,7 @@ fn vertex_order(
     let vertices = positions.count.0;
     report.budget.spend(ImportLimit::Vertices, vertices)?;
     let indices = primitive.indices.and_then(|indices| source.root.get(indices));
-    // A strip or fan has one triangle an index.
+    // A strip or fan has about one triangle per index.
     let per_triangle = if primitive.mode == Checked::Valid(Mode::Triangles) { 3 } else { 1 };
     report.budget.spend(ImportLimit::Triangles, indices.map_or(vertices, |i| i.count.0) / per_triangle)?;
     let Some(indices) = indices else { return Ok((0..vertices as u32).collect()) };
@@ -106,7 +106,7 @@ fn assemble(
     Ok(faceted(&made))
 }
 
-/// `COLOR_0` as RGBA, or nothing.
+/// Returns `COLOR_0` as RGBA, or an empty list.
 fn colors(source: &ImportSource, primitive: &json::mesh::Primitive) -> Result<Vec<Vec4>, AssetFault> {
     let Some(accessor) = attribute(source, primitive, Semantic::Colors(0))? else { return Ok(Vec::new()) };
     let colors: Vec<Vec4> = if components(accessor) == 3 {
@@ -122,7 +122,7 @@ fn colors(source: &ImportSource, primitive: &json::mesh::Primitive) -> Result<Ve
     Ok(colors.into_iter().map(|c| c.clamp(Vec4::ZERO, Vec4::ONE)).collect())
 }
 
-/// The accessor of an attribute, which has one element a vertex.
+/// Returns the accessor of an attribute, or an error if it has not one element per vertex.
 fn attribute<'a>(
     source: &ImportSource<'a>,
     primitive: &json::mesh::Primitive,
@@ -140,7 +140,7 @@ fn attribute<'a>(
     }
 }
 
-/// Every vertex split per triangle, with the triangle's own normal.
+/// Splits vertices per triangle, and gives each triangle its geometric normal.
 fn faceted(shared: &Primitive) -> Primitive {
     let corners = || shared.indices.iter().map(|&i| i as usize);
     let positions: Vec<Vec3> = corners().map(|i| shared.positions[i]).collect();
@@ -153,13 +153,13 @@ fn faceted(shared: &Primitive) -> Primitive {
     Primitive { positions, normals, uvs, colors, indices, material: shared.material }
 }
 
-/// The unit normal of a triangle, counterclockwise seen from outside; +Y where it has no area.
+/// Returns the unit normal of a triangle, counterclockwise seen from outside; +Y if its area is zero.
 fn normal(a: Vec3, b: Vec3, c: Vec3) -> Vec3 {
     let (a, b, c) = (a.as_dvec3(), b.as_dvec3(), c.as_dvec3());
     (b - a).cross(c - a).normalize_or(glam::DVec3::Y).as_vec3()
 }
 
-/// A stored normal made unit, in f64 so that no f32 length over- or underflows; +Y where it is zero.
+/// Normalizes a stored normal in f64, because an f32 length may overflow or underflow. Returns +Y for zero.
 fn unit(normal: Vec3) -> Vec3 {
     normal.as_dvec3().normalize_or(glam::DVec3::Y).as_vec3()
 }
@@ -168,7 +168,8 @@ fn list(order: &[u32]) -> Vec<u32> {
     order[..order.len() / 3 * 3].to_vec()
 }
 
-/// glTF 2.0, section 3.7.2.1: every second triangle is turned over, so that all wind the same way.
+/// Converts a strip to triangles. Every second triangle is reversed, so that all have the same winding (glTF
+/// 2.0, section 3.7.2.1).
 fn strip(order: &[u32]) -> Vec<u32> {
     let turn = |(i, t): (usize, &[u32])| [t[0], t[1 + i % 2], t[2 - i % 2]];
     order.windows(3).enumerate().flat_map(turn).collect()

@@ -1,7 +1,7 @@
-//! glTF 2.0 to a scene, in one direction: bytes, JSON, checks, then each kind of thing once.
+//! Import of glTF 2.0 in one direction: bytes, JSON, checks, then each kind of object once.
 //!
-//! The `gltf` crate gives the JSON's types and follows its indices. Its importer and its iterators are not
-//! used: they fetch what any address names, take memory before they check, and panic on some broken files.
+//! The `gltf` crate supplies the types of the JSON and resolves indices. Its importer and its iterators are not
+//! used: they fetch any address, allocate memory before they check, and panic on some broken files.
 
 mod accessors;
 mod addresses;
@@ -31,17 +31,17 @@ use crate::limits::{Budget, MAX_COORDINATE, MAX_NAME_CHARS};
 use crate::notes::Notes;
 use crate::{AssetFault, ImportLimit, LoadedScene};
 
-/// What every reader needs: the checked document and the bytes behind it.
+/// Input of all readers: the checked document and its bytes.
 struct ImportSource<'a> {
-    /// Checked by [`check::check_document`].
+    /// Document that has passed [`check::check_document`].
     root: &'a Root,
-    /// The scene file, beside which the others lie; `None` where there are no others.
+    /// Path of the scene file, beside which the other files lie; `None` if there are no others.
     file: Option<&'a Path>,
-    /// One a glTF buffer, at least as long as it declares.
+    /// Bytes of each glTF buffer, at least as long as its declared length.
     buffers: Vec<Cow<'a, [u8]>>,
 }
 
-/// What one load has used and has to say.
+/// Used budget and notes of one load.
 #[derive(Default)]
 struct ImportReport {
     budget: Budget,
@@ -71,8 +71,8 @@ fn import(bytes: &[u8], file: Option<&Path>, mut report: ImportReport) -> Result
     Ok(LoadedScene { scene, contents, name: name(&root), notes: report.notes.into_sentences() })
 }
 
-/// What the file calls the scene that is drawn; nothing where that is not fit to be a name, or is what exporters call every
-/// scene.
+/// Returns the name of the drawn scene, or `None` if it is too long, has control characters, or is the "Scene"
+/// of every export.
 fn name(root: &Root) -> Option<String> {
     let drawn = root.scenes.get(root.scene.map_or(0, |scene| scene.value()))?;
     let name = drawn.name.as_deref()?.trim();
@@ -109,7 +109,8 @@ fn build(source: &ImportSource, report: &mut ImportReport) -> Result<(Scene, Sce
     Ok((scene, SceneContents { lights, cameras }))
 }
 
-/// Bounds the posed triangles and every world coordinate, by each mesh's largest one.
+/// Checks the number of placed triangles and every world coordinate. The coordinates are bounded by each mesh's
+/// largest one.
 fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) -> Result<(), AssetFault> {
     let extents: Vec<f64> = scene.meshes.iter().map(largest_coordinate).collect();
     let triangles =
@@ -120,7 +121,7 @@ fn check_extent(scene: &Scene, world_from_node: impl Iterator<Item = DAffine3>) 
         let extent = node.mesh.map_or(0.0, |m| extents[m]);
         let reach = (axes.x_axis.abs() + axes.y_axis.abs() + axes.z_axis.abs()) * extent
             + world_from_local.translation.abs();
-        // Written so that NaN, from an overflow along the hierarchy, is refused as well.
+        // This form also refuses NaN, which an overflow along the hierarchy can give.
         let inside = reach.max_element() <= MAX_COORDINATE as f64 && world_from_local.is_finite();
         if !inside {
             let found = (reach.max_element() as u64).max(MAX_COORDINATE + 1);
@@ -136,7 +137,7 @@ fn largest_coordinate(mesh: &scene::Mesh) -> f64 {
     positions.fold(0.0, |most, v| most.max(f64::from(v.abs().max_element())))
 }
 
-/// The name to show for a thing: its own, shortened, or its kind and index.
+/// Returns the name to show for an object: its own, shortened, or its kind and index.
 fn display_name(name: Option<&str>, kind: &str, index: usize) -> String {
     match name {
         Some(name) if !name.is_empty() => {

@@ -1,4 +1,4 @@
-//! The node hierarchy of the scene that is drawn, parents first, placed in f64.
+//! Node hierarchy of the drawn scene, parents first, with transforms in f64.
 
 use glam::{DAffine3, DMat3, DVec3};
 use gltf::json::{Node, Root};
@@ -8,28 +8,28 @@ use super::{ImportReport, ImportSource, display_name, instances};
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// A node at its place in the world.
+/// Node with its world transform.
 #[derive(Debug)]
 pub struct PlacedNode {
-    /// Index of the glTF node; `None` for an instance that a node's extension added.
+    /// Index of the glTF node; `None` for an instance from a node's extension.
     pub node: Option<usize>,
     /// Name for people.
     pub name: String,
-    /// Index of the parent place, less than this one's own.
+    /// Index of the parent in the list of placed nodes, less than the node's own.
     pub parent: Option<usize>,
-    /// Placement in the parent's space.
+    /// Transform to the parent's space.
     pub parent_from_local: DAffine3,
-    /// Placement in the world; may have overflowed, which is found at the end.
+    /// Transform to world space. It may have overflowed; `check_extent` detects that later.
     pub world_from_local: DAffine3,
-    /// Index of the glTF mesh that stands here.
+    /// Index of the glTF mesh of the node.
     pub mesh: Option<usize>,
 }
 
-/// Every node of the default scene, else of the first, else of the whole file.
+/// Returns every node of the default scene, else of the first scene, else of the whole file.
 pub fn place_nodes(source: &ImportSource, report: &mut ImportReport) -> Result<Vec<PlacedNode>, AssetFault> {
     let roots = roots(source.root, report);
     let mut places: Vec<PlacedNode> = Vec::new();
-    // The check of the document has shown a forest, so each node is visited once.
+    // The document is a checked forest, so each node is visited once.
     let mut waiting: Vec<(usize, Option<usize>)> = roots.into_iter().rev().map(|root| (root, None)).collect();
     while let Some((index, parent)) = waiting.pop() {
         report.budget.spend(ImportLimit::Nodes, 1)?;
@@ -79,7 +79,8 @@ fn roots(root: &Root, report: &mut ImportReport) -> Vec<usize> {
     (0..root.nodes.len()).filter(|&node| is_root[node]).collect()
 }
 
-/// A node's matrix, or its translation, rotation and scale; `None` where it is not finite.
+/// Returns a node's matrix, or the composition of its translation, rotation and scale; `None` if it is not
+/// finite.
 fn transform(node: &Node) -> Option<DAffine3> {
     let transform = if let Some(m) = node.matrix {
         let column = |i: usize| DVec3::new(f64::from(m[i]), f64::from(m[i + 1]), f64::from(m[i + 2]));

@@ -1,4 +1,4 @@
-//! A scene of several files as one.
+//! Packing of a scene of several files into one file.
 
 use std::path::Path;
 
@@ -12,10 +12,10 @@ use super::{ImportReport, addresses, check};
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// The type of bytes about which no more is known.
+/// Media type of bytes of unknown type.
 const ANY_BYTES: &str = "application/octet-stream";
 
-/// The bytes of one file that holds all of the scene at `path`.
+/// Returns the bytes of one file that holds the whole scene at `path`.
 pub fn pack(path: &Path) -> Result<Vec<u8>, AssetFault> {
     let mut report = ImportReport::default();
     let bytes = addresses::read_file(path, &mut report.budget)?;
@@ -33,7 +33,7 @@ pub fn pack(path: &Path) -> Result<Vec<u8>, AssetFault> {
     }
     let packed = with_addresses(container.json, [("buffers", buffers.collect()), ("images", images)]);
     let packed = packed.map_err(|error| invalid_gltf(error.to_string()))?;
-    // What is packed can be loaded: it is a third longer than what was read.
+    // The packed file must be loadable too, and it is a third longer than its source files.
     ImportLimit::BytesRead.check(packed.len() as u64)?;
     Ok(packed)
 }
@@ -48,12 +48,12 @@ fn data_address(media_type: &str, bytes: &[u8]) -> String {
     format!("data:{media_type};base64,{}", STANDARD.encode(bytes))
 }
 
-/// By the picture's first bytes: declared types are often wrong.
+/// Returns the media type by the picture's first bytes, because declared types are often wrong.
 fn picture_type(bytes: &[u8]) -> &'static str {
     image::guess_format(bytes).map_or(ANY_BYTES, |format| format.to_mime_type())
 }
 
-/// The JSON with new addresses for the items of some arrays, and else as it was.
+/// Returns the JSON with new addresses for the items of some arrays, and everything else unchanged.
 fn with_addresses(json: &[u8], arrays: [(&str, Vec<Option<String>>); 2]) -> serde_json::Result<Vec<u8>> {
     let mut document: Members = serde_json::from_slice(json)?;
     for (array, addresses) in arrays {

@@ -1,8 +1,8 @@
-//! Transforms of nodes: composed of their parts, and made rigid.
+//! Transforms of nodes: composition from parts, and reduction to rigid ones.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// `T * R * S`; a rotation of no length is none.
+/// Computes `T * R * S`. A rotation of zero length is the identity.
 pub fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> DAffine3 {
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     let rotation = DQuat::from_array(rotation.map(f64::from));
@@ -11,10 +11,10 @@ pub fn compose(translation: [f32; 3], rotation: [f32; 4], scale: [f32; 3]) -> DA
     DAffine3::from_scale_rotation_translation(vector(scale), rotation, vector(translation))
 }
 
-/// The rigid placement of something that has a direction, a camera or a light: scale and shear taken out.
+/// Removes scale and shear from the transform of a camera or a light.
 ///
-/// Keeps the direction of local Z; local Y is made orthogonal to it. Where an axis has no length, or both lie
-/// on one line, any that completes the frame will do.
+/// The direction of local Z stays, and local Y becomes orthogonal to it. If an axis has zero length, or both
+/// are parallel, any axes complete the frame.
 pub fn rigid(world_from_local: &DAffine3) -> DAffine3 {
     let back = world_from_local.matrix3.z_axis.normalize_or(DVec3::Z);
     let up = world_from_local.matrix3.y_axis.normalize_or(DVec3::Y).reject_from_normalized(back);

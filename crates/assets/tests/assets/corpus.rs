@@ -1,4 +1,4 @@
-//! Real files of many exporters load, or are refused with the feature named.
+//! Tests with real files of many exporters: each loads, or is refused with the unsupported feature named.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,7 @@ use assets::AssetFault;
 use document::SceneContents;
 use serde_json::Value;
 
-/// The scene files in and below a folder, sorted.
+/// Returns the scene files in a folder and below it, sorted.
 fn scene_files(folder: &Path) -> Vec<PathBuf> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
@@ -51,7 +51,7 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
             }
         }
     }
-    // Compressed by an extension; and the one whose buffer is not in the collection.
+    // Files that an extension compresses, and the one whose buffer is missing from the collection.
     let compressed = ["DracoSparseMesh", "Horse-draco", "heart_draco", "meshopt-no-fallback"];
     assert_eq!(refused, [&compressed[..], &["assimp-Cameras", "DenseSphere"]].concat());
 }
@@ -60,7 +60,7 @@ fn every_file_of_shared_assets_loads_or_names_what_it_needs() {
 #[ignore = "needs ../shared/assets"]
 fn counts_are_those_of_the_files_of_shared_assets() {
     let folder = crate::support::assets_folder();
-    // Triangles as the collection's LICENSES.md lists them; then spotlights and cameras.
+    // Triangles as the collection's LICENSES.md lists them, then the numbers of spotlights and cameras.
     for (file, triangles, lights, cameras) in [
         ("scenes/bench.glb", 106_242, 1, 1),
         ("scenes/usd-shaderball.glb", 63_856, 0, 0),
@@ -80,7 +80,7 @@ fn counts_are_those_of_the_files_of_shared_assets() {
     }
 }
 
-/// Three exports of one mesh: plain, 16-bit quantised, and sparse morph targets.
+/// Three exports of one mesh: plain, quantized to 16 bits, and with sparse morph targets.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
@@ -89,13 +89,13 @@ fn quantised_and_sparse_shared_assets_hold_the_plain_ones_shape() {
     let (min, max) = bounds("scenes/horse_morph.glb");
     for file in ["gltf/compressed/horse_morph-quantized.glb", "gltf/compressed/horse_morph-sparse.glb"] {
         let (found_min, found_max) = bounds(file);
-        // Half a step of 2^-15 of the size, a little more for the fit of the quantisation's box.
+        // Half a step of 2^-15 of the size, and a margin for the fit of the quantization box.
         let tolerance = (max - min).max_element() / f64::from(1 << 13);
         assert!((found_min - min).length() < tolerance && (found_max - max).length() < tolerance, "{file}");
     }
 }
 
-/// Every file gives the same scene from its packed bytes, and hostile ones are refused as before.
+/// Every file gives the same scene from its packed bytes, and hostile files are still refused.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn packed_shared_assets_stay_what_they_are() {
@@ -129,9 +129,9 @@ fn packed_shared_assets_stay_what_they_are() {
     assert!(same > 30 && inlined > 5, "{same} {inlined}");
 }
 
-/// How many lights the nodes of the scene that is drawn have, by the file's JSON alone.
+/// Counts the lights on the nodes of the drawn scene from the file's JSON alone.
 fn punctual_lights(file: &[u8]) -> usize {
-    // A binary file begins with its JSON: 12 bytes before it, and its length.
+    // In a binary file the JSON follows 12 bytes of header and the head of its chunk, which has its length.
     let json = match file.strip_prefix(b"glTF") {
         Some(binary) => {
             let length = u32::from_le_bytes(binary[8..12].try_into().expect("four bytes")) as usize;
@@ -156,14 +156,15 @@ fn punctual_lights(file: &[u8]) -> usize {
     count
 }
 
-/// How many lights a note says are left out: it names the first.
+/// Returns the number of lights that notes report as left out. A note names the first.
 fn left_out(notes: &[String]) -> usize {
     let note = notes.iter().find(|note| note.contains("lights that stand infinitely far away"));
     let others = |note: &String| note.rsplit_once(" and ")?.1.strip_suffix(" more")?.parse::<usize>().ok();
     note.map_or(0, |note| 1 + others(note).unwrap_or(0))
 }
 
-/// Every light of every file is there, or a note says that it is not; and every file with something to see is lit.
+/// Every light of every file is imported, or a note says that it is left out. Every file with visible geometry
+/// has a light.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn no_light_of_shared_assets_is_dropped() {

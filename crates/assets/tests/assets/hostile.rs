@@ -1,12 +1,12 @@
-//! Broken and malicious files are refused with a reason, or made sound, in little time and memory.
+//! Tests that broken and malicious files are refused with a reason, or repaired, in little time and memory.
 
 use std::time::Instant;
 
-/// The bars of the collection: seconds a file, and bytes for this whole process.
+/// Limits for the collection: seconds per file, and resident KiB of this process.
 const MAX_SECONDS: f64 = 20.0;
 const MAX_RESIDENT_KIB: u64 = 2 << 20;
 
-/// What EXPECT.tsv allows for a file.
+/// Allowed results for a file, from EXPECT.tsv.
 struct Expectation {
     may_load: bool,
     may_refuse: bool,
@@ -67,7 +67,7 @@ fn every_hostile_file_of_shared_assets_is_handled_as_expected() {
     }
 }
 
-/// The comparison above can fail: its three kinds of answer tell files apart.
+/// The expectations above can fail: their three kinds of answer differ.
 #[test]
 fn expectations_differ() {
     assert!(!expectation("accept").may_refuse);
@@ -76,7 +76,7 @@ fn expectations_differ() {
     assert!(expectation("reject or sanitise").may_load);
 }
 
-/// Valid files with one to four bytes changed: whatever comes of them, no panic, and what loads is sound.
+/// Valid files with one to four changed bytes never cause a panic. If one loads, its scene is sound.
 #[test]
 #[ignore = "needs ../shared/assets"]
 fn changed_bytes_of_shared_assets_never_panic() {
@@ -85,7 +85,7 @@ fn changed_bytes_of_shared_assets_never_panic() {
     let (mut loads, mut refusals) = (0, 0);
     let mut random = 1_u64;
     let mut below = |n: usize| {
-        // Knuth's MMIX generator; its high bits are the good ones.
+        // Knuth's MMIX generator, whose high bits are the good ones.
         random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         ((random >> 33) % n as u64) as usize
     };
@@ -100,7 +100,7 @@ fn changed_bytes_of_shared_assets_never_panic() {
         for _ in 0..700 {
             let mut bytes = valid.clone();
             for _ in 0..=below(4) {
-                // Digits and brackets get past the parser more often than any byte does.
+                // Digits and brackets pass the parser more often than arbitrary bytes.
                 let alphabet = b"0123456789-.,[]{}\"e";
                 let at = if below(8) == 0 { below(bytes.len()) } else { below(text) };
                 bytes[at] = if at < text { alphabet[below(alphabet.len())] } else { below(256) as u8 };

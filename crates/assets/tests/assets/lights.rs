@@ -1,4 +1,5 @@
-//! What lights a scene: the lights of its file, all of them and as glTF has them, or a key where it has none.
+//! Tests of a scene's lights: all lights of its file, with the look that glTF specifies, or a default key if it
+//! has none.
 
 use assets::LoadedScene;
 use glam::{DQuat, DVec3};
@@ -6,7 +7,7 @@ use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, ROTATION};
 use light::{CrossFalloff, Light, LightShape, SceneBounds};
 use scene::{DEFAULT_ASPECT, framing_camera};
 
-/// A file whose mesh 0 is one triangle, 2 units wide in the plane z = 0, with more `members`.
+/// Loads a file whose mesh 0 is one triangle, 2 units wide in the plane z = 0, with more `members`.
 fn triangle(members: &str) -> LoadedScene {
     let file = format!(
         r#"{{"asset": {{"version": "2.0"}}, {members},
@@ -20,7 +21,7 @@ fn triangle(members: &str) -> LoadedScene {
     assets::load_bytes(file.as_bytes()).expect("a sound file")
 }
 
-/// The `extensions` of a file and of a node that has its one light.
+/// Loads a file with one light on a node.
 fn with_light(light: &str) -> LoadedScene {
     triangle(&format!(
         r#""extensions": {{"KHR_lights_punctual": {{"lights": [{light}]}}}},
@@ -28,14 +29,14 @@ fn with_light(light: &str) -> LoadedScene {
     ))
 }
 
-/// The penumbra is the one that `KHR_lights_punctual` recommends, whatever the cone.
+/// The penumbra equals the one that `KHR_lights_punctual` recommends, for every cone.
 #[test]
 fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
     for (inner, outer) in [(0.35_f64, 0.436_f64), (0.0, 1.047), (0.087, 0.174), (1.2, 1.5)] {
         let cone = format!(r#""innerConeAngle": {inner}, "outerConeAngle": {outer}"#);
         let loaded = with_light(&format!(r#"{{"type": "spot", "spot": {{{cone}}}}}"#));
         let spot = loaded.contents.lights[0].light();
-        // What the file's reader made of the angles is single precision.
+        // The reader stores the angles in single precision.
         let (inner, outer) = (f64::from(inner as f32), f64::from(outer as f32));
         assert_eq!(spot.get(CONE_ANGLE), outer.to_degrees());
         let softness = 1.0 - inner / outer;
@@ -51,15 +52,16 @@ fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
             most = most.max((penumbra.at(rho * rho) - recommended).abs());
             most_planted = most_planted.max((planted.at(rho * rho) - recommended).abs());
         }
-        // The recommended form subtracts cosines near 1: a rounding of each, over their difference, and the square doubles it.
+        // The recommended formula subtracts cosines near 1. Its error is a rounding of each, over their
+        // difference, and the square doubles it.
         assert!(most < 8.0 * f64::EPSILON * scale, "{inner} {outer}: {most}");
-        // The planted fault: a light of the default profile is brighter by up to 2 s^2 (1 - s), most at s = 2/3.
+        // Planted fault: a light with the default profile is brighter by up to 2 s^2 (1 - s), most at s = 2/3.
         assert!((most_planted - 8.0 / 27.0).abs() < 1e-6, "{inner} {outer}: {most_planted}");
     }
 }
 
-/// A scene that nobody has lit is readable at first sight: one light, from beside the camera, which is said and can be
-/// removed. A scene with a light of its own, or with nothing to see, gets none.
+/// An unlit scene gets one light from beside the camera, so that it can be seen at first. A note names the
+/// light, and it can be removed. A scene with a light, or without geometry, gets none.
 #[test]
 fn a_scene_without_lights_gets_a_key() {
     let file = triangle(r#""nodes": [{"mesh": 0}]"#);
@@ -72,22 +74,22 @@ fn a_scene_without_lights_gets_a_key() {
     assert!(lit.notes[0].ends_with("can be removed: default key"), "{:?}", lit.notes);
     let from_beside = |key: &Light, camera: DQuat| {
         let way = camera.normalize().inverse() * (key.get(ROTATION) * DVec3::NEG_Z);
-        // Ahead, downwards and to the right.
+        // Forwards, down and to the right.
         way.z < -0.7 && way.y < -0.3 && way.x > 0.1
     };
     let framing = framing_camera(&reach, DEFAULT_ASPECT).rotation;
     assert!(from_beside(key.light(), framing));
-    // The planted fault: the light of another camera.
+    // Planted fault: the light of another camera.
     let down = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     assert!(!from_beside(key.light(), down));
 
-    // The file's own camera goes before: this one looks down.
+    // The file's own camera, which looks down, has priority.
     let camera = r#""cameras": [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]"#;
     let at = r#""camera": 0, "translation": [0, 9, 0], "rotation": [-0.7071067811865476, 0, 0, 0.7071067811865476]"#;
     let lit = triangle(&format!(r#"{camera}, "nodes": [{{"mesh": 0}}, {{{at}}}]"#)).with_default_light();
     assert!(from_beside(lit.contents.lights[0].light(), down));
 
-    // Twice is once.
+    // A second call adds nothing.
     assert_eq!(lit.clone().with_default_light().contents.lights.len(), 1);
     let lamp = with_light(r#"{"type": "point"}"#).with_default_light();
     assert_eq!((lamp.contents.lights.len(), lamp.contents.lights[0].light().shape()), (1, &LightShape::Omni));

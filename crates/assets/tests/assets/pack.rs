@@ -1,17 +1,18 @@
-//! Scenes of several files as one, and scenes from bytes.
+//! Tests of packing a scene of several files, and of loading from bytes.
 
 use std::path::Path;
 
 use assets::{AssetFault, LoadedScene};
 
-/// All of a scene as text: its pictures' bytes, too.
+/// Returns a whole scene as text, including the bytes of its pictures.
 fn all_of(loaded: &LoadedScene) -> String {
     let LoadedScene { scene, contents, .. } = loaded;
     let pixels: Vec<_> = scene.images.iter().map(|image| &image.rgba8).collect();
     format!("{scene:?} {contents:?} {pixels:?}")
 }
 
-/// Bytes of a folder with one scene, made by `change` from a triangle in two files and with a picture.
+/// Packs a folder with one scene, which `change` makes from a triangle in two files and with a picture. Also
+/// returns the text of the loaded scene.
 fn packed(change: impl Fn(String) -> String) -> (Result<Vec<u8>, assets::AssetError>, String) {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -49,16 +50,16 @@ fn several_files_become_one() {
     assert_eq!(again.scene.images[0].rgba8, [9, 8, 7, 255, 9, 8, 7, 255]);
     let text = String::from_utf8(bytes.clone()).unwrap();
     assert!(text.contains("data:image/png;base64,") && !text.contains("skin.png"), "{text}");
-    // The same again, and again when it is packed itself.
+    // Packing is deterministic, and packing a packed file changes nothing.
     assert_eq!(packed(|json| json).0.unwrap(), bytes);
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), &bytes).unwrap();
     assert_eq!(assets::pack(file.path()).unwrap(), bytes);
-    // The planted fault: another picture or position would show.
+    // Planted fault: another position shows in the text.
     assert_ne!(packed(|json| json.replace("0.1, 0.2", "0.1, 0.3")).1, loaded);
 }
 
-/// What `load` refuses is refused; and so are pictures that are not drawn, where they cannot be kept.
+/// `pack` refuses what `load` refuses, and undrawn pictures that it cannot embed.
 #[test]
 fn what_cannot_be_packed_is_refused() {
     for address in ["../a%20b.bin", "/etc/hostname", "http://example.org/a.bin", "none.bin", ""] {

@@ -1,4 +1,4 @@
-//! Small files written here, one feature each, against answers worked out by hand.
+//! Tests with small files, one feature each, against results computed by hand.
 
 use std::f64::consts::FRAC_PI_3;
 use std::path::Path;
@@ -10,7 +10,7 @@ use light::parameters::{COLOR, CONE_ANGLE, CONE_SOFTNESS, DECAY, INTENSITY, RANG
 use light::{Decay, LightShape};
 use scene::{Primitive, Projection, Sampler, Wrap};
 
-/// A file in the making: JSON members as text, and one buffer.
+/// File under construction: JSON members as text, and one buffer.
 #[derive(Default)]
 struct File {
     accessors: Vec<String>,
@@ -30,7 +30,7 @@ impl File {
         self.accessors.len() - 1
     }
 
-    /// Adds a float accessor of vectors of `N`.
+    /// Adds a float accessor of vectors of `N` components.
     fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         let about = format!(r#""componentType":5126,"type":"VEC{N}","count":{}"#, values.len());
@@ -64,7 +64,7 @@ impl File {
 /// Corners of a quad in strip order, in the plane z = 0.
 const QUAD: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
 
-/// One node with one mesh with one primitive.
+/// Returns the members for one node with one mesh with one primitive.
 fn one(primitive: &str) -> String {
     format!(r#""nodes":[{{"mesh":0}}],"meshes":[{{"primitives":[{{{primitive}}}]}}]"#)
 }
@@ -74,7 +74,7 @@ fn only_primitive(loaded: &LoadedScene) -> &Primitive {
     &loaded.scene.meshes[0].primitives[0]
 }
 
-/// Corner positions in drawing order.
+/// Returns the corner positions in drawing order.
 fn corners(primitive: &Primitive) -> Vec<Vec3> {
     primitive.indices.iter().map(|&i| primitive.positions[i as usize]).collect()
 }
@@ -132,7 +132,7 @@ fn lines_are_left_out_with_a_note_and_half_a_triangle_too() {
 #[test]
 fn quantised_attributes_are_scaled_as_declared() {
     let mut file = File::default();
-    // Four bytes apart as glTF aligns them, here by a fourth component that the view's stride skips.
+    // glTF aligns elements to four bytes: here by a fourth component that the view's stride skips.
     let about = |kind: u32, normalized: bool| {
         format!(r#""componentType":{kind},"type":"VEC3","count":3,"normalized":{normalized}"#)
     };
@@ -177,7 +177,7 @@ fn sparse_elements_replace_those_of_the_view_or_zeros() {
     }
 }
 
-/// glTF 2.0, section 3.6.2.3: what replaces an element twice, or is out of order, is not sparse.
+/// Sparse indices that repeat or are out of order are refused (glTF 2.0, section 3.6.2.3).
 #[test]
 fn sparse_indices_increase() {
     let loaded = |indices: [u8; 2]| {
@@ -213,7 +213,7 @@ fn nodes_compose_from_matrix_and_parts() {
     let scene = file.with(nodes).load().unwrap().scene;
     let posed = scene::pose(scene);
     let world = |v: DVec3| posed.primitives[0].world_from_local.transform_point3(v);
-    // Scale, quarter turn about Z, move, then the parent: (x, y) -> (-3y, x) -> (10 - 6y, 2x + 2).
+    // Scale, quarter turn about Z, translation, then the parent: (x, y) -> (-3y, x) -> (10 - 6y, 2x + 2).
     for (local, expected) in
         [(DVec3::ZERO, [10.0, 2.0, 0.0]), (DVec3::X, [10.0, 4.0, 0.0]), (DVec3::Y, [4.0, 2.0, 0.0])]
     {
@@ -297,7 +297,7 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
     assert_eq!((sun.shape(), sun.name(), sun.get(INTENSITY)), (&LightShape::Directional, "sun", 3.0));
     assert_eq!(sun.get(COLOR), DVec3::new(1.0, 0.0, 0.5));
     assert!((sun.transform().rotation * DVec3::NEG_Z - DVec3::NEG_Y).length() < 1e-6);
-    // What makes no light is repaired, so that whoever put it there finds it.
+    // A light with invalid numbers is repaired, so that its author can find it.
     assert_eq!((broken.shape(), broken.get(INTENSITY)), (&LightShape::Spot, 0.0));
     assert_eq!(broken.get(CONE_ANGLE), 45.0);
     let looks_along = cameras[0].rotation * DVec3::NEG_Z;
@@ -315,7 +315,7 @@ fn lights_and_cameras_stand_rigid_in_the_world() {
     assert_eq!(loaded.notes, repaired);
 }
 
-/// A name takes more bytes than letters.
+/// A name has more bytes than characters.
 #[test]
 fn no_light_is_lost_for_its_name() {
     let name = "\u{5149}".repeat(300);
@@ -403,7 +403,8 @@ fn required_extensions_are_refused_by_name() {
     );
 }
 
-/// What only changes looks is left out with a note, required or not; what changes how geometry is read is refused.
+/// An extension that changes only appearance is left out with a note, even if required. One that changes the
+/// reading of geometry is refused.
 #[test]
 fn required_extensions_that_change_only_looks_are_noted() {
     for name in
@@ -427,7 +428,8 @@ fn required_extensions_that_change_only_looks_are_noted() {
     }
 }
 
-/// glTF 2.0, section 3.11: a channel without a target node is ignored. One whose node does not exist is broken.
+/// A channel without a target node is ignored (glTF 2.0, section 3.11). One whose node does not exist is an
+/// error.
 #[test]
 fn animation_channels_may_have_no_node() {
     let animated = |targets: &[&str]| {
@@ -477,7 +479,7 @@ fn a_scene_is_called_what_its_file_calls_the_one_that_is_drawn() {
         Some("Attic")
     );
     let long = format!(r#""scenes":[{{"nodes":[],"name":"{}"}}]"#, "x".repeat(light::MAX_NAME_BYTES + 1));
-    // No name, one that no document takes, and what exporters call every scene.
+    // No name, a name that documents refuse, and the name that exporters give every scene.
     for nameless in [
         r#""nodes":[]"#,
         r#""scenes":[{"nodes":[]}]"#,

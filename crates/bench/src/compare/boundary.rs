@@ -1,8 +1,9 @@
-//! How far a pixel is from a shadow's edge, in texels of the light's map.
+//! Measures the distance of a pixel from a shadow edge, in texels of the shadow map.
 //!
-//! A map knows an occluder's edge to a fraction of a texel, and a texel covers a patch of the receiver's plane. That
-//! plane may run on past the surface: where a wall seen edge on by the light is narrower than a texel, the edge that
-//! the map moved lies beside it, on the plane alone. So both are asked, what the camera sees there and the plane.
+//! A shadow map resolves the edge of an occluder to a fraction of a texel, and a texel covers a patch of the receiver's
+//! plane. That plane can extend past the surface. If the light sees a wall edge on, so that it is narrower than a
+//! texel, the displaced edge lies on the plane only. So both are tested: the surface that the camera sees there, and
+//! the plane.
 
 use glam::{DVec2, DVec3};
 use reference::ShadedPoint;
@@ -11,33 +12,33 @@ use scene::View;
 use super::expected::ExpectedPixel;
 use super::{ExpectedPicture, RenderedSubject};
 
-/// Texels from the pixel at which the edge is looked for; past the last it is endlessly far.
+/// Distances in texels at which the edge is searched; beyond the last the distance is infinite.
 const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0];
-/// Directions on each ring.
 const DIRECTIONS: u32 = 16;
-/// Longest step along the light, in texels' widths: seen edge on, a plane runs off along it, and every shadow would be
-/// near an edge. Light that meets it at 27 degrees goes that far in a texel; `off_edge` judges what is seen more edge on.
+/// Longest step along the light, in widths of a texel. If the light meets a plane edge on, the step along it grows
+/// without bound, and every shadow would be near an edge. At an angle of 27 degrees a texel reaches this length;
+/// `off_edge` judges surfaces at smaller angles.
 const LONGEST_STEP: f64 = 2.0;
 
-/// One texel's steps over the plane of a surface, in the world: along v and along w.
+/// Steps of one texel over the plane of a surface, in world space: along v and along w.
 struct Texel {
     v: DVec3,
     w: DVec3,
 }
 
 impl ExpectedPicture<'_> {
-    /// The first ring on which the reference's visibility is not that of the pixel; infinity where it is the same on
-    /// all.
+    /// Returns the smallest ring on which the reference's visibility differs from that of the pixel; infinity if it
+    /// differs on none.
     pub(super) fn texels_to_edge(&self, drawn: &RenderedSubject, pixel: usize, seen: &ExpectedPixel) -> f64 {
         let Some(texel) = self.texel(&seen.surface, drawn.shadows.resolution) else { return f64::INFINITY };
-        // Rings are slow where a picture is wrong all over, and would find nothing there.
+        // Rings are slow for a picture that is wrong everywhere, and would find nothing there.
         if self.is_surrounded_by_wrong(drawn, pixel, seen) && !self.has_edge_around(seen, &texel) {
             return f64::INFINITY;
         }
         RINGS.into_iter().find(|&radius| self.has_edge_on_ring(seen, &texel, radius)).unwrap_or(f64::INFINITY)
     }
 
-    /// Whether there is an edge within so many texels of a pixel.
+    /// True if there is an edge within `texels` texels of a pixel.
     pub(super) fn has_edge_within(&self, seen: &ExpectedPixel, resolution: u32, texels: f64) -> bool {
         self.texel(&seen.surface, resolution).is_some_and(|texel| {
             let mut rings = RINGS.into_iter().take_while(|radius| *radius <= texels);
@@ -55,7 +56,8 @@ impl ExpectedPicture<'_> {
         })
     }
 
-    /// Whether all eight pixels around have the visibility of `seen` in the reference and the other one in the picture.
+    /// True if all eight adjacent pixels have the visibility of `seen` in the reference and the opposite one in the
+    /// picture.
     fn is_surrounded_by_wrong(&self, drawn: &RenderedSubject, pixel: usize, seen: &ExpectedPixel) -> bool {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);
@@ -69,7 +71,7 @@ impl ExpectedPicture<'_> {
         inside && (y - 1..=y + 1).all(|row| (x - 1..=x + 1).all(|column| wrong(row * width + column)))
     }
 
-    /// Whether any pixel as near as the last ring differs from `seen` in visibility.
+    /// True if the visibility of any pixel within the last ring differs from that of `seen`.
     fn has_edge_around(&self, seen: &ExpectedPixel, texel: &Texel) -> bool {
         let position = self.in_world(seen.surface.position);
         let Some(centre) = self.pixel_of(position) else { return true };
@@ -77,7 +79,7 @@ impl ExpectedPicture<'_> {
             let there = self.pixel_of(position + step * RINGS[RINGS.len() - 1]);
             there.map_or(f64::INFINITY, |there| there.distance(centre))
         });
-        // A ring between four points is at most sqrt 2 as far away as the farthest of them.
+        // A point of the ring is at most sqrt 2 times as far away as the farthest of the four.
         let reach = reach.fold(0.0, f64::max) * std::f64::consts::SQRT_2 + 1.0;
         let (width, height) = self.size();
         let span = |at: f64, size: usize| {
@@ -92,10 +94,10 @@ impl ExpectedPicture<'_> {
         })
     }
 
-    /// How long a texel of a map is on the surface's plane.
+    /// Steps of a texel on the plane of the surface.
     ///
-    /// On the map a step is `(dv, dw)`, 2 / resolution for a texel; on the plane it is `R (dv v_hat + dw w_hat) + T
-    /// ds` with T along the path and `n . e = 0`.
+    /// On the map a step is `(dv, dw)`, 2 / resolution for a texel. On the plane it is `R (dv v_hat + dw w_hat) + T ds`
+    /// with T along the light path and `n . e = 0`.
     fn texel(&self, surface: &ShadedPoint, resolution: u32) -> Option<Texel> {
         let placement = &self.tube.placement;
         let root = self.tube.nearest_root(placement.tube_from_world(self.in_world(surface.position)))?;
@@ -112,8 +114,8 @@ impl ExpectedPicture<'_> {
         Some(Texel { v: in_world(root.v_hat * width), w: in_world(root.u_hat.cross(root.v_hat) * width) })
     }
 
-    /// Whether the light reaches the point a step beside `surface` on its plane, and what the camera sees there if that
-    /// is about as far away. `None` outside the light.
+    /// Visibility at `step` from `surface` on its plane, and visibility of the surface that the camera sees there if it
+    /// is nearly at the same position. `None` outside the light.
     fn visible_beside(&self, surface: &ShadedPoint, step: DVec3) -> [Option<bool>; 2] {
         let position = surface.position + step;
         let pixel = self.pixel_of(self.in_world(position));
@@ -125,12 +127,12 @@ impl ExpectedPicture<'_> {
         [visible(&beside), seen.as_ref().and_then(visible)]
     }
 
-    /// World position of one in the reference's space, whose origin is the scene's.
+    /// World position of a position in the reference's space, whose origin is that of the scene.
     fn in_world(&self, position: DVec3) -> DVec3 {
         self.reference.bvh.posed.origin_in_world + position
     }
 
-    /// The point of the picture that shows a world position, unless it is behind the eye.
+    /// Point of the picture that shows a world position; `None` behind the camera.
     fn pixel_of(&self, position_in_world: DVec3) -> Option<DVec2> {
         let View { camera, width, height, .. } = &self.subject.view;
         scene::pixel_of(camera, [*width, *height], position_in_world, DVec3::ZERO)

@@ -1,30 +1,30 @@
-//! A place where a line of pixels crosses a shadow's edge.
+//! Intersection of a line of pixels with a shadow edge.
 
 use glam::DVec2;
 
-/// A line of pixels' centres.
+/// Direction of a line through pixel centers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ScanAxis {
     Row,
     Column,
 }
 
-/// Where a scan line crosses a shadow's edge by the reference.
+/// Position at which a scan line crosses a shadow edge in the reference.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     pub axis: ScanAxis,
-    /// Which row or column.
+    /// Index of the row or column.
     pub line: usize,
-    /// Pixels along it.
+    /// Pixels along the line.
     pub at: f64,
     /// Sine of the angle between the line and the edge.
     pub squareness: f64,
-    /// Whether the light ends there rather than begins.
+    /// True if the light ends at the edge, false if it begins.
     pub light_ends: bool,
 }
 
 impl ScanAxis {
-    /// The point of the picture that is `along` a line, in pixels.
+    /// Point of the picture at `along` pixels on a line.
     pub fn point(self, line: f64, along: f64) -> DVec2 {
         let across = line + 0.5;
         match self {
@@ -33,7 +33,7 @@ impl ScanAxis {
         }
     }
 
-    /// The index in a picture of `width` of the pixel `along` a line.
+    /// Index of the pixel `along` a line, in a picture that is `width` pixels wide.
     pub fn index(self, width: usize, line: usize, along: usize) -> usize {
         match self {
             Self::Row => line * width + along,

@@ -1,4 +1,4 @@
-//! What each pixel should be.
+//! Expected value of each pixel, by the reference.
 
 use std::sync::Arc;
 
@@ -11,21 +11,21 @@ use scene::{Fill, PosedScene, Scene, View};
 use super::crossing::Crossing;
 use super::{PixelVerdict, RenderedSubject, rgb};
 
-/// A scene under one light and nothing else, seen by a camera.
+/// Scene under one light and no fill, seen by a camera.
 #[derive(Clone, Debug)]
 pub struct ComparisonSubject {
-    /// Names it in reports and files.
+    /// Name for reports and files.
     pub name: String,
-    /// Its fill is not used.
+    /// The fill is not used.
     pub scene: Scene,
-    /// What lights it; the shadows of this one are compared.
+    /// The only light; its shadows are compared.
     pub light: Light,
-    /// One sample a pixel, in its centre; the AOV is not used.
+    /// One sample per pixel, at its center; the AOV is not used.
     pub view: View,
 }
 
 impl ComparisonSubject {
-    /// Takes the fill out of `scene`: it would make differences in the light's share look smaller.
+    /// Makes a subject without the fill of `scene`, which would make errors in the light's share look smaller.
     pub fn new(name: &str, scene: Scene, light: Light, view: View) -> Self {
         let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
         let view = View { samples: 1, light: 0, ..view };
@@ -33,7 +33,7 @@ impl ComparisonSubject {
     }
 }
 
-/// The reference's picture of a [`ComparisonSubject`], with all that a comparison asks of it.
+/// The reference's picture of a [`ComparisonSubject`], with the data that a comparison needs.
 #[derive(Debug)]
 pub struct ExpectedPicture<'a> {
     pub(super) subject: &'a ComparisonSubject,
@@ -42,13 +42,13 @@ pub struct ExpectedPicture<'a> {
     pub(super) tube: Tube<f64>,
     /// Half the diagonal of the scene's bounds.
     scene_radius: f64,
-    /// Rows from the top; `None` in the background.
+    /// Pixels in rows from the top; `None` in the background.
     pub(super) pixels: Vec<Option<ExpectedPixel>>,
-    /// Where scan lines cross shadows' edges.
+    /// Crossings of scan lines with shadow edges.
     pub(super) crossings: Vec<Crossing>,
 }
 
-/// What the centre of a pixel sees.
+/// Surface and light at the center of a pixel.
 #[derive(Clone, Debug)]
 pub(super) struct ExpectedPixel {
     pub surface: ShadedPoint,
@@ -59,7 +59,7 @@ pub(super) struct ExpectedPixel {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ExpectedLight {
     pub sample: LightSample,
-    /// Radiance if nothing were in the way.
+    /// Radiance without shadows.
     pub unshadowed: DVec3,
     /// Radiance with the shadow.
     pub radiance: DVec3,
@@ -70,14 +70,14 @@ impl ExpectedPixel {
         self.light.map_or(DVec3::ZERO, |light| light.radiance)
     }
 
-    /// Where it is lit, whether it can be seen to be; `None` where it cannot.
+    /// True if the light reaches the point. `None` outside the light, or if the point would reflect none of it.
     pub fn lit(&self) -> Option<bool> {
         self.light.filter(|light| light.unshadowed != DVec3::ZERO).map(|light| light.sample.is_visible)
     }
 }
 
 impl<'a> ExpectedPicture<'a> {
-    /// Renders `subject` on all cores. `row_done` is called for each row, from any thread.
+    /// Renders `subject` on all cores. Calls `row_done` for each row, from any thread.
     pub fn new(subject: &'a ComparisonSubject, row_done: impl Fn() + Sync) -> Result<Self, LightError> {
         let tube = Tube::new(&subject.light)?;
         let source = ReferenceLight::Bendy(tube.clone());
@@ -104,17 +104,17 @@ impl<'a> ExpectedPicture<'a> {
         Ok(expected)
     }
 
-    /// The subject's scene, for whoever is to draw it.
+    /// Posed scene of the subject, to draw it with another renderer.
     pub fn posed(&self) -> &Arc<PosedScene> {
         &self.reference.bvh.posed
     }
 
-    /// Width and height.
+    /// Width and height in pixels.
     pub(super) fn size(&self) -> (usize, usize) {
         (self.subject.view.width as usize, self.subject.view.height as usize)
     }
 
-    /// What is seen through a point of the picture, in pixels from its top left.
+    /// Surface and light seen through a point of the picture, in pixels from its top left corner.
     pub(super) fn seen(&self, pixel: DVec2) -> Option<ExpectedPixel> {
         let surface = self.reference.surface(&self.subject.view, pixel)?;
         let filter = self.source.light_profile();
@@ -127,12 +127,12 @@ impl<'a> ExpectedPicture<'a> {
         Some(ExpectedPixel { surface, light })
     }
 
-    /// Why the GPU does not see the same surface, or `None` where it does.
+    /// Tests if the GPU sees the same surface. Returns the verdict if not, and `None` if it does.
     ///
-    /// A rasteriser snaps corners to 1/256 pixel, so a pixel may show what lies that far beside it: 2^-7 of the
-    /// way to its neighbours, over both axes. Besides that, f32 rounds positions of the scene's size and rays of
-    /// the depth's length, a few ulps together, over the cosine between ray and surface; and normals are packed to 2
-    /// x 16 bits, 2^-15 along each axis.
+    /// A rasterizer snaps corners to 1/256 pixel, so a pixel can show the surface at that distance: 2^-7 of the step to
+    /// the adjacent pixels, over both axes. In addition, f32 rounds positions of the scene's size and rays of the
+    /// depth's length, a few ulps together, divided by the cosine between ray and surface. Normals are packed to 2 x 16
+    /// bits, 2^-15 along each axis.
     pub(super) fn surface_mismatch(
         &self,
         drawn: &RenderedSubject,
@@ -163,7 +163,7 @@ impl<'a> ExpectedPicture<'a> {
         Some(if twin.is_some() { PixelVerdict::Coincident } else { PixelVerdict::Silhouette })
     }
 
-    /// What the pixels left, right, above and below see.
+    /// Surfaces of the pixels to the left, right, above and below.
     fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &ShadedPoint> {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);

@@ -1,8 +1,7 @@
-//! The GPU's picture of a scene under one BendyLight against the reference's, pixel by pixel.
+//! Compares the GPU's picture of a scene under one BendyLight with the reference's, pixel by pixel.
 //!
-//! Pixels are sorted by what they say about the picture ([`PixelVerdict`]). Radiance is compared where both see the
-//! same surface and no shadow's edge is near; a shadow's edge is compared by how far it is displaced, in texels of
-//! the shadow map and in pixels.
+//! Each pixel gets a verdict ([`PixelVerdict`]). Radiance is compared if both pictures see the same surface and no
+//! shadow edge is near. Shadow edges are compared by their displacement, in texels of the shadow map and in pixels.
 
 mod boundary;
 mod crossing;
@@ -24,99 +23,98 @@ use crate::compare::expected::ExpectedPixel;
 
 pub use expected::{ComparisonSubject, ExpectedPicture};
 
-/// A shadow may lie this many texels of its map beside where it should.
+/// Allowed displacement of a shadow edge, in texels of its map.
 const TEXELS_ALLOWED: f64 = 1.5;
 
-/// A pixel whose share of the light is wrong by more than this is seen to be, and to come and go as things move.
+/// Visible error of a pixel's share of the light. A larger error is noticed, and flickers as things move.
 const VISIBLE_ERROR: f32 = 0.1;
 
-/// Weights of a filter add up to 1 within some ulps.
+/// Weights of a shadow filter add up to 1 within some ulps.
 const WEIGHT_EPSILON: f32 = 1e-6;
 
-/// What a pixel says about the picture.
+/// Verdict on a pixel of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelVerdict {
-    /// Nothing is seen there.
+    /// No surface in either picture.
     Background,
     /// Radiance is compared.
     Compared,
-    /// Left out: the two see different surfaces.
+    /// Excluded: the two pictures see different surfaces.
     Silhouette,
-    /// Left out: two surfaces lie in one place, nearer to each other than f32 can tell, and the two see different ones.
+    /// Excluded: two surfaces coincide within the precision of f32, and the two pictures see different ones.
     Coincident,
-    /// Left out: only one of them sees it inside the light.
+    /// Excluded: only one of the pictures has the pixel inside the light.
     Rim,
-    /// Left out: a shadow's edge is nearer than `TEXELS_ALLOWED`, or within the filter's reach more.
+    /// Excluded: a shadow edge is nearer than `TEXELS_ALLOWED`, or than that plus the radius of the shadow filter if
+    /// the pixel is on the right side of it.
     Boundary,
-    /// Compared: light where there should be shadow, farther from its edge than that.
+    /// Compared: light instead of shadow, farther from the edge than that.
     Missed,
-    /// Compared: shadow where there should be light, farther from its edge than that.
+    /// Compared: shadow instead of light, farther from the edge than that.
     False,
-    /// The picture holds a number that is not finite.
+    /// The picture has a number that is not finite.
     NotFinite,
 }
 
-/// What a comparison found.
+/// Result of a comparison.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Comparison {
     /// Pixels that show a surface, in either picture.
     pub pixels: usize,
-    /// Of those, inside the light by the reference.
+    /// Pixels inside the light by the reference.
     pub in_light: usize,
-    /// Left out because the two see different surfaces.
+    /// Excluded, because the two pictures see different surfaces.
     pub silhouettes: usize,
-    /// Left out because two surfaces lie in one place.
+    /// Excluded, because two surfaces coincide.
     pub coincident: usize,
-    /// Left out because only one of them sees the pixel inside the light.
+    /// Excluded, because only one of the pictures has the pixel inside the light.
     pub rim: usize,
-    /// Left out because a shadow's edge is near.
+    /// Excluded, because a shadow edge is near.
     pub boundary: usize,
-    /// Light where there should be shadow, more than 1.5 texels from its edge.
+    /// Light instead of shadow, more than 1.5 texels from the edge.
     pub missed: usize,
-    /// Shadow where there should be light, more than 1.5 texels from its edge.
+    /// Shadow instead of light, more than 1.5 texels from the edge.
     #[serde(rename = "false")]
     pub false_shadow: usize,
-    /// Light or shadow, or more than a tenth of either, where the reference says the other of all 5 x 5 pixels around.
-    /// This knows nothing of maps and texels.
+    /// Pixels with an error of more than a tenth of the light, where the reference has the same visibility for all 5 x
+    /// 5 pixels around. This criterion depends on no map and no texels.
     pub off_edge: usize,
-    /// Pixels that hold a number that is not finite.
+    /// Pixels that have a number that is not finite.
     pub not_finite: usize,
-    /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over what is compared.
+    /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over the compared pixels.
     pub radiance_rmse: f64,
-    /// Of pixels on the wrong side of a shadow's edge, how many texels of the map they are from it; null is farther
-    /// than 8.
+    /// Distance in texels of the map to the shadow edge, for pixels on the wrong side of it; null if farther than 8.
     pub displacement_texels: Quantiles,
-    /// Where scan lines cross shadows' edges, how many pixels the picture's edge is from the reference's, square to it;
-    /// null is farther than 6 along the line.
+    /// Distance in pixels between the picture's edge and the reference's, perpendicular to it, at crossings of scan
+    /// lines with shadow edges; null if farther than 6 along the line.
     pub displacement_pixels: Quantiles,
-    /// One a pixel.
+    /// One verdict per pixel.
     #[serde(skip)]
     pub verdicts: Vec<PixelVerdict>,
-    /// Indices of those that `off_edge` counts.
+    /// Indices of the pixels that `off_edge` counts.
     #[serde(skip)]
     pub off_edge_pixels: Vec<usize>,
 }
 
-/// What the GPU makes of a [`ComparisonSubject`].
+/// The GPU's pictures of a [`ComparisonSubject`].
 #[derive(Clone, Debug)]
 pub struct RenderedSubject {
-    /// Radiance.
     pub beauty: Picture,
     /// Distance along the view axis.
     pub depth: Picture,
     /// Shading normal.
     pub normal: Picture,
-    /// The light's visibility.
+    /// Visibility of the light.
     pub visibility: Picture,
-    /// The same at `scan::FINER` times the size, whose every third row and column are the centres of `sight`.
+    /// Visibility at `scan::FINER` times the size. Every third row and column has the pixel centers of `visibility`.
     pub fine_visibility: Picture,
-    /// How shadows were made.
+    /// Settings that the shadows were drawn with.
     pub shadows: ShadowSettings,
 }
 
 impl RenderedSubject {
-    /// Draws the pictures of `subject`, whose scene the renderer has.
+    /// Draws the pictures of `subject`. The renderer already has its scene.
     pub fn new(
         renderer: &mut Renderer,
         subject: &ComparisonSubject,
@@ -125,7 +123,7 @@ impl RenderedSubject {
         Self::under(renderer, subject, &subject.lights()?, shadows)
     }
 
-    /// The same under `lights`, of which the first should look like the subject's.
+    /// Draws the pictures under `lights`, of which the first should look like the subject's.
     pub fn under(
         renderer: &mut Renderer,
         subject: &ComparisonSubject,
@@ -159,7 +157,7 @@ fn rgb(picture: &Picture, pixel: usize) -> DVec3 {
 }
 
 impl ExpectedPicture<'_> {
-    /// Compares what the GPU drew.
+    /// Compares the GPU's pictures with the reference.
     pub fn compare(&self, drawn: &RenderedSubject) -> Comparison {
         let judged: Vec<_> =
             (0..self.pixels.len()).into_par_iter().map(|pixel| self.judge(drawn, pixel)).collect();
@@ -187,7 +185,7 @@ impl ExpectedPicture<'_> {
         }
     }
 
-    /// What a pixel says, and how many texels it is from the shadow's edge if it lies on the wrong side.
+    /// Verdict on a pixel, and its distance in texels from the shadow edge if it is on the wrong side.
     fn judge(&self, drawn: &RenderedSubject, pixel: usize) -> (PixelVerdict, Option<f64>) {
         let pictures = [&drawn.beauty, &drawn.depth, &drawn.normal, &drawn.visibility];
         if pictures.iter().any(|picture| picture.pixels[pixel].iter().any(|x| !x.is_finite())) {
@@ -208,7 +206,7 @@ impl ExpectedPicture<'_> {
             return (PixelVerdict::Rim, None);
         }
         let expected: f32 = if light.sample.is_visible { 1.0 } else { 0.0 };
-        // Where nothing would be reflected, nobody can tell light from shadow.
+        // A surface that reflects nothing looks the same in light and shadow.
         if (share - expected).abs() <= WEIGHT_EPSILON || light.unshadowed == DVec3::ZERO {
             return (PixelVerdict::Compared, None);
         }
@@ -224,8 +222,8 @@ impl ExpectedPicture<'_> {
         (if near { PixelVerdict::Boundary } else { wrong }, texels)
     }
 
-    /// Whether the picture has light for shadow, or the other way round, where it would be seen and the reference says
-    /// the same of the 5 x 5 pixels around.
+    /// True if the picture visibly has light instead of shadow or shadow instead of light, where the reference has the
+    /// same visibility for all 5 x 5 pixels around.
     fn is_off_edge(&self, drawn: &RenderedSubject, pixel: usize) -> bool {
         const REACH: usize = 2;
         let lit = |pixel: usize| self.pixels[pixel].as_ref()?.light.map(|light| light.sample.is_visible);
@@ -258,8 +256,8 @@ impl ExpectedPicture<'_> {
     }
 }
 
-/// Relative RMSE of the radiance of `beauty`, which shows a scene under several lights, against the sum of what the
-/// reference says of each; and of how many pixels: those that are compared under each of them alone, which `alone` has.
+/// Relative RMSE of the radiance of `beauty`, a scene under several lights, against the sum of the references `each`,
+/// and the number of pixels in it: those that are compared under each light alone, by `alone`.
 pub(crate) fn radiance_rmse_of_all(
     each: &[ExpectedPicture],
     alone: &[Comparison],
@@ -281,7 +279,7 @@ pub(crate) fn radiance_rmse_of_all(
     (if error2 == 0.0 { 0.0 } else { (error2 / reference2).sqrt() }, compared)
 }
 
-/// How far, in texels, a filter blends over a straight edge.
+/// Radius in texels over which a filter blends a straight edge.
 fn filter_radius_texels(filter: ShadowFilter) -> f64 {
     let texels = match filter {
         ShadowFilter::Nearest => 0.0,
@@ -292,7 +290,7 @@ fn filter_radius_texels(filter: ShadowFilter) -> f64 {
 }
 
 impl ComparisonSubject {
-    /// Its light, checked.
+    /// Checks the light of the subject, for a renderer.
     pub(crate) fn lights(&self) -> Result<Vec<LightInstance>, LightError> {
         LightInstance::numbered([self.light.clone()])
     }

@@ -1,4 +1,4 @@
-//! A comparison as a picture.
+//! Draws a comparison as a picture.
 
 use glam::DVec3;
 use image::{Rgb, RgbImage};
@@ -6,14 +6,14 @@ use image::{Rgb, RgbImage};
 use super::expected::ExpectedPixel;
 use super::{Comparison, ExpectedPicture, PixelVerdict, RenderedSubject, rgb};
 
-/// What a difference is multiplied by, against the brightest radiance that should be.
+/// Factor of a difference, relative to the brightest radiance of the reference.
 const AMPLIFIED: f64 = 50.0;
 
-/// Colour in the mask of what is wrong though no edge is near in pixels.
+/// Mask color of wrong pixels that have no edge near in pixels.
 const OFF_EDGE: [u8; 3] = [60, 255, 60];
 
 impl PixelVerdict {
-    /// Its colour in the mask.
+    /// Color in the mask.
     fn color(self) -> [u8; 3] {
         match self {
             Self::Background => [0, 0, 0],
@@ -30,11 +30,12 @@ impl PixelVerdict {
 }
 
 impl ExpectedPicture<'_> {
-    /// Four panels: the GPU's picture and the reference's above; below, their difference (grey where equal, brighter
-    /// where the GPU is, full at 1/50 of the brightest radiance) and what each pixel was taken for.
+    /// Draws four panels: the GPU's picture and the reference's above; below, their difference (grey if equal, brighter
+    /// if the GPU is, full at 1/50 of the brightest radiance) and the verdicts on the pixels.
     ///
-    /// In the last, grey pixels are compared; left out are silhouettes (yellow), surfaces in one place (orange), the light's rim (cyan) and shadows'
-    /// edges (blue); missed shadow is red, false shadow magenta, what is wrong though no edge is within two pixels green, and what is not finite white.
+    /// In the last panel, compared pixels are grey. Excluded are silhouettes (yellow), coincident surfaces (orange),
+    /// the rim of the light (cyan) and shadow edges (blue). Missed shadow is red, false shadow magenta, wrong pixels
+    /// without an edge within two pixels green, and numbers that are not finite white.
     pub fn panels(&self, drawn: &RenderedSubject, comparison: &Comparison) -> RgbImage {
         let (width, height) = self.size();
         let reference =
@@ -63,7 +64,7 @@ impl ExpectedPicture<'_> {
     }
 }
 
-/// Radiance as a share of the brightest, for eyes: a power close to sRGB's.
+/// Maps radiance, as a share of the brightest, to a display value by a power close to that of sRGB.
 fn display(share: DVec3) -> Rgb<u8> {
     Rgb(share.to_array().map(|x| (x.clamp(0.0, 1.0).powf(1.0 / 2.2) * 255.0).round() as u8))
 }

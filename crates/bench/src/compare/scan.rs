@@ -1,4 +1,4 @@
-//! Where scan lines cross shadows' edges, in the reference and in the picture.
+//! Finds crossings of scan lines with shadow edges, in the reference and in the picture.
 
 use rayon::prelude::*;
 use render::Picture;
@@ -7,22 +7,21 @@ use super::ExpectedPicture;
 use super::crossing::{Crossing, ScanAxis};
 use super::expected::ExpectedPixel;
 
-/// The picture's visibility is drawn at this many times the size, so that its edges are known to a sixth of a
-/// pixel. Odd, so that every pixel's centre is among its points.
+/// Factor of the size at which the picture's visibility is drawn, so that its edges are known to a sixth of a pixel. It
+/// is odd, so that the center of every pixel is one of its points.
 pub(super) const FINER: u32 = 3;
-/// Pixels to both sides in which the picture's edge is looked for.
+/// Pixels to both sides in which the picture's edge is searched.
 const WINDOW: f64 = 6.0;
-/// Halvings of a pixel's width: an edge is then known to 2^-12 of it.
+/// Number of halvings of a pixel's width: an edge is then known to 2^-12 of it.
 const HALVINGS: u32 = 12;
-/// Neighbours lie on one surface if the line between them leaves its plane by less than this, as a share of its
-/// length.
+/// Adjacent pixels lie on one surface if the line between them leaves its plane by less than this share of its length.
 const COPLANAR: f64 = 0.3;
-/// Light that ends at an edge counts from this share of the brightest radiance on: nobody sees where less than that
-/// ends, at a light's rim or along a terminator.
+/// Minimum radiance of light that ends at an edge, as a share of the brightest. Less than that is not seen to end, at
+/// the rim of a light or along a terminator.
 const VISIBLE: f64 = 0.01;
 
 impl ExpectedPicture<'_> {
-    /// All crossings of rows and columns.
+    /// Finds all crossings of rows and columns.
     pub(super) fn find_crossings(&self) -> Vec<Crossing> {
         let (width, height) = self.size();
         let rows = (0..height).map(|row| (ScanAxis::Row, row, width));
@@ -36,8 +35,8 @@ impl ExpectedPicture<'_> {
         lines.par_iter().flat_map_iter(on_line).collect()
     }
 
-    /// The edge between the pixels `along - 1` and `along` of a line, if both show one surface and `least` radiance
-    /// ends there.
+    /// Finds the edge between the pixels `along - 1` and `along` of a line, if both show one surface and radiance of at
+    /// least `least` ends there.
     fn crossing(&self, axis: ScanAxis, line: usize, along: usize, least: f64) -> Option<Crossing> {
         let width = self.size().0;
         let seen = |along: usize| self.pixels[axis.index(width, line, along)].as_ref();
@@ -50,13 +49,13 @@ impl ExpectedPicture<'_> {
         }
         let line_at = line as f64;
         let at = self.edge_between(axis, line_at, [along as f64 - 0.5, along as f64 + 0.5], falls)?;
-        // The other axis crosses an edge that runs off along this one.
+        // If the edge runs nearly along this axis, the other axis crosses it.
         let beside = self.edge_between(axis, line_at + 0.25, [at - 1.0, at + 1.0], falls)?;
         let squareness = 0.25 / (beside - at).hypot(0.25);
         Some(Crossing { axis, line, at, squareness, light_ends: falls })
     }
 
-    /// Where between two places on a line the light ends, or begins; `None` where it does not.
+    /// Position on a line, between two others, at which the light ends or begins; `None` if it does not.
     fn edge_between(
         &self,
         axis: ScanAxis,
@@ -75,8 +74,8 @@ impl ExpectedPicture<'_> {
         Some(f64::midpoint(low, high))
     }
 
-    /// How many pixels the edge at each crossing is from the picture's, which the same line crosses in the same sense;
-    /// infinity past [`WINDOW`] along the line.
+    /// Distance in pixels from each crossing to the picture's edge, which the same line crosses in the same sense;
+    /// infinity if farther than [`WINDOW`] along the line.
     pub(super) fn displacements(&self, fine_visibility: &Picture) -> Vec<f64> {
         self.crossings.par_iter().map(|crossing| displacement(crossing, fine_visibility)).collect()
     }

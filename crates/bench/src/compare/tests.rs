@@ -1,4 +1,4 @@
-//! The comparison passes what is right and catches what is wrong.
+//! Tests that the comparison passes correct pictures and detects wrong ones.
 
 use std::sync::{Arc, LazyLock, OnceLock};
 
@@ -15,7 +15,6 @@ static SUBJECT: LazyLock<ComparisonSubject> = LazyLock::new(|| scenes::subjects(
 static EXPECTED: LazyLock<ExpectedPicture> =
     LazyLock::new(|| ExpectedPicture::new(&SUBJECT, || {}).expect("valid"));
 
-/// Who may draw shadows and lights.
 const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
 fn drawn(subject: &ComparisonSubject) -> RenderedSubject {
@@ -35,7 +34,7 @@ fn json(found: &Comparison) -> String {
     serde_json::to_string(found).expect("plain data")
 }
 
-/// The bars of the accuracy tests over real scenes.
+/// Bounds of the accuracy tests over real scenes.
 fn passes(found: &Comparison) -> bool {
     found.not_finite == 0
         && found.missed + found.false_shadow + found.off_edge == 0
@@ -50,7 +49,7 @@ fn a_right_picture_passes() {
         let found = EXPECTED.compare(&drawn_by(backend, &SUBJECT));
         assert!(passes(&found), "{backend:?}: {}", json(&found));
         assert!(found.in_light > 1500 && found.displacement_pixels.count > 100, "{}", json(&found));
-        // An edge is known to a sixth of a pixel where a texel is much smaller.
+        // An edge is known to a sixth of a pixel if a texel is much smaller.
         assert!(found.displacement_pixels.p99 <= 0.5, "{backend:?}: {}", json(&found));
         assert!(
             found.verdicts.contains(&PixelVerdict::Boundary) && found.coincident == 0,
@@ -69,7 +68,7 @@ fn a_shadow_beside_its_place_is_seen() {
     }
     let found = EXPECTED.compare(&shifted);
     assert!(!passes(&found) && found.missed > 20 && found.false_shadow > 20, "{}", json(&found));
-    // Rows are off by a pixel, columns by less.
+    // Rows are displaced by a pixel, columns by less.
     let displaced = found.displacement_pixels;
     assert!(displaced.max >= 0.8 && displaced.p50 >= 0.2, "{displaced:?}");
 }
@@ -93,7 +92,8 @@ fn an_object_in_another_place_is_seen() {
     assert!(!passes(&found) && found.silhouettes > found.pixels / 500, "{}", json(&found));
 }
 
-/// A light so many times as long as the scene, that comes down on its middle, bent, in a tube 4 units wide.
+/// Light of `scenes` times the length of the scene. It is bent, comes down on the middle of the scene, and its tube is
+/// 4 units wide.
 fn long_light(scenes: f64) -> Light {
     // The floor is 12 units wide.
     let along = DVec3::new(0.5, -0.8, -0.3).normalize() * 12.0 * scenes;
@@ -105,7 +105,7 @@ fn long_light(scenes: f64) -> Light {
     light.map_points(|_, point| point.intensity = 3.0)
 }
 
-/// A scene that is a small part of its light is drawn as well as one of the light's size.
+/// A scene that is a small part of its light is drawn as accurately as one of the light's size.
 #[test]
 fn a_light_far_longer_than_the_scene_is_right() {
     for scenes in [100.0, 1e4, 1e6] {
@@ -134,19 +134,19 @@ fn a_wrong_exposure_is_seen() {
     let mut bright = drawn(&SUBJECT);
     bright.beauty.pixels.iter_mut().flatten().for_each(|x| *x *= 1.002);
     let found = EXPECTED.compare(&bright);
-    // 0.2 % everywhere is a relative error of 2e-3, whatever the scene.
+    // An error of 0.2 % everywhere is a relative error of 2e-3 in every scene.
     assert!(!passes(&found) && (found.radiance_rmse - 2e-3).abs() < 5e-4, "{}", json(&found));
 }
 
 #[test]
 fn a_leak_is_seen_in_pixels() {
     let mut leaking = drawn(&SUBJECT);
-    // In the middle of the largest shadow: the pixel whose surroundings are dark for longest.
+    // The middle of the largest shadow: the pixel with the largest dark surroundings.
     let is_dark = |pixel: usize| leaking.visibility.pixels[pixel] == [0.0, 0.0, 0.0, 1.0];
     let amid = |pixel: &usize| (0..7).all(|y| (0..7).all(|x| is_dark(pixel + y * 160 + x)));
     let corner = (0..160 * 80).find(amid).expect("a shadow is seven pixels wide");
     let pixel = corner + 3 * 160 + 3;
-    // A fifth of the light: far less than a lit pixel, and seen.
+    // A fifth of the light is far less than a lit pixel has, and visible.
     leaking.visibility.pixels[pixel] = [0.2, 0.2, 0.2, 1.0];
     let found = EXPECTED.compare(&leaking);
     assert_eq!(

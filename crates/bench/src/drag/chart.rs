@@ -1,4 +1,4 @@
-//! How far from the cursor features end, and how long that takes, as an SVG.
+//! Chart of the distances between cursor and feature, and of the times, in SVG.
 
 use drag::Feature;
 use plotters::prelude::*;
@@ -8,14 +8,15 @@ use super::trial::FEATURES;
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED};
 
-/// One a feature, in their order.
+/// One color per feature, in the order of the features.
 const COLORS: [RGBColor; 4] = [BLUE, ORANGE, RED, GREEN];
 
-/// Pixels and milliseconds that are drawn; what is less or more lies at the edge.
+/// Range of the axes in pixels and milliseconds; values outside of it are drawn at the edge.
 const PX: (f64, f64) = (1e-3, 1e3);
 const MS: (f64, f64) = (1e-3, 1e2);
 
-/// Shares of drags over pixels above and milliseconds below: those of whole lights to the left, of control points to the right.
+/// Draws shares of drags over pixels at the top and over milliseconds at the bottom, those of whole lights on the left,
+/// of control points on the right.
 pub(super) fn draw(all: &[MeasuredTrial]) -> Result<String, BenchError> {
     chart::svg((1000, 760), "", |area| {
         let panels = area.split_evenly((2, 2));
@@ -32,7 +33,7 @@ pub(super) fn draw(all: &[MeasuredTrial]) -> Result<String, BenchError> {
     })
 }
 
-/// Shares of drags: thick by the product, thin by the paper.
+/// Draws shares of drags: thick lines for the product, thin ones for the paper.
 fn panel(
     area: &Area,
     (title, unit): (&str, &str),
@@ -87,7 +88,7 @@ fn name(feature: Feature) -> &'static str {
     }
 }
 
-/// Steps of the share of all values, in percent, that are at most so much. Infinite ones never are.
+/// Steps of the share of values, in percent, up to each value. Infinite values count in none.
 fn cumulative(mut values: Vec<f64>, (least, most): (f64, f64)) -> Vec<(f64, f64)> {
     values.sort_by(f64::total_cmp);
     let count = values.len().max(1) as f64;

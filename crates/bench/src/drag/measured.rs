@@ -1,4 +1,4 @@
-//! Random drags, made by the product and by the paper's formulas.
+//! Makes random drags, with the product and with the paper's formulas, and measures both.
 
 use std::time::Instant;
 
@@ -12,33 +12,33 @@ use super::stage::TrialScene;
 use super::trial::{Trial, TrialKind};
 use crate::{Progress, Quantiles};
 
-/// Pixels within which a feature lies under the cursor.
+/// Distance in pixels within which a feature lies under the cursor.
 pub(super) const LANDED_PX: f64 = 0.5;
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct DragBenchOptions {
     /// Drags of each kind in each scene.
     pub drags: usize,
-    /// Another number, other drags.
+    /// Seed of the random drags.
     pub seed: u64,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragBenchReport {
-    /// What was dragged in.
+    /// Names of the scenes.
     pub scenes: Vec<String>,
     /// Drags of each kind in each scene.
     pub drags: usize,
-    /// Where they began.
+    /// Seed of the random drags.
     pub seed: u64,
-    /// Sixteen.
+    /// Results of the sixteen kinds of drags.
     pub kinds: Vec<KindReport>,
 }
 
-/// Drags of one kind, in all scenes.
+/// Results of the drags of one kind, in all scenes.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct KindReport {
@@ -48,35 +48,35 @@ pub struct KindReport {
     pub points: &'static str,
     /// `small` or `large`.
     pub way: &'static str,
-    /// Drags that were made.
+    /// Number of drags made.
     pub drags: usize,
-    /// By the product.
+    /// Results of the product.
     pub ours: DragErrors,
-    /// By the paper's formulas.
+    /// Results of the paper's formulas.
     pub paper: DragErrors,
-    /// Steps of the product's solver.
+    /// Iterations of the product's solver.
     pub iterations: Quantiles,
 }
 
-/// What one of the two made of the drags.
+/// Results of one of the two solvers.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragErrors {
-    /// How many ended within half a pixel of the cursor, in a light that is valid.
+    /// Number of drags that ended within half a pixel of the cursor, with a valid light.
     pub landed: usize,
-    /// How many lights fold.
+    /// Number of lights that fold.
     pub folded: usize,
-    /// How many features are not in the picture afterwards.
+    /// Number of features that are not in the picture afterwards.
     pub lost: usize,
-    /// From the cursor to the feature, in pixels.
+    /// Distance from the cursor to the feature, in pixels.
     pub px: Quantiles,
-    /// How far the equations are from holding at the cursor: in radii of shadow and hotspot, in radians of the others.
+    /// Residual of the drag's equation at the cursor: in radii for shadow and hotspot, in radians for the others.
     pub residual: Quantiles,
-    /// Milliseconds, with the picks.
+    /// Milliseconds, including the picks.
     pub ms: Quantiles,
 }
 
-/// A drag, made twice.
+/// Results of one drag by both solvers.
 #[derive(Clone, Debug)]
 pub(super) struct MeasuredTrial {
     pub kind: TrialKind,
@@ -85,11 +85,11 @@ pub(super) struct MeasuredTrial {
     iterations: usize,
 }
 
-/// Where a feature ended.
+/// Error and time of one drag.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DragError {
     is_folded: bool,
-    /// Infinite where it is not in the picture.
+    /// Infinite if the feature is not in the picture.
     pub px: f64,
     residual: f64,
     pub ms: f64,
@@ -100,7 +100,8 @@ impl DragError {
         let light = light.and_then(|light| CheckedLight::new(light).ok());
         let px = light.as_ref().and_then(|light| distance_px(stage, trial, light));
         let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
-        // Near, and yet not there: outside of the light, or on a way that only touches what throws the shadow.
+        // A near feature can still be absent: outside of the light, or on a light path that only touches the caster of
+        // the shadow.
         let px = px.filter(|px| off.is_some() || *px > LANDED_PX);
         Self {
             is_folded: light.is_none(),

@@ -1,4 +1,5 @@
-//! Do drags land? Random drags over scenes, where features end up, and what that takes, beside the paper's formulas.
+//! Measures random drags over scenes: the distance of features from the cursor and the time, in comparison with the
+//! paper's formulas.
 
 mod chart;
 mod measured;
@@ -16,7 +17,7 @@ pub use off::{EquationError, distance_px};
 pub use stage::TrialScene;
 pub use trial::{FEATURES, Trial, TrialKind};
 
-/// Makes random drags of every kind in each scene. Returns what was measured and the chart, an SVG.
+/// Makes random drags of every kind in each scene. Returns the report and the chart in SVG.
 pub fn run(
     stages: &[TrialScene],
     options: DragBenchOptions,

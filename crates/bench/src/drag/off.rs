@@ -1,4 +1,4 @@
-//! How far a feature lies from where it should, by ways that share nothing with what moved it.
+//! Measures the error of a drag, by methods that share nothing with the solvers.
 
 use std::cell::RefCell;
 
@@ -11,26 +11,28 @@ use scene::pixel_of;
 use super::stage::TrialScene;
 use super::trial::Trial;
 
-/// How far pixels are apart that tell how a direction changes over the picture.
+/// Distance in pixels of the finite differences of a direction over the picture.
 const GRADIENT_STEP_PX: f64 = 0.25;
 
-/// Degrees within which a surface is turned to the light.
+/// Angle in degrees within which a surface faces the light.
 const TURNED_DEGREES: f64 = 0.1;
 
-/// Pixels between places from which a centre is looked for where none is found from the cursor.
+/// Distance in pixels of the start points of Newton's method, if it finds no center from the cursor.
 const START_SPACING_PX: f64 = 24.0;
 
-/// Where M' lies in a light, by the light's own `locate` and the reference's surface and shadow.
+/// Error of a drag's equation at M', the surface at the end of the drag, by the light's `locate` and the surface and
+/// shadow of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EquationError {
-    /// How far the equation of the drag is from holding at M': shadow and hotspot in radii, the others in radians.
+    /// Residual of the drag's equation at M': radii for shadow and hotspot, radians for the others.
     pub residual: f64,
-    /// The same in pixels across the picture, of shadow and hotspot; degrees of the others.
+    /// The residual in pixels of the picture for shadow and hotspot, in degrees for the others.
     pub px_or_degrees: f64,
 }
 
 impl EquationError {
-    /// Of M' under `light`; `None` where the light does not hold it, or where a shadow is none or would fall on what throws it.
+    /// Computes the error at M' under `light`. `None` if M' is outside of the light, if M' is not in shadow, or if the
+    /// caster is not between the source and M'.
     pub fn at_target(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<Self> {
         let to = stage.surface(trial.drag.to)?;
         let there = stage.locate(light, to.position)?;
@@ -54,14 +56,14 @@ impl EquationError {
         }
     }
 
-    /// Whether that is within what landing means: half a pixel, or a tenth of a degree.
+    /// True if the error is less than half a pixel or a tenth of a degree.
     pub fn is_landed(&self, feature: Feature) -> bool {
         self.px_or_degrees
             < if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { TURNED_DEGREES }
     }
 }
 
-/// World units a pixel covers at a surface: of its neighbours the one that is nearest.
+/// World units that a pixel covers at a surface, by the nearest of the four adjacent pixels.
 fn per_pixel(stage: &TrialScene, pixel: DVec2, surface: &ShadedPoint) -> f64 {
     let beside = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y]
         .into_iter()
@@ -69,7 +71,7 @@ fn per_pixel(stage: &TrialScene, pixel: DVec2, surface: &ShadedPoint) -> f64 {
     beside.fold(f64::INFINITY, f64::min).clamp(1e-4 * surface.depth, 0.01 * surface.depth)
 }
 
-/// On the screen, from the cursor to where the feature lies under `light`, in pixels; `None` where it is not in the picture.
+/// Distance in pixels from the cursor to the feature under `light`; `None` if the feature is not in the picture.
 pub fn distance_px(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<f64> {
     match trial.kind.feature {
         Feature::Shadow => {
@@ -81,7 +83,8 @@ pub fn distance_px(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> O
     }
 }
 
-/// Of the surfaces that a way of the light meets past `to`, the one that is seen nearest to the cursor.
+/// Distance in pixels from the cursor to the nearest visible surface that the light path (v, w) meets past the
+/// parameter `after`.
 fn nearest_on_light_path(
     stage: &TrialScene,
     trial: &Trial,
@@ -93,7 +96,7 @@ fn nearest_on_light_path(
     let size = bvh.posed.half_extent.length();
     let path = bvh.bent_path(tube, v, w);
     let met = RefCell::new(Vec::new());
-    // Past the end of a light that goes on, as far as the scene and the source are apart.
+    // Beyond the end of a light with an extended end, the path goes on for the distance between scene and source.
     let last = &tube.segments[tube.segments.len() - 1].curve;
     let speed = 2.0 * last.d1.length() * tube.placement.world_per_tube;
     let far = 4.0 * (size + (tube.placement.translation - stage.origin()).length());
@@ -106,15 +109,15 @@ fn nearest_on_light_path(
     });
     let distance = |position: &DVec3| {
         let pixel = pixel_of(&stage.view.camera, stage.view.size, *position, stage.origin())?;
-        // What is hidden is not in the picture.
+        // Hidden surfaces are not in the picture.
         let is_seen = stage.seen(pixel)?.position.distance(*position) < 1e-6 * size;
         is_seen.then(|| pixel.distance(trial.drag.to))
     };
     met.into_inner().iter().filter_map(distance).min_by(f64::total_cmp)
 }
 
-/// The nearest place at which light arrives along the mirror direction or the normal: by Newton's method over the picture,
-/// from the cursor, and where that finds none, from all over it.
+/// Distance in pixels to the nearest point at which light arrives along the mirror direction or the normal. Newton's
+/// method over the picture starts from the cursor and, if that finds none, from points all over the picture.
 fn nearest_centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<f64> {
     let cursor = trial.drag.to;
     let is_diffuse = trial.kind.feature == Feature::Diffuse;
@@ -136,7 +139,7 @@ fn nearest_centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Op
     centres.map(|centre| centre.distance(cursor)).min_by(f64::total_cmp)
 }
 
-/// The centre that Newton's method finds from a pixel.
+/// Finds a center by Newton's method from a pixel.
 fn centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight, start: DVec2) -> Option<DVec2> {
     let off = |pixel: DVec2| {
         let seen = stage.seen(pixel)?;

@@ -1,4 +1,4 @@
-//! The paper's formulas (section 5, eqs 11 to 13), which move a light once and do not look where its feature ends.
+//! The paper's formulas (section 5, eqs 11 to 13), which move a light once and do not check the resulting feature.
 
 use drag::Feature;
 use glam::{DQuat, DVec3};
@@ -8,7 +8,7 @@ use light::{Light, Tube};
 use super::stage::TrialScene;
 use super::trial::Trial;
 
-/// A turn about a point in the world, and then a way.
+/// Rotation about a point in the world, followed by a translation.
 #[derive(Clone, Copy, Debug)]
 struct Motion {
     pivot_in_world: DVec3,
@@ -22,12 +22,12 @@ impl Motion {
     }
 }
 
-/// The light as the paper moves it: as a whole, or the chosen control points by the same motion. It may fold. `None` where a
-/// formula has no value.
+/// Moves the light as the paper does: as a whole, or the chosen control points by the same motion. The result can fold.
+/// `None` if a formula has no value.
 ///
-/// Read as light model, section 7, corrects them: positions in the world, `P_l` the apex of the cone that the tube sets out
-/// as, parentheses in eq. 12. The paper has no formula for the side that is turned most to the light; eq. 13 with the normal in
-/// place of the mirror direction is what it would be.
+/// The formulas are read as light model, section 7, corrects them: positions in the world, `P_l` the apex of the cone
+/// with which the tube begins, parentheses in eq. 12. The paper has no formula for the lit side, so it is eq. 13 with
+/// the normal in place of the mirror direction.
 pub fn moved(stage: &TrialScene, trial: &Trial) -> Option<Light> {
     let origin = stage.origin();
     let [from, to] = [trial.drag.from, trial.drag.to].map(|pixel| stage.seen(pixel));
@@ -74,7 +74,7 @@ pub fn moved(stage: &TrialScene, trial: &Trial) -> Option<Light> {
     }))
 }
 
-/// Where the cone that a tube sets out as comes to a point, in the world; its source where it does not widen.
+/// Apex of the cone with which a tube begins, in the world; the source if the tube does not widen.
 fn apex(tube: &Tube<f64>) -> DVec3 {
     let first = &tube.segments[0].curve;
     let widening = first.e0 / first.d0.length();

@@ -1,4 +1,4 @@
-//! A scene to drag in, and who looks at it.
+//! A scene to drag in, and its camera.
 
 use drag::Viewport;
 use glam::{DVec2, DVec3};
@@ -7,19 +7,19 @@ use raycast::SeenPoint;
 use reference::{Reference, ShadedPoint};
 use scene::{Camera, Scene, View, ViewRay, framing_camera};
 
-/// A scene, its picture, and what is known of both by other ways than a drag's own.
+/// A scene and its picture, with queries that are independent of the drag solver.
 #[derive(Debug)]
 pub struct TrialScene {
-    /// What the scene is called: a file, or `demo:NAME`.
+    /// Name of the scene: a file, or `demo:NAME`.
     pub name: String,
-    /// Its surfaces.
+    /// Surfaces of the scene.
     pub reference: Reference,
-    /// The picture.
     pub view: Viewport,
 }
 
 impl TrialScene {
-    /// Through the first camera, or one that frames the scene, as `bendylights drag` looks by default.
+    /// Makes a stage with the first camera, or with one that frames the scene, which is the default of
+    /// `bendylights drag`.
     pub fn new(name: &str, scene: Scene, cameras: &[Camera], size: [u32; 2]) -> Self {
         let reference = Reference::new(scene::pose(scene));
         let [width, height] = size.map(f64::from);
@@ -28,29 +28,29 @@ impl TrialScene {
         Self { name: name.into(), view: Viewport { camera, size }, reference }
     }
 
-    /// Where scene space begins, in the world.
+    /// Origin of scene space, in the world.
     pub fn origin(&self) -> DVec3 {
         self.reference.bvh.posed.origin_in_world
     }
 
-    /// The surface in a pixel.
+    /// Surface at a pixel.
     pub fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let Viewport { camera, size } = &self.view;
         self.reference.bvh.visible_point(&ViewRay::new(camera, *size, pixel, self.origin()))
     }
 
-    /// The same with its material, by the reference.
+    /// Surface at a pixel with its material, by the reference.
     pub fn surface(&self, pixel: DVec2) -> Option<ShadedPoint> {
         let Viewport { camera, size } = &self.view;
         self.reference.surface(&View::beauty(camera.clone(), *size), pixel)
     }
 
-    /// Where a point in scene space lies in a light; `None` outside of its tube.
+    /// Tube coordinates of a point in scene space; `None` outside of the tube.
     pub fn locate(&self, light: &CheckedLight, position: DVec3) -> Option<TubePoint> {
         light.tube()?.locate(position + self.origin()).point
     }
 
-    /// Pixels.
+    /// Size of the picture in pixels.
     pub(crate) fn size(&self) -> DVec2 {
         DVec2::from(self.view.size.map(f64::from))
     }

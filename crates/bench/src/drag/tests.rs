@@ -1,4 +1,4 @@
-//! The formulas that drags are measured beside, where they are exact, and the measure itself.
+//! Tests the paper's formulas for cases in which they are exact, and the measure itself.
 
 use drag::{Drag, Feature, RadiusMode};
 use glam::DVec3;
@@ -19,7 +19,7 @@ fn trials(stage: &TrialScene, feature: Feature, deforms: bool) -> impl Iterator<
     (0..12).filter_map(move |number| Trial::random(stage, kind, Trial::seed(1, &stage.name, kind, number)))
 }
 
-/// The cone that a trial's light would be were it straight, and the same drag in it; `None` where its feature is not there.
+/// Replaces the trial's light by a straight cone, with the same drag; `None` if the feature does not exist in it.
 fn straightened(stage: &TrialScene, mut trial: Trial) -> Option<Trial> {
     let begun = trial.light.light();
     let length = begun.points().last()?.position.length();
@@ -39,8 +39,8 @@ fn straightened(stage: &TrialScene, mut trial: Trial) -> Option<Trial> {
     Some(trial)
 }
 
-/// What the paper's formulas are exact for: shadows and hotspots of straight cones, and highlights of any light. Shadows
-/// and hotspots of bent lights they miss, as the measure has to see.
+/// The paper's formulas are exact for shadows and hotspots of straight cones and for highlights of any light. For
+/// shadows and hotspots of bent lights they are not, and the measure must detect that.
 #[test]
 fn the_papers_formulas_are_exact_where_they_should_be() {
     let stage = demo();
@@ -54,7 +54,7 @@ fn the_papers_formulas_are_exact_where_they_should_be() {
             let is_turned = matches!(feature, Feature::Highlight | Feature::Diffuse);
             missed += usize::from(!is_turned && off(&trial).is_none_or(|off| off.px_or_degrees > 0.5));
             let straight = if is_turned { Some(trial) } else { straightened(&stage, trial) };
-            // Of a shadow that now falls elsewhere too nothing is asked.
+            // Shadows that fall elsewhere under the straight light are skipped.
             let Some(off) = straight.as_ref().and_then(off) else { continue };
             assert!(off.residual < 1e-7, "{feature:?}: {off:?} {:?}", straight.map(|trial| trial.drag));
             exact += 1;
@@ -68,7 +68,7 @@ fn the_papers_formulas_are_exact_where_they_should_be() {
     }
 }
 
-/// Each drag begins on its feature as it is seen: the light that has not moved yet has it there, and elsewhere it has not.
+/// Each drag begins on its feature: the initial light has the feature at the start of the drag, and not at its end.
 #[test]
 fn trials_begin_on_their_feature() {
     let stage = demo();
@@ -81,13 +81,13 @@ fn trials_begin_on_their_feature() {
         assert!(off.residual < 1e-6, "{kind:?} {off:?}");
         let px = distance_px(&stage, &stays, &trial.light).expect("the feature is seen");
         assert!(px < 0.05, "{kind:?} {px}");
-        // The planted fault: nobody moved the light to where the drag ends.
+        // The planted fault: a light that was not moved, judged at the end of the drag.
         let off = EquationError::at_target(&stage, &trial, &trial.light);
         assert!(!off.is_some_and(|off| off.is_landed(kind.feature)), "{kind:?} {off:?}");
     }
 }
 
-/// Where control points take part the paper's motion moves those and nothing else.
+/// The paper's motion of control points moves those and nothing else.
 #[test]
 fn a_deforming_move_keeps_what_is_not_chosen() {
     let stage = demo();

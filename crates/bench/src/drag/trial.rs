@@ -1,4 +1,4 @@
-//! Random lights over a scene, and random drags in them.
+//! Random lights over a scene, and random drags of their features.
 
 use drag::{Drag, Feature, RadiusMode};
 use fastrand::Rng;
@@ -9,34 +9,33 @@ use reference::ReferenceLight;
 
 use super::stage::TrialScene;
 
-/// Every feature that is dragged.
+/// Every feature that can be dragged.
 pub const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
 
-/// The longest small drag, as a share of the picture's width.
+/// Length of the longest small drag, as a share of the picture's width.
 const SMALL: f64 = 0.1;
 
-/// Lights that are tried until one has the feature in the picture.
+/// Maximum number of lights tried until one has the feature in the picture.
 const LIGHTS: usize = 4_000;
 
-/// Ends that are tried in a light.
+/// Maximum number of ends tried for a light.
 const ENDS: usize = 30;
 
-/// Nearer than this nothing shadows a surface, as a share of its distance from the viewer.
+/// Minimum distance of a caster from the surface, as a share of the surface's distance from the camera.
 const CONTACT: f64 = 1e-6;
 
-/// What kind of drags.
+/// Kind of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct TrialKind {
-    /// What is dragged.
     pub feature: Feature,
-    /// Whether control points take part; otherwise the light moves as a whole.
+    /// True if control points are dragged, false if the light moves as a whole.
     pub deforms: bool,
-    /// Whether it goes a tenth of the picture's width or farther.
+    /// True if the drag is at least a tenth of the picture's width long.
     pub is_large: bool,
 }
 
 impl TrialKind {
-    /// All sixteen.
+    /// All sixteen kinds.
     pub fn all() -> impl Iterator<Item = Self> {
         let of = |feature| {
             [(false, false), (false, true), (true, false), (true, true)].map(|(deforms, is_large)| Self {
@@ -48,7 +47,7 @@ impl TrialKind {
         FEATURES.into_iter().flat_map(of)
     }
 
-    /// As drag files call the feature.
+    /// Name of the feature in drag files.
     pub fn feature_name(self) -> &'static str {
         match self.feature {
             Feature::Shadow => "shadow",
@@ -58,42 +57,40 @@ impl TrialKind {
         }
     }
 
-    /// What moves.
+    /// Name of the moved part.
     pub fn points_name(self) -> &'static str {
         if self.deforms { "deforming" } else { "rigid" }
     }
 
-    /// How far it goes.
+    /// Name of the distance.
     pub fn distance_name(self) -> &'static str {
         if self.is_large { "large" } else { "small" }
     }
 }
 
-/// A light, and a drag in it.
+/// A light, and a drag of its feature.
 #[derive(Clone, Debug)]
 pub struct Trial {
-    /// Of which kind.
     pub kind: TrialKind,
-    /// As the drag begins.
+    /// The light before the drag.
     pub light: CheckedLight,
-    /// What is asked.
     pub drag: Drag,
-    /// Where the drag begins in the light.
+    /// Tube coordinates of the start of the drag.
     pub from: TubePoint,
-    /// Of a shadow: the first that its light meets, in scene space.
+    /// For a shadow: first hit of its light path, in scene space.
     pub pivot_in_scene: Option<DVec3>,
 }
 
 impl Trial {
-    /// Where the drag of that number begins, the same whatever else is tried (FNV-1a).
+    /// Seed of the drag with this number, independent of other drags (FNV-1a).
     pub fn seed(seed: u64, scene: &str, kind: TrialKind, number: usize) -> u64 {
         let text = format!("{seed} {scene} {kind:?} {number}");
         text.bytes()
             .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
     }
 
-    /// A random drag of that kind, the same for the same seed: the feature is seen where it begins, and it ends on a visible
-    /// surface inside of the light as it begins. `None` where no such drag was found.
+    /// Makes a random drag of the given kind, the same for the same seed. It starts where the feature is visible and
+    /// ends on a visible surface inside of the initial light. `None` if no such drag was found.
     pub fn random(stage: &TrialScene, kind: TrialKind, seed: u64) -> Option<Self> {
         let mut rng = Rng::with_seed(seed);
         (0..LIGHTS).find_map(|_| trial(stage, kind, &mut rng))
@@ -131,7 +128,7 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
     Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot_in_scene: begin.pivot })
 }
 
-/// A light with its feature in the picture.
+/// A light that has its feature at a pixel.
 struct TrialStart {
     light: CheckedLight,
     pixel: DVec2,
@@ -153,7 +150,7 @@ fn start_on_feature(
         Feature::Highlight => Some(surface.mirror_direction()),
         Feature::Diffuse => Some(surface.normal),
     } {
-        // Turned about the surface until the feature has its centre there.
+        // Rotated about the surface until the feature has its center there.
         let has = stage.locate(&light, surface.position)?.direction;
         light = turned(&light, surface.position + stage.origin(), DQuat::from_rotation_arc(has, wanted))?;
     }
@@ -174,7 +171,7 @@ fn start_on_feature(
     (is_lit == (feature != Feature::Shadow)).then_some(TrialStart { light, pixel, place, pivot })
 }
 
-/// The last two, all but the source, or any.
+/// Chooses the last two control points, all but the source, or any.
 fn points(rng: &mut Rng, count: usize) -> Vec<usize> {
     match rng.u8(0..3) {
         0 => vec![count - 2, count - 1],
@@ -186,7 +183,7 @@ fn points(rng: &mut Rng, count: usize) -> Vec<usize> {
     }
 }
 
-/// `light`, turned as a whole about a point in the world.
+/// Rotates `light` as a whole about a point in the world.
 fn turned(light: &CheckedLight, about: DVec3, turn: DQuat) -> Option<CheckedLight> {
     let light = light.light().clone();
     let (translation, rotation) = (light.get(TRANSLATION), light.get(ROTATION));
@@ -213,8 +210,8 @@ fn in_ball(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A light from above on `aim`, about `size` away, of one to four segments, more or less bent; one in four ends a little past
-/// where it aims, the others go on.
+/// Makes a light from above, aimed at `aim`, about `size` away, with one to four segments and a random bend. One in
+/// four ends a little past `aim`, the others continue.
 fn light(rng: &mut Rng, aim: DVec3, size: f64) -> Option<CheckedLight> {
     let vector = in_ball(rng);
     let back = DVec3::new(vector.x, vector.y.abs().max(0.3), vector.z).normalize();

@@ -1,4 +1,4 @@
-//! Edits by stages, contestants side by side, and growth, as an SVG.
+//! Chart of edits by stages, renderers side by side, and growth, in SVG.
 
 mod growth;
 
@@ -9,8 +9,8 @@ use super::{BackendError, ComparedRenderer, EditReport, FrameBenchReport, FrameE
 use crate::BenchError;
 use crate::chart::{self, Area, ChartResult, FAINT};
 
-/// One a stage, in their order: the G-buffer and what is made of it grey, what makes maps blue and violet, what adds
-/// light warm, the rest green.
+/// One color per stage, in the order of the stages: the G-buffer and passes over it grey, shadow maps blue and violet,
+/// lighting warm, the rest green.
 const COLORS: [RGBColor; FrameStage::ALL.len()] = [
     RGBColor(0x9a, 0x9a, 0x9a),
     RGBColor(0x62, 0x62, 0x62),
@@ -30,14 +30,14 @@ const COLORS: [RGBColor; FrameStage::ALL.len()] = [
 /// Width of the picture, and heights of its three parts.
 const WIDTH: u32 = 1100;
 const HEIGHTS: [u32; 3] = [440, 60, 300];
-/// Height of a contestant's bar with its room.
+/// Height of a renderer's bar with its margin.
 const BAR: u32 = 26;
 
 pub(super) fn draw(report: &FrameBenchReport) -> Result<String, BenchError> {
     let contest = HEIGHTS[1] + BAR * report.side_by_side.len() as u32;
     let growth = if report.growth.is_empty() { 0 } else { HEIGHTS[2] };
     let size = (WIDTH, 30 + HEIGHTS[0] + contest + growth);
-    // The adapter's name has its driver's version.
+    // The adapter's name includes the version of its driver.
     let FrameBenchReport { scene, width, height, adapter, backend, .. } = report;
     let title = format!("{scene}, {width} x {height} pixels, {adapter}, {backend}");
     chart::svg(size, &title, |area| {
@@ -54,7 +54,7 @@ pub(super) fn draw(report: &FrameBenchReport) -> Result<String, BenchError> {
     })
 }
 
-/// A bar an edit and backend, its stages stacked, and a line across it for the whole frame.
+/// Draws one bar per edit and backend with its stages stacked, and a line across it at the time of the whole frame.
 fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
     let edits = &report.edits;
     let all = |edit: &EditReport| edit.stages.iter().map(|stage| stage.costs.wall_ms.p50).sum::<f64>();
@@ -75,7 +75,7 @@ fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
             _ => String::new(),
         })
         .draw()?;
-    // Side by side in the room that an edit has, those of one backend in the same place of it.
+    // The bars of an edit are side by side, those of one backend at the same position.
     let groups = report.errors.len();
     let room = plot.plotting_area().dim_in_pixel().0 / FrameEdit::ALL.len() as u32;
     let place =
@@ -104,7 +104,7 @@ fn by_stages(area: &Area, report: &FrameBenchReport) -> ChartResult {
     chart::key(&mut plot, SeriesLabelPosition::UpperRight)
 }
 
-/// What the bars of edits show, and how right they are.
+/// Explains the bars of edits, with the error of each backend.
 fn caption(report: &FrameBenchReport) -> String {
     let error = |one: &BackendError| format!("{} (error {:.1e})", one.backend, one.error.radiance_rmse);
     let errors: Vec<_> = report.errors.iter().map(error).collect();
@@ -115,12 +115,12 @@ fn caption(report: &FrameBenchReport) -> String {
     )
 }
 
-/// Of the backend that is measured, or of wgpu beside it.
+/// Color of the measured backend, or of wgpu beside it.
 fn color_of(backend: &str, report: &FrameBenchReport) -> RGBColor {
     if backend == report.backend { COLORS[3] } else { COLORS[9] }
 }
 
-/// A bar each, to the median; the line in it is the minimum.
+/// Draws one bar per renderer up to its median, with a line at its minimum.
 fn contestants(area: &Area, report: &FrameBenchReport) -> ChartResult {
     const LABELS: i32 = 190;
     let all: &[ComparedRenderer] = &report.side_by_side;

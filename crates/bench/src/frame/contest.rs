@@ -1,4 +1,4 @@
-//! Lights of ours and other renderers, side by side.
+//! Measures lights of this renderer and other renderers, side by side.
 
 use light::parameters::INTENSITY;
 use light::{LightError, bend_with_length};
@@ -13,30 +13,30 @@ use super::{Bench, FrameBenchOptions};
 use crate::peers::{FEWEST_FRAMES, Peer, PeerTiming, RUNS};
 use crate::{BenchError, Peers, Quantiles};
 
-/// Whole frames of one kind.
+/// Whole frames of one renderer and kind of light.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ComparedRenderer {
-    /// Of ours: `bent`, `bentHalfMap` (with half the texels a side of its shadow map), `spot`, `straightBendy` (the
-    /// spotlight as a BendyLight, drawn the way of a bent one), `bentNothingCulled` (with all that is left out else),
-    /// `bentIntensity`, and a crowd of bent lights of which one moves; of other renderers the name that they give. Where
-    /// it does not say otherwise one light moves in each frame. Where another backend is measured, some are drawn by
-    /// wgpu too: `bentByWgpu` and so on.
+    /// Name. Variants of this renderer are `bent`, `bentHalfMap` (half the texels per side of its shadow map), `spot`,
+    /// `straightBendy` (the spotlight as a BendyLight, drawn like a bent one), `bentNothingCulled` (without culling),
+    /// `bentIntensity`, and a crowd of bent lights of which one moves. Other renderers have the name that they print.
+    /// One light moves in each frame unless the name says otherwise. If the measured backend is not wgpu, some variants
+    /// are drawn by wgpu too: `bentByWgpu` and so on.
     pub what: String,
-    /// Who drew it, of ours.
+    /// Backend of a variant of this renderer; `None` for other renderers.
     pub backend: Option<&'static str>,
-    /// Of another renderer.
+    /// Version of another renderer; `None` for this one.
     pub version: Option<String>,
-    /// Milliseconds a frame. Of another renderer, the least and the middle of the medians of its rounds: its fastest
-    /// frame may be one in which nothing moved.
+    /// Milliseconds per frame. For another renderer, quantiles of the medians of its rounds: the fastest single frame
+    /// is not used, because nothing may have moved in it.
     pub wall_ms: Quantiles,
-    /// Milliseconds a frame of the process on all cores; another renderer's is not known.
+    /// CPU milliseconds per frame of the process on all cores; `None` for other renderers.
     pub cpu_ms: Option<Quantiles>,
-    /// Wall time over that of `bent` by the backend that is measured, minimum over minimum and median over median.
+    /// Wall time over that of `bent` by the measured backend, quantile by quantile.
     pub to_bent: Quantiles,
 }
 
-/// Ours.
+/// Variant of this renderer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum OwnVariant {
     Bent,
@@ -48,7 +48,7 @@ enum OwnVariant {
     Crowd(usize),
 }
 
-/// One of ours while it is measured.
+/// Renderer and times of a variant.
 struct MeasuredVariant {
     what: String,
     backend: &'static str,
@@ -70,7 +70,7 @@ impl OwnVariant {
         ]
     }
 
-    /// Those that are drawn by wgpu too, where another backend is measured.
+    /// Variants that wgpu draws too, if the measured backend is another.
     fn all_by_wgpu(crowd: usize) -> [Self; 5] {
         [Self::Bent, Self::BentHalfMap, Self::Spot, Self::BentIntensity, Self::Crowd(crowd)]
     }
@@ -87,11 +87,10 @@ impl OwnVariant {
         }
     }
 
-    /// How it is drawn.
     fn settings(self) -> ShadowSettings {
         let usual = ShadowSettings::default();
         match self {
-            // A BendyLight that is still straight would be drawn as the spotlight that it is.
+            // The renderer would draw a BendyLight that is still straight as a spotlight.
             Self::StraightBendy => ShadowSettings { straighten: false, ..usual },
             Self::BentNothingCulled => ShadowSettings { culling: Culling::NONE, ..usual },
             _ => usual,
@@ -128,13 +127,13 @@ impl OwnVariant {
     }
 }
 
-/// Steps of progress. All take their turns in as many rounds as other renderers have runs.
+/// Steps of progress. All renderers take turns, in as many rounds as other renderers have runs.
 pub(super) fn steps(options: &FrameBenchOptions) -> usize {
     RUNS * (1 + options.peers.map_or(0, Peers::count))
 }
 
-/// Some frames in a row of each of ours, as in a drag and as other renderers draw them, then those of each other renderer, and all
-/// of it again.
+/// Draws some frames in a row of each variant, as in a drag and as other renderers draw them, then runs each other
+/// renderer, and repeats all of it.
 pub(super) fn measured(
     bench: &mut Bench,
     subject: &FrameSubject,
@@ -146,7 +145,7 @@ pub(super) fn measured(
     for round in 0..RUNS {
         bench.step("side by side: ours");
         for MeasuredVariant { ours, renderer, costs, .. } in &mut entries {
-            // The zeroth makes what the others keep.
+            // The first frame fills the caches and is not timed.
             for k in 0..=frames {
                 let frame = ours.frame(subject, round * (frames + 1) + k)?;
                 let cost = timed(renderer, &frame)?.1;
@@ -173,7 +172,7 @@ pub(super) fn measured(
     Ok(contestants)
 }
 
-/// All of the first side, then some of the other where there is one. Each keeps its own maps.
+/// Makes all variants for the measured backend, and some for wgpu if that is another. Each has its own cache of maps.
 fn entries(bench: &Bench, subject: &FrameSubject) -> Result<Vec<MeasuredVariant>, BenchError> {
     let crowd = bench.options.crowd;
     let mut entries = Vec::new();

@@ -1,48 +1,47 @@
-//! Many measurements in few numbers.
+//! Times and work counts of frames, summarized.
 
 use render::{FrameStage, Recording, StageCost, WorkCounters};
 use serde::Serialize;
 
 use crate::Quantiles;
 
-/// What some work took, of many times.
+/// Wall and CPU time of repeated work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Costs {
     /// Milliseconds that passed.
     pub wall_ms: Quantiles,
-    /// Milliseconds of the whole process on all cores; with a driver that draws on the processor, its threads too.
+    /// Milliseconds of the whole process on all cores; includes the threads of a driver that draws on the CPU.
     pub cpu_ms: Quantiles,
 }
 
-/// What a stage took in the frames of an edit.
+/// Times of a stage in the frames of an edit.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct StageCosts {
-    /// The stage's name.
     pub stage: &'static str,
-    /// How often it ran in one frame.
+    /// Number of runs in one frame.
     pub runs: u64,
-    /// All its runs of one frame together.
+    /// Times of all runs in one frame together.
     #[serde(flatten)]
     pub costs: Costs,
 }
 
-/// How much one frame has worked on.
+/// Amounts of work in one frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct WorkCounts {
-    /// Triangles looked at for shadow maps, once a map.
+    /// Triangles that were considered for shadow maps, counted once per map.
     pub triangles_seen: u64,
-    /// Of a bent map: pairs of triangle and slab that were clipped, and split where that was not enough.
+    /// For bent maps: pairs of triangle and slab that were clipped, and split if clipping was not enough.
     pub triangles_split: u64,
-    /// Triangles handed to the rasteriser for shadow maps.
+    /// Triangles passed to the rasterizer for shadow maps.
     pub triangles_drawn: u64,
     /// Texels of the maps drawn.
     pub texels: u64,
-    /// Pixels of the rectangles in which lights were added; what is beside the tube in them counts too.
+    /// Pixels of the scissor rectangles in which lights were added; pixels outside of the tube count too.
     pub scissor_pixels: u64,
-    /// Bytes of the picture read back; none where the processor has made it.
+    /// Bytes of the picture read back; 0 if the CPU made it.
     pub bytes: u64,
 }
 
@@ -56,7 +55,7 @@ impl Costs {
 }
 
 impl StageCosts {
-    /// Of every stage, of frames that were alike.
+    /// Costs of every stage, over recordings of equal frames.
     pub(super) fn of(recordings: &[Recording]) -> Vec<Self> {
         let of_stage = |stage: FrameStage| {
             let costs: Vec<StageCost> = recordings.iter().map(|recording| recording.cost(stage)).collect();

@@ -1,4 +1,4 @@
-//! The edits that frames are drawn for, and what those frames take.
+//! Measures the frames after each kind of edit.
 
 use glam::DVec3;
 use light::parameters::{COLOR, ENABLED, INTENSITY};
@@ -14,45 +14,40 @@ use super::side::timed;
 use super::subject::{FrameRequest, FrameSubject, moved};
 use crate::BenchError;
 
-/// What has changed since the picture before.
+/// Change since the picture before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum FrameEdit {
-    /// All of it: nobody has looked before. Pipelines are compiled, and the scene is on the device.
+    /// Everything changed: the view is new. Pipelines are compiled, and the scene is on the device.
     First,
-    /// Where it is seen from.
+    /// Position of the camera.
     Camera,
-    /// Where the light stands.
+    /// Position of the light.
     LightMove,
-    /// Where its third control point is.
+    /// Position of the light's third control point.
     ControlPoint,
-    /// How wide it ends.
+    /// Radius at the end of the light.
     Radius,
-    /// What colour it has.
     Color,
-    /// How bright it is.
     Intensity,
-    /// That it shines: it is switched off.
+    /// The light is switched off.
     Mute,
-    /// Nothing: the same picture is asked for again.
+    /// Nothing changed: the same picture is requested again.
     Idle,
 }
 
-/// The frames after an edit. Before each of them the subject was drawn as it is without the edit.
+/// Measurements of the frames after an edit. Before each of them the subject was drawn without the edit.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct EditReport {
-    /// Who drew them.
     pub backend: &'static str,
-    /// What was changed.
     pub edit: FrameEdit,
-    /// Of a whole frame.
+    /// Costs of a whole frame.
     pub frame: Costs,
-    /// The JPEG that the picture would go to a viewer as; in no stage and not in `frame`.
+    /// Encoding of the picture as the JPEG that a viewer would get; part of no stage and not of `frame`.
     pub encode: Costs,
-    /// The same frame drawn stage by stage, each waited for, so that together they take longer than `frame`.
+    /// Costs of the same frame drawn stage by stage, with a wait for each, so that together they exceed `frame`.
     pub stages: Vec<StageCosts>,
-    /// How much a frame has worked on.
     #[serde(flatten)]
     pub counted: WorkCounts,
 }
@@ -71,7 +66,7 @@ impl FrameEdit {
         Self::Idle,
     ];
 
-    /// What it is called for people.
+    /// Name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "first frame",
@@ -86,7 +81,7 @@ impl FrameEdit {
         }
     }
 
-    /// The frame after the edit's `k`th form. No two forms are alike, and none is the subject as it was.
+    /// Frame after the `k`th variant of the edit. No two variants are equal, and none equals the unedited subject.
     pub(super) fn frame(self, subject: &FrameSubject, k: usize) -> Result<FrameRequest, LightError> {
         let (sin, cos) = (0.2 * k as f64).sin_cos();
         let mut frame = subject.under(self.edited(subject, k))?;
@@ -99,7 +94,7 @@ impl FrameEdit {
     fn edited(self, subject: &FrameSubject, k: usize) -> Light {
         let light = subject.bent.clone();
         let (sin, cos) = (0.2 * k as f64).sin_cos();
-        // A light's own length, in its own units.
+        // The light's own length, light-local.
         let length = light.points().last().map_or(1.0, |point| point.position.length());
         let last = light.points().len().saturating_sub(1);
         match self {
@@ -128,14 +123,14 @@ impl FrameEdit {
     }
 }
 
-/// Every edit in turn by each side, again and again: what else the machine does hits all of them. A row an edit of the
-/// first side, then those of the other.
+/// Measures every edit in turn on each backend, and repeats: other work of the machine disturbs all of them alike.
+/// Returns one row per edit of the first backend, then those of the other.
 pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<EditReport>, BenchError> {
     let rows = |side: &super::MeasuredBackend| {
         FrameEdit::ALL.map(|edit| EditMeasurements::new(side.backend(), edit))
     };
     let mut measured: Vec<EditMeasurements> = bench.backends.iter().flat_map(rows).collect();
-    // The zeroth turn compiles pipelines and is thrown away.
+    // Turn 0 compiles pipelines and is not timed.
     for k in 0..=bench.options.repeats {
         if k > 0 {
             bench.step("edits");
@@ -152,14 +147,14 @@ pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<
     Ok(measured.into_iter().map(EditMeasurements::report).collect())
 }
 
-/// What a frame after an edit took.
+/// Times of a frame after an edit.
 struct MeasuredFrame {
     frame: StageCost,
     encode: StageCost,
     recording: Recording,
 }
 
-/// The frame after an edit, whole and stage by stage.
+/// Draws the frame after an edit, once whole and once stage by stage.
 fn measure_frame(
     renderer: &mut Renderer,
     subject: &FrameSubject,
@@ -178,7 +173,7 @@ fn measure_frame(
     Ok(MeasuredFrame { frame, encode, recording })
 }
 
-/// The picture without the edit, or none.
+/// Draws the picture without the edit, or drops the view if the edit is a first frame.
 fn draw_unedited(renderer: &mut Renderer, edit: FrameEdit, frame: &FrameRequest) -> Result<(), BenchError> {
     if edit == FrameEdit::First {
         renderer.drop_view(ViewSlot::default());
@@ -188,7 +183,7 @@ fn draw_unedited(renderer: &mut Renderer, edit: FrameEdit, frame: &FrameRequest)
     Ok(())
 }
 
-/// What is known of an edit's frames.
+/// Measurements of all frames of an edit.
 struct EditMeasurements {
     backend: &'static str,
     edit: FrameEdit,

@@ -1,4 +1,4 @@
-//! How wrong the pictures are that were timed.
+//! Measures the error of the pictures that were timed.
 
 use light::{Light, LightInstance};
 use render::{Renderer, ShadowSettings};
@@ -9,36 +9,35 @@ use super::side::MeasuredBackend;
 use crate::BenchError;
 use crate::compare::{ComparisonSubject, ExpectedPicture, RenderedSubject, radiance_rmse_of_all};
 
-/// By how much each side of a picture is divided for the reference.
+/// Divisor of each side of a picture that is compared with the reference.
 pub(super) const REFERENCE_DIVISOR: u32 = 4;
 
-/// Against the reference, where no shadow's edge is near.
+/// Error against the reference, excluding pixels near a shadow edge.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PictureError {
-    /// Pixels of the picture that is compared.
+    /// Pixels of the compared picture.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Pixels that were compared: those that both see as the same surface, with no edge of any light near.
+    /// Compared pixels: both pictures see the same surface, and no edge of any light is near.
     pub compared: usize,
-    /// `sqrt(mean |picture - reference|^2) / sqrt(mean |reference|^2)` over those.
+    /// `sqrt(mean |picture - reference|^2) / sqrt(mean |reference|^2)` over the compared pixels.
     pub radiance_rmse: f64,
 }
 
-/// How wrong a backend's picture is.
+/// Error of a backend's picture.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BackendError {
-    /// Who drew it.
     pub backend: &'static str,
-    /// A picture a fourth as wide and high, under the bent light without its edits.
+    /// Error of a picture a fourth as wide and high, under the bent light without its edits.
     #[serde(flatten)]
     pub error: PictureError,
 }
 
-/// Of each side's picture of `scene` under all `lights` at once, none of which is straight. The sides are left with
-/// that scene without its fill.
+/// Measures each backend's picture of `scene` under all `lights` at once, none of which is straight. Leaves the
+/// renderers with that scene without its fill.
 pub(super) fn errors_of_backends(
     sides: &mut [MeasuredBackend],
     scene: &Scene,

@@ -1,4 +1,4 @@
-//! How frames grow with what they show, each point with its error against the reference.
+//! Measures growth of frame times with scene, lights and picture size. Each point has its error against the reference.
 
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, INTENSITY, ROTATION, TRANSLATION};
@@ -17,76 +17,75 @@ use crate::bent::bent;
 use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
 use crate::solids::ball;
 
-/// Balls along each side of the square that they lie in.
+/// Balls along each side of the square that they form.
 const SIDE: u32 = 5;
-/// Triangles inside the tube where others are counted.
+/// Triangles inside the tube, on axes that count other things.
 const INSIDE: u32 = 10_000;
-/// How far beside the light's balls those stand that it does not reach.
+/// Distance between the balls in the light and those that it does not reach.
 const OUTSIDE: f64 = 5.0;
-/// Pixels of a frame whose size does not grow.
+/// Pixels of a frame, on axes that count other things.
 const SIZE: [u32; 2] = [686, 382];
-/// By how much each side is divided for the reference where pictures grow.
+/// Divisor of each side of a picture that is compared with the reference, on the axis of picture sizes.
 const REFERENCE_DIVISOR_FOR_PIXELS: u32 = 8;
-/// Half angle of the light's cone in degrees: its circle on the floor is wider than the square of the balls.
+/// Half angle of the light's cone in degrees: its circle on the floor is larger than the square of the balls.
 const CONE: f64 = 26.0;
-/// How far the light moves, in world units.
+/// Radius of the circle in which the light moves, in world units.
 const RADIUS: f64 = 0.05;
 
-/// How far to grow along each axis.
+/// Values to measure on each axis.
 #[derive(Clone, Debug)]
 pub struct GrowthPlan {
-    /// Triangles, inside the tube and outside of it.
+    /// Numbers of triangles, inside the tube and outside of it.
     pub triangles: Vec<u32>,
-    /// How many lights, of which one moves.
+    /// Numbers of lights, of which one moves.
     pub lights: Vec<usize>,
-    /// Segments of the light.
+    /// Numbers of segments of the light.
     pub segments: Vec<usize>,
-    /// Width and height in pixels.
+    /// Widths and heights in pixels.
     pub sizes: Vec<[u32; 2]>,
 }
 
-/// Frames that differ in one thing. The light moves in each.
+/// Frames that differ in one quantity. The light moves in each.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct GrowthAxis {
     /// `trianglesInTube`, `trianglesOutside`, `lights`, `segments` or `pixels`.
     pub axis: &'static str,
-    /// From the least to the most.
+    /// Points in ascending order.
     pub points: Vec<GrowthPoint>,
 }
 
-/// Frames of one kind.
+/// Measurements at one point of an axis.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct GrowthPoint {
-    /// How many of what the axis counts.
+    /// Amount of the quantity that the axis counts.
     pub value: u64,
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Of the backend that is measured.
+    /// Costs of the measured backend.
     #[serde(flatten)]
     pub grown: GrowthCosts,
-    /// Of wgpu, in turns with it, where that is another.
+    /// Costs of wgpu, which takes turns with the measured backend; `None` if that is wgpu.
     pub by_wgpu: Option<GrowthCosts>,
 }
 
-/// What a backend's frames of one kind took, and how right they are.
+/// Costs and error of a backend's frames at one point.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct GrowthCosts {
-    /// Of a whole frame.
+    /// Costs of a whole frame.
     pub frame: Costs,
-    /// How much a frame has worked on.
     #[serde(flatten)]
     pub counted: WorkCounts,
-    /// How wrong a smaller picture of it is.
+    /// Error of a smaller picture of the frame.
     pub error: PictureError,
 }
 
 impl GrowthPlan {
-    /// From what is small today to what is large.
+    /// Plan from amounts that are small today to large ones.
     pub fn full() -> Self {
         Self {
             triangles: vec![10_000, 30_000, 100_000, 300_000, 1_000_000],
@@ -102,7 +101,7 @@ impl GrowthPlan {
     }
 }
 
-/// A point to be measured.
+/// Scene, lights and picture size of a point.
 struct GrowthSetting {
     value: u64,
     scene: Scene,
@@ -111,7 +110,7 @@ struct GrowthSetting {
     reference_divisor: u32,
 }
 
-/// Every axis.
+/// Measures every axis.
 pub(super) fn measured(bench: &mut Bench, plan: &GrowthPlan) -> Result<Vec<GrowthAxis>, BenchError> {
     let alone = |segments| Ok::<_, BenchError>(vec![bent(&spot(), segments, length())?]);
     let setting = |value, scene, lights| GrowthSetting {
@@ -163,7 +162,7 @@ fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<Growth
         frame.lights[0] = instance(0, moved(&lights[0], k, RADIUS))?;
         for (side, costs) in bench.backends.iter_mut().zip(&mut costs) {
             let cost = timed(&mut side.renderer, &frame)?.1;
-            // The first draws what the others keep.
+            // The first frame fills the caches and is not timed.
             if k > 0 {
                 costs.push(cost);
             }
@@ -187,7 +186,7 @@ fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<Growth
     Ok(GrowthPoint { value, width, height, grown: grown.remove(0), by_wgpu })
 }
 
-/// Above the balls and beside them, shining at them.
+/// Spotlight above the balls and to one side, aimed at them.
 fn spot() -> Light {
     let source = DVec3::new(-1.2, 4.2, 1.8);
     let rotation = DQuat::from_rotation_arc(DVec3::NEG_Z, (-source).normalize());
@@ -198,16 +197,16 @@ fn spot() -> Light {
         .with(INTENSITY, 60.0)
 }
 
-/// How far it is from the light to the balls.
+/// Distance from the light to the balls.
 fn length() -> f64 {
     spot().get(TRANSLATION).length()
 }
 
-/// Balls on a floor that have about so many triangles in all, in the light and beside it.
+/// Balls on a floor, with about `inside` triangles in the light and `outside` triangles beside it.
 fn balls(inside: u32, outside: u32) -> Scene {
     let half = f64::from(SIDE - 1) / 2.0;
     let square = |triangles: u32, middle: f64| {
-        // A ball has four times the square of its rings.
+        // A ball has 4 `rings`^2 triangles.
         let rings = (f64::from(triangles) / f64::from(4 * SIDE * SIDE)).sqrt().round() as u32;
         let cells = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (row, column)));
         let cells = cells.filter(move |_| triangles > 0);

@@ -1,8 +1,8 @@
-//! Where does a frame's time go? What each kind of edit costs, stage by stage; lights of ours and other renderers
-//! beside each other; and how frames grow with what they show.
+//! Measures frames: the cost of each kind of edit, stage by stage; lights of this renderer and other renderers side by
+//! side; and growth with scene, lights and picture size.
 //!
 //! A frame is [`render::Renderer::render_display`]: bytes of a screen, read back. Everything that is compared is
-//! measured in turns. Where the processor lights pictures, wgpu is measured beside it.
+//! measured in turns. If the CPU shades the pictures, wgpu is measured too.
 
 mod chart;
 mod contest;
@@ -33,32 +33,31 @@ pub use growth::{GrowthAxis, GrowthCosts, GrowthPlan, GrowthPoint};
 pub(crate) use side::backends;
 pub use subject::FrameSubject;
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameBenchOptions<'a> {
     /// Frames of each kind, at least 1.
     pub repeats: usize,
-    /// Lights of the crowd of which one moves.
+    /// Number of lights in the crowd, of which one moves.
     pub crowd: usize,
-    /// Who draws; as the device is where nobody says.
+    /// Backend that draws; the device decides if `None`.
     pub backend: Option<Backend>,
-    /// Other renderers to run beside.
+    /// Other renderers to run for comparison.
     pub peers: Option<&'a Peers>,
-    /// Along which axes frames are to grow.
+    /// Points at which growth is measured.
     pub growth: Option<&'a GrowthPlan>,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct FrameBenchReport {
-    /// Device, and the interface that it is used by.
+    /// Device, and the graphics API by which it is used.
     pub adapter: String,
-    /// The driver and its version.
+    /// Driver and its version.
     pub driver: String,
-    /// Who drew shadows and lights. Where that is another, wgpu is measured beside it.
+    /// Backend that drew shadows and lights. If it is not wgpu, wgpu is measured too.
     pub backend: &'static str,
-    /// What was drawn.
     pub scene: String,
     /// Triangles of the scene.
     pub triangles: usize,
@@ -66,25 +65,25 @@ pub struct FrameBenchReport {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Texels along each side of a map.
+    /// Texels per side of a shadow map.
     pub shadow_resolution: u32,
     /// Pixels that see a surface inside the bent light, shadowed or not.
     pub pixels_in_tube: usize,
     /// Frames of each kind.
     pub repeats: usize,
-    /// What each edit of one bent light costs, by this backend and then by wgpu where that is another.
+    /// Costs of each edit of one bent light, by this backend and then by wgpu if that is another.
     pub edits: Vec<EditReport>,
-    /// How wrong their pictures are, in the same order.
+    /// Errors of their pictures, in the same order.
     pub errors: Vec<BackendError>,
-    /// Whole frames of different renderers and lights, in turns; `bent`, the first, is what the others are compared by.
+    /// Whole frames of different renderers and lights, in turns. All are compared with the first, `bent`.
     pub side_by_side: Vec<ComparedRenderer>,
-    /// How frames grow with what they show; empty where that was not asked for.
+    /// Growth of frame times; empty if it was not requested.
     pub growth: Vec<GrowthAxis>,
 }
 
-/// What does the measuring, and how far it is.
+/// Measured renderers, and progress.
 struct Bench<'a> {
-    /// The backend that is measured; wgpu beside it where that is another.
+    /// The measured backend, then wgpu if that is another.
     backends: Vec<MeasuredBackend>,
     options: FrameBenchOptions<'a>,
     progress: &'a dyn Fn(Progress),
@@ -92,7 +91,7 @@ struct Bench<'a> {
     done: usize,
 }
 
-/// Measures `subject`. Returns what was measured and the chart, an SVG.
+/// Measures `subject`. Returns the report and the chart in SVG.
 pub fn run(
     subject: &FrameSubject,
     options: FrameBenchOptions,
@@ -139,7 +138,7 @@ impl Bench<'_> {
         Ok(picture.pixels.iter().filter(|pixel| pixel[3] > 0.0).count())
     }
 
-    /// Of the bent light's picture, one a side.
+    /// Measures the error of each backend's picture of the bent light.
     fn errors(&mut self, subject: &FrameSubject) -> Result<Vec<BackendError>, BenchError> {
         self.step("error against the reference");
         let View { width, height, .. } = subject.view;
@@ -153,7 +152,7 @@ impl Bench<'_> {
 }
 
 impl FrameBenchReport {
-    /// Tables for a terminal.
+    /// Formats the report as tables for a terminal.
     pub fn table(&self) -> String {
         table::of(self)
     }

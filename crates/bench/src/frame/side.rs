@@ -1,4 +1,4 @@
-//! Who is measured: the renderer that was asked for, and wgpu beside it where that is another.
+//! Measured backends: the requested one, and wgpu if that is another.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use scene::PosedScene;
 
 use super::subject::FrameRequest;
 
-/// A device, and a renderer on it that draws moving pictures in one way.
+/// A device, and a renderer on it with one backend.
 pub(super) struct MeasuredBackend {
     pub gpu: Arc<Gpu>,
     pub renderer: Renderer,
@@ -21,13 +21,13 @@ impl MeasuredBackend {
         Ok(Self { gpu, renderer })
     }
 
-    /// What its backend is called in reports.
+    /// Name of the backend in reports.
     pub fn backend(&self) -> &'static str {
         self.gpu.backend().name()
     }
 }
 
-/// First who draws as `wanted` says, or as the device is where nobody says; then wgpu where that is another.
+/// Returns the `wanted` backend, or that of the device if `None`, and then wgpu if that is another.
 pub(crate) fn backends(wanted: Option<Backend>) -> Result<Vec<Backend>, RenderError> {
     let main = match wanted {
         Some(backend) => backend,
@@ -36,7 +36,7 @@ pub(crate) fn backends(wanted: Option<Backend>) -> Result<Vec<Backend>, RenderEr
     Ok([main].into_iter().chain((main != Backend::Wgpu).then_some(Backend::Wgpu)).collect())
 }
 
-/// The [`backends`], each with `scene`.
+/// Opens the [`backends`], each with `scene`.
 pub(super) fn open_backends(
     wanted: Option<Backend>,
     scene: &Arc<PosedScene>,
@@ -44,7 +44,7 @@ pub(super) fn open_backends(
     backends(wanted)?.into_iter().map(|backend| MeasuredBackend::open(backend, scene)).collect()
 }
 
-/// What a whole frame takes, and its bytes.
+/// Draws a whole frame. Returns its bytes and its time.
 pub(super) fn timed(
     renderer: &mut Renderer,
     frame: &FrameRequest,

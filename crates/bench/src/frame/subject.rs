@@ -1,4 +1,4 @@
-//! What is drawn: a scene under a light that is bent, and the same light before that.
+//! Scene to draw, under a bent light and under the same light before it was bent.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -10,20 +10,20 @@ use scene::{Camera, PosedScene, Scene, View};
 
 use crate::bent::bent_and_spot;
 
-/// What is drawn.
+/// Scene, view and lights of the benchmark.
 #[derive(Clone, Debug)]
 pub struct FrameSubject {
-    /// Names it in the report.
+    /// Name in the report.
     pub name: String,
     pub(super) posed: Arc<PosedScene>,
     pub(super) view: View,
-    /// The BendyLight that edits are made to.
+    /// The BendyLight that is edited.
     pub(super) bent: Light,
-    /// A spotlight from the same place in the same direction.
+    /// A spotlight at the same position in the same direction.
     pub(super) spot: Light,
 }
 
-/// A picture that is asked for.
+/// View and lights of a picture.
 #[derive(Clone, Debug)]
 pub(super) struct FrameRequest {
     pub view: View,
@@ -31,8 +31,8 @@ pub(super) struct FrameRequest {
 }
 
 impl FrameSubject {
-    /// `scene` as `camera` sees it in `size` pixels, under `light` alone. A straight light is bent into three segments;
-    /// one that is bent is straightened, to have both.
+    /// Makes a subject of `scene` seen by `camera` in `size` pixels, under `light` alone. A straight light is bent into
+    /// three segments. A bent one is straightened for the spotlight.
     pub fn new(
         name: &str,
         scene: Scene,
@@ -45,18 +45,18 @@ impl FrameSubject {
         Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }
 
-    /// A light that is drawn alone.
+    /// Frame under `light` alone.
     pub(super) fn under(&self, light: Light) -> Result<FrameRequest, LightError> {
         Ok(FrameRequest { view: self.view.clone(), lights: vec![instance(0, light)?] })
     }
 
-    /// What lights and cameras are moved by: a hundredth of how far the scene reaches.
+    /// Distance by which lights and cameras move: a hundredth of half the scene's diagonal.
     pub(super) fn step(&self) -> f64 {
         0.01 * self.posed.half_extent.length()
     }
 }
 
-/// `count` lights like `light`, turned about the vertical through `middle`, together as bright as one.
+/// Makes `count` lights like `light`, rotated about the vertical axis through `middle`, together as bright as one.
 pub(super) fn crowd(light: &Light, count: usize, middle: DVec3) -> Vec<Light> {
     let golden_angle = PI * (3.0 - 5_f64.sqrt());
     let turned = |index: usize| {
@@ -70,12 +70,12 @@ pub(super) fn crowd(light: &Light, count: usize, middle: DVec3) -> Vec<Light> {
     (0..count).map(turned).collect()
 }
 
-/// A light as pictures take it.
+/// Checks a light for a renderer.
 pub(super) fn instance(id: u64, light: Light) -> Result<LightInstance, LightError> {
     Ok(LightInstance { id: LightId(id), light: Arc::new(CheckedLight::new(light)?) })
 }
 
-/// `light` on its way around where it stands: step `k` of a circle, nowhere at its middle.
+/// Moves `light` to step `k` of a circle around its position. No step is at the center.
 pub(super) fn moved(light: &Light, k: usize, radius: f64) -> Light {
     let (sin, cos) = (0.2 * k as f64).sin_cos();
     light.clone().with(TRANSLATION, light.get(TRANSLATION) + radius * DVec3::new(sin, 0.0, cos))

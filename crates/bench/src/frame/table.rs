@@ -1,10 +1,10 @@
-//! A report as tables for a terminal.
+//! Formats a report as tables for a terminal.
 
 use std::fmt::Write;
 
 use super::{BackendError, EditReport, FrameBenchReport, FrameEdit, GrowthPoint, PictureError, StageCosts};
 
-/// Edits by stages, contestants, growth.
+/// Formats edits by stages, renderers side by side, and growth.
 pub(super) fn of(report: &FrameBenchReport) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -34,7 +34,7 @@ fn edits(text: &mut String, report: &FrameBenchReport) -> std::fmt::Result {
     Ok(())
 }
 
-/// The edits of one backend.
+/// Writes the edits of one backend.
 fn group(text: &mut String, backend: &str, edits: &[EditReport]) -> std::fmt::Result {
     write!(text, "{backend:14}{:>8}{:>8}{:>8}", "min", "median", "cpu")?;
     for StageCosts { stage, .. } in edits.first().map_or(&[][..], |edit| &edit.stages) {

@@ -1,4 +1,4 @@
-//! A small bench has every row and stage, and what is edited shows in the stages that it must and in no others.
+//! Tests that a small benchmark has every row and stage, and that an edit runs the stages that it must and no others.
 
 use glam::DVec3;
 use light::Light;
@@ -38,7 +38,7 @@ fn report(backend: Backend) -> Value {
     assert!(FrameEdit::ALL.iter().all(|edit| table.contains(edit.name())), "{table}");
     let backends = [Backend::Wgpu, Backend::Native].map(Backend::name);
     for who in backends {
-        // Who is measured alone needs no name beside bars and lines.
+        // A single backend needs no name in table and chart.
         let is_shown = backend == Backend::Native || who == backend.name();
         assert_eq!(table.contains(&format!("{who}'s error")), is_shown, "{table}");
         assert_eq!(chart.contains(&format!("{who} (error ")), is_shown, "{who}");
@@ -46,9 +46,9 @@ fn report(backend: Backend) -> Value {
     serde_json::to_value(&report).expect("plain data")
 }
 
-/// The stages that the frame after an edit runs.
+/// Stages that the frame after an edit runs.
 fn expected(backend: &str, edit: &str) -> Vec<&'static str> {
-    // The processor draws what it clips at once, and hands over bytes that nobody has to read back.
+    // The CPU draws clipped triangles at once, and its bytes need no readback.
     let is_native = backend == "native";
     let map: &[&str] = if is_native {
         &["vertices", "triangles", "split", "draw"]
@@ -62,12 +62,12 @@ fn expected(backend: &str, edit: &str) -> Vec<&'static str> {
         "first" => [seen, map, lit, shown].concat(),
         "camera" => [seen, lit, shown].concat(),
         "lightMove" | "controlPoint" | "radius" => [map, &["light"], shown].concat(),
-        // Colors, intensities, mute: a sum of what is kept.
+        // Color, intensity and mute sum cached layers.
         _ => shown.into(),
     }
 }
 
-/// Why a row does not show what is expected of `edit` by `backend`.
+/// Returns the fault if a row does not show the expected work of `edit` by `backend`.
 fn fault(row: &Value, backend: &str, edit: &str) -> Option<String> {
     let expected = expected(backend, edit);
     let stages = row["stages"].as_array().expect("stages");
@@ -90,7 +90,7 @@ fn fault(row: &Value, backend: &str, edit: &str) -> Option<String> {
     faults.into_iter().find_map(|(wrong, what)| wrong.then(|| format!("{what}: {ran:?}")))
 }
 
-/// Checks the rows that each of `backends` has, in their order.
+/// Checks the rows of each of `backends`, in their order.
 fn check_edits(report: &Value, backends: &[&str]) {
     let rows = report["edits"].as_array().expect("rows");
     assert_eq!(rows.len(), backends.len() * FrameEdit::ALL.len());
@@ -100,17 +100,17 @@ fn check_edits(report: &Value, backends: &[&str]) {
             assert_eq!(fault(row, backend, edit), None, "{edit}: {row}");
             assert_eq!(row["stages"].as_array().map(Vec::len), Some(render::FrameStage::ALL.len()));
         }
-        // A light that moved is no light that became brighter, and a first frame none that was there.
+        // A moved light differs from a brighter one, and a first frame from an unchanged one.
         assert!(fault(&rows[2], backend, "intensity").is_some(), "{report}");
         assert!(fault(&rows[6], backend, "lightMove").is_some(), "{report}");
         assert!(fault(&rows[0], backend, "idle").is_some(), "{report}");
-        // The ball has more triangles than the floor, and the map of the light shows it.
+        // The ball has more triangles than the floor, and the light's map has them.
         assert!(rows[2]["trianglesDrawn"].as_u64() > Some(100), "{report}");
     }
     assert!(report["pixelsInTube"].as_u64() > Some(50), "{report}");
 }
 
-/// Checks who takes part: `ours`, by the backends with their names in this order.
+/// Checks the participants: `ours`, pairs of a backend and the names of its variants, in this order.
 fn check_sides(report: &Value, ours: &[(&str, &[&str])]) {
     let sides = report["sideBySide"].as_array().expect("sides");
     let found: Vec<_> = sides.iter().map(|one| (&one["backend"], &one["what"])).collect();
@@ -121,7 +121,7 @@ fn check_sides(report: &Value, ours: &[(&str, &[&str])]) {
         })
         .collect();
     assert!(found.iter().copied().eq(expected.iter().map(|(backend, what)| (backend, what))), "{found:?}");
-    // All are compared by the first.
+    // All are compared with the first.
     let (bent, last) = (&sides[0], &sides[sides.len() - 1]);
     assert_eq!(bent["toBent"]["min"], 1.0);
     let ms = |one: &Value| one["wallMs"]["min"].as_f64().expect("a time");
@@ -129,7 +129,7 @@ fn check_sides(report: &Value, ours: &[(&str, &[&str])]) {
     assert!((ratio * ms(bent) / ms(last) - 1.0).abs() < 1e-9, "{report}");
 }
 
-/// Why a picture is not as it should be. One in a hundred is what maps of this size leave of edges and shading in f32.
+/// Returns the fault of a picture. An error of 1 in 100 remains at maps of this size, from edges and shading in f32.
 fn wrong_picture(error: &Value) -> Option<&'static str> {
     let faults = [
         (error["compared"].as_u64() <= Some(20), "little is compared"),
@@ -138,7 +138,7 @@ fn wrong_picture(error: &Value) -> Option<&'static str> {
     faults.into_iter().find_map(|(wrong, what)| wrong.then_some(what))
 }
 
-/// Checks how right the pictures of all `backends` are, of the subject and of what grows.
+/// Checks the errors of the pictures of all `backends`, of the subject and on the growth axes.
 fn check_errors(report: &Value, backends: &[&str]) {
     let errors = report["errors"].as_array().expect("errors");
     let of: Vec<_> = errors.iter().map(|error| &error["backend"]).collect();
@@ -163,7 +163,7 @@ fn check_errors(report: &Value, backends: &[&str]) {
 const OURS: [&str; 7] =
     ["bent", "bentHalfMap", "spot", "straightBendy", "bentNothingCulled", "bentIntensity", "bent3OneMoves"];
 
-/// Of the device, which is measured alone where it draws; the processor's stages are checked where it draws, below.
+/// Covers wgpu alone. The next test covers the stages of the CPU.
 #[test]
 fn an_edit_runs_the_stages_that_it_must_and_no_others() {
     let report = report(Backend::Wgpu);
@@ -182,7 +182,7 @@ fn beside_the_processor_wgpu_draws_the_same_in_the_same_run() {
         ["bentByWgpu", "bentHalfMapByWgpu", "spotByWgpu", "bentIntensityByWgpu", "bent3OneMovesByWgpu"];
     check_sides(&report, &[("native", &OURS), ("wgpu", &beside)]);
     check_errors(&report, &["native", "wgpu"]);
-    // What one draws is told from what the other does.
+    // The rows of one backend fail the checks of the other.
     let rows = report["edits"].as_array().expect("rows");
     for (row, other) in [(&rows[0], "wgpu"), (&rows[FrameEdit::ALL.len()], "native")] {
         let mut taken_for = row.clone();

@@ -1,4 +1,4 @@
-//! Edits a second and opening time, as an SVG.
+//! Chart of edit rates and opening times, in SVG.
 
 use plotters::prelude::*;
 
@@ -8,7 +8,7 @@ use crate::chart::{self, Area, BLUE, ChartResult, FAINT, ORANGE, range};
 
 type Time = fn(&OpeningTime) -> f64;
 
-/// Bars of rates to the left, opening time over the length of the log to the right.
+/// Draws bars of rates on the left, and opening time over the length of the log on the right.
 pub(super) fn draw(report: &LogBenchReport) -> Result<String, BenchError> {
     chart::svg((1000, 420), "", |area| {
         let panels = area.split_evenly((1, 2));

@@ -1,4 +1,4 @@
-//! How fast is the edit log? Edits acknowledged, undone and replayed a second, and how long a session takes to open.
+//! Measures the edit log: edits acknowledged, undone and replayed per second, and the time to open a session.
 
 mod chart;
 
@@ -14,70 +14,70 @@ use crate::circle::ms;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
-/// Requests that a client has under way at once where it does not wait for each answer.
+/// Requests in flight at once if the client does not wait for each answer.
 pub const IN_FLIGHT: usize = 64;
 
-/// Edits that are sent one at a time.
+/// Number of edits that are sent one at a time.
 const ONE_AT_A_TIME: usize = 200;
 
-/// Times that a session of each length is opened; the fastest counts, since other work only adds time.
+/// Number of openings of a session of each length. The fastest counts, since other work only adds time.
 const OPENINGS: usize = 3;
 
-/// Lengths at which opening is measured, at most.
+/// Maximum number of log lengths at which opening is measured.
 const LENGTHS: usize = 7;
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct LogBenchOptions {
-    /// Edits that the log grows by.
+    /// Number of edits that the log grows by.
     pub edits: usize,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct LogBenchReport {
-    /// What was edited.
+    /// Description of the edits.
     pub what: &'static str,
-    /// Each sent when the one before was acknowledged, which is when it is on disk.
+    /// Each edit is sent when the one before it is acknowledged, which is when it is on disk.
     pub acknowledged_one_at_a_time: EditRate,
-    /// With up to 64 under way.
+    /// Up to 64 edits are in flight.
     pub acknowledged: EditRate,
-    /// The same for undo.
+    /// Undo, with up to 64 requests in flight.
     pub undone: EditRate,
-    /// By `bendylights replay`, from a file: every record applied, every checkpoint's hash compared.
+    /// `bendylights replay` of a file: applies every record and compares the hash of every checkpoint.
     pub replayed: EditRate,
-    /// Over the length of the log, the shortest first.
+    /// Opening times by the length of the log, ascending.
     pub opening: Vec<OpeningTime>,
 }
 
-/// How many, and how fast.
+/// Number and rate of requests or records.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct EditRate {
-    /// Edits or records.
+    /// Number of edits or records.
     pub count: usize,
-    /// Of them.
     pub per_second: f64,
-    /// From sending one to its answer; null where none is answered.
+    /// Latency from a request to its answer; null for replay, which has no answers.
     pub latency_ms: Option<Quantiles>,
 }
 
-/// How long a server takes until it answers for a session that was at rest.
+/// Time until a server answers for a session that it has not opened yet.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct OpeningTime {
     /// Records in the log.
     pub records: u64,
-    /// Bytes of its log file.
+    /// Bytes of the log file.
     pub log_bytes: u64,
-    /// Without a checkpoint: all records are replayed.
+    /// Milliseconds without a checkpoint: all records are replayed.
     pub without_checkpoint_ms: f64,
-    /// As the server had left it: from its checkpoint where it keeps one, which is once a thousand records have come.
+    /// Milliseconds from the state that the server left: from its checkpoint if it has one, which it writes once there
+    /// are a thousand records.
     pub reopened_ms: f64,
 }
 
-/// Starts `program serve` on data of its own and measures. Returns what was measured and the chart, an SVG.
+/// Starts `program serve` with new data and measures. Returns the report and the chart in SVG.
 pub fn run(
     program: &Path,
     options: LogBenchOptions,
@@ -127,7 +127,7 @@ pub fn run(
     Ok((report, chart))
 }
 
-/// Numbers of edits up to that, each about three times the one before.
+/// Numbers of edits up to `edits`, each about three times the one before it.
 fn lengths(edits: usize) -> Vec<usize> {
     let mut lengths: Vec<usize> = (0..LENGTHS as u32).map(|k| edits / 3_usize.pow(k)).collect();
     lengths.retain(|length| *length > 0);
@@ -136,7 +136,7 @@ fn lengths(edits: usize) -> Vec<usize> {
     lengths
 }
 
-/// How long requests took that were answered.
+/// Latencies of answered requests, and the time that they took together.
 #[derive(Clone, Debug, Default)]
 struct RequestTimes {
     latencies_ms: Vec<f64>,
@@ -159,11 +159,11 @@ impl RequestTimes {
 /// Edits of one light by one client.
 struct LightEdits {
     circle: DragCircle,
-    /// Edits that have been made.
+    /// Number of edits made.
     count: usize,
-    /// The latest record.
+    /// Latest record.
     seq: u64,
-    /// Requests that have been made.
+    /// Number of requests made.
     requests: usize,
 }
 
@@ -172,7 +172,8 @@ impl LightEdits {
         Ok(Self { circle: DragCircle::of(client)?, count: 0, seq: client.welcome.seq, requests: 0 })
     }
 
-    /// Makes so many edits, each another, with at most `under_way` under way; `progress` is told how many are answered.
+    /// Makes `count` edits, each to another position, with at most `in_flight` requests in flight. `progress` gets the
+    /// number of answered ones.
     fn send(
         &mut self,
         client: &mut Client,
@@ -184,13 +185,13 @@ impl LightEdits {
         self.count += count;
         let (circle, base_seq) = (self.circle.clone(), self.seq);
         self.answered(client, count, in_flight, progress, |op_id, number| {
-            // Never twice the same place: that would be no edit.
+            // Never the same position twice: that would be no edit.
             let command = circle.command((first + number) as f64);
             ClientMessage::Edit { op_id, base_seq, command }
         })
     }
 
-    /// Takes back so many of them.
+    /// Undoes `count` edits, with at most `IN_FLIGHT` requests in flight.
     fn undo(
         &mut self,
         client: &mut Client,
@@ -239,8 +240,8 @@ impl LightEdits {
     }
 }
 
-/// Opens sessions made of the logs, without checkpoints and as the server has left them; `progress` is told how many steps are
-/// done.
+/// Imports the logs as sessions and opens them, first without checkpoints and then from the state that the server left.
+/// `progress` gets the number of finished steps.
 fn openings(
     program: &Path,
     data: &Path,
@@ -260,7 +261,7 @@ fn openings(
     }
     let mut times = [const { Vec::new() }; 2];
     for times in &mut times {
-        // Whose main session has the scene decoded that the others have too.
+        // Opening its main session decodes the scene that all sessions share.
         let server = ServerProcess::start(program, data, &["--scene", "demo:vases"])?;
         server.wait_until_ready()?;
         opened(&server, "main")?;
@@ -284,7 +285,7 @@ fn openings(
     .collect()
 }
 
-/// How long a server takes to answer for a session.
+/// Measures the time until a server answers for a session.
 fn opened(server: &ServerProcess, session: &str) -> Result<Duration, BenchError> {
     let began = Instant::now();
     let response = server.get(&format!("/sessions/{session}"))?;
@@ -297,7 +298,7 @@ fn export(program: &Path, data: &Path, log: &Path) -> Result<(), BenchError> {
     answer(program, &["export", "main", "--data", &data, "-o", &log]).map(drop)
 }
 
-/// What `bendylights replay` says of a log.
+/// Runs `bendylights replay` on a log and returns its rate.
 fn replay(program: &Path, log: &Path) -> Result<EditRate, BenchError> {
     let text = answer(program, &["replay", &log.display().to_string()])?;
     let said: serde_json::Value =
@@ -309,7 +310,7 @@ fn replay(program: &Path, log: &Path) -> Result<EditRate, BenchError> {
     Ok(EditRate { count: records as usize, per_second, latency_ms: None })
 }
 
-/// What a command of the program answers.
+/// Runs a command of the program and returns its standard output.
 fn answer(program: &Path, args: &[&str]) -> Result<String, BenchError> {
     let done = Process::new(program).args(args).output()?;
     if done.status.success() {

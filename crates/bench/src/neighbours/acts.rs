@@ -1,4 +1,4 @@
-//! What the other client does in each row.
+//! Actions of the other client in each row.
 
 use super::asks;
 use super::drags;
@@ -9,7 +9,7 @@ use super::row::NeighbourRow;
 use super::views;
 use crate::BenchError;
 
-/// Makes what a row needs; what it does then.
+/// Makes sessions and scenes that a row needs. Returns its action.
 pub(super) fn prepare(row: NeighbourRow, other: &OtherClient) -> Result<ClientAction, BenchError> {
     match row {
         NeighbourRow::Nobody => Ok(Box::new(|_| Ok(()))),

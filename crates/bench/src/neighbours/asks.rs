@@ -1,4 +1,4 @@
-//! What is asked over HTTP, and probes: pictures, scenes, answers, edits.
+//! Actions over HTTP, and probes: stills, uploads, requests without pictures, edits.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,19 +13,19 @@ use super::setup::{SIZE, document, make_session, post, rename};
 use super::{scenes, usage};
 use crate::{BenchError, Incoming};
 
-/// Triangles and primitives in one place.
+/// Numbers of triangles and of primitives at one position.
 const TRIANGLES: [u32; 2] = [16_000, 64_000];
 const PRIMITIVES: usize = 100_000;
-/// Requests for stills at once, as many as a server takes.
+/// Concurrent requests for stills, as many as a server accepts.
 const STILLS: usize = 8;
-/// Clients that edit at once.
+/// Number of concurrent clients that edit.
 const EDITORS: usize = 8;
-/// Bytes of an actor's name, the most that a server takes.
+/// Bytes of an actor's name, the most that a server accepts.
 const LABEL_BYTES: usize = 128;
-/// Drags in one request.
+/// Number of drags in one request.
 const DRAGS: usize = 8;
 
-/// Pictures of a scene in which all lies in one place.
+/// Requests stills of a scene with all geometry at one position.
 pub(super) fn stills(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let scene = match other.row {
         NeighbourRow::Stills16000 => scenes::triangles(TRIANGLES[0], "still"),
@@ -47,7 +47,7 @@ pub(super) fn stills(other: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// Uploads, each of another file.
+/// Uploads files, each a different one.
 #[expect(clippy::unnecessary_wraps, reason = "rows are prepared alike")]
 pub(super) fn imports(_: &OtherClient) -> Result<ClientAction, BenchError> {
     let [few, many] = TRIANGLES.map(|count| scenes::triangles(count, &upload_name(0, 0)));
@@ -65,12 +65,13 @@ pub(super) fn imports(_: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// A name for an upload, as long as any other.
+/// Name of an upload. All names have the same length.
 fn upload_name(thread: usize, count: usize) -> String {
     format!("upload {thread} {count:08}")
 }
 
-/// The file with another name that is as long: another file for the server, made in next to no time.
+/// Replaces a name in a file by one of the same length. The server sees a different file, and making it takes hardly
+/// any time.
 fn renamed(file: &[u8], from: &str, to: &str) -> Vec<u8> {
     let at = file.windows(from.len()).position(|bytes| bytes == from.as_bytes());
     let mut renamed = file.to_vec();
@@ -80,7 +81,8 @@ fn renamed(file: &[u8], from: &str, to: &str) -> Vec<u8> {
     renamed
 }
 
-/// All that is answered without a picture, each by a thread that asks again once it is answered.
+/// Makes every kind of request that is answered without a picture. Each has a thread that requests again after each
+/// answer.
 pub(super) fn ask_without_pictures(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
@@ -126,12 +128,12 @@ fn probe(other: &OtherClient, pixel: [f64; 2]) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Edits, half of the time as one actor and then as another for each, and what is written for them.
+/// Edits as one actor for half of the time, then as a new actor for each edit, and measures the bytes written per edit.
 pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
     let light = document(&other.address, &session)?["lights"][0]["id"].as_u64().unwrap_or_default();
-    // A first edit opens the session.
+    // The first edit opens the session.
     post(&other.address, &format!("/sessions/{session}/edits"), &edit_of(light, "first", 0))?;
     Ok(Box::new(move |other| {
         let (count, are_many) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
@@ -160,7 +162,7 @@ pub(super) fn edit_as_many_actors(other: &OtherClient) -> Result<ClientAction, B
             let one_actor_bytes = measure()?;
             are_many.store(true, Ordering::Relaxed);
             let many_actors_bytes = measure()?;
-            // On a file system in memory nothing is written.
+            // Nothing is written if the file system is in memory.
             if one_actor_bytes > 0.0 {
                 let ratio = many_actors_bytes / one_actor_bytes;
                 other.keep_writes(Writes { one_actor_bytes, many_actors_bytes, ratio });

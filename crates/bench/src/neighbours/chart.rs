@@ -1,4 +1,4 @@
-//! Bars of what the victim keeps beside each kind of other client, as an SVG.
+//! Chart of the victim's frames beside each kind of other client, in SVG.
 
 use plotters::prelude::*;
 
@@ -7,14 +7,15 @@ use super::{NeighbourReport, RowReport};
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, WRONG};
 
-/// Pixels of the picture's width, and of the height of a row and of all else.
+/// Width of the picture in pixels, and heights of a row and of everything else.
 const WIDTH: u32 = 1100;
 const ROW: u32 = 26;
 const REST: u32 = 110;
-/// The longest gap that the axis has room for, over the usual 95th percentile.
+/// Longest gap on the axis, over the 95th percentile without the other client.
 const TOP_GAP: f64 = 4000.0;
 
-/// Left the share of its frames, right its longest gap, a row each; lines are the bounds.
+/// Draws one row each, with the victim's share of frames on the left and its longest gap on the right. Lines are the
+/// bounds.
 pub(super) fn draw(report: &NeighbourReport) -> Result<String, BenchError> {
     let NeighbourReport { width, height, rows, .. } = report;
     let title = format!("a drag at {width}x{height} beside one other client, over the same drag alone");
@@ -25,7 +26,7 @@ pub(super) fn draw(report: &NeighbourReport) -> Result<String, BenchError> {
     })
 }
 
-/// From where to where the `index`th of so many rows reaches, the first at the top.
+/// Rows with their positions on the axis, the first at the top.
 fn rows_of(report: &NeighbourReport) -> impl Iterator<Item = (f64, &RowReport)> {
     let count = report.rows.len() as f64;
     report.rows.iter().enumerate().map(move |(index, row)| (count - index as f64, row))

@@ -1,4 +1,4 @@
-//! Drags of features that take long to solve.
+//! Actions that drag features with slow solves.
 
 use std::time::Duration;
 
@@ -10,16 +10,16 @@ use super::setup::{add_light, document, edit, make_session, pin, rename};
 use super::victim;
 use crate::{BenchError, Client, Incoming};
 
-/// Segments and pins of the light whose drags are given up: all that a document takes.
+/// Segments and pins of the light whose drags are canceled: the most that a document allows.
 const SEGMENTS: usize = 256;
 const PINS: usize = 256;
-/// The same of the light in the victim's session, whose pins count among those of the document.
+/// Segments and pins of the light in the victim's session. Its pins count toward the limit of the document.
 const SEGMENTS_IN_SESSION: usize = 64;
 const PINS_IN_SESSION: usize = 64;
-/// From the begin of a drag to where it is given up: its solve has begun by then.
+/// Time from the start of a drag to its cancellation: its solve has begun by then.
 const GIVEN_UP_AFTER: Duration = Duration::from_millis(50);
 
-/// Begins drags of features in a session of its own, and gives each up.
+/// Begins drags of features in a session of its own, and cancels each.
 pub(super) fn cancel_slow_drags(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let (address, session, actor) = (&other.address, other.session(0), other.actor(0));
     make_session(address, &session, "demo:vases")?;
@@ -61,7 +61,7 @@ fn give_up(client: &mut Client, light: u64, n: usize, command: Command) -> Resul
     Ok(())
 }
 
-/// Drags a feature in the victim's session, and edits its light meanwhile, so that what was solved is of a light that has
+/// Drags a feature in the victim's session, and edits its light meanwhile, so that each solve is of a light that has
 /// changed.
 pub(super) fn drag_in_victims_session(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let (address, session, actor) = (&other.address, victim::SESSION, other.actor(0));
@@ -80,7 +80,7 @@ pub(super) fn drag_in_victims_session(other: &OtherClient) -> Result<ClientActio
     }))
 }
 
-/// Edits one after the other, each once the one before is answered.
+/// Sends edits one after the other, each after the answer to the one before.
 fn repeat_edits(
     other: &OtherClient,
     client: &mut Client,

@@ -1,4 +1,4 @@
-//! What a row's measurements say: how the victim's frames and answers came, and which bounds that misses.
+//! Judges a row: computes the victim's frame rate, gaps and answer times, and tests them against bounds.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -9,72 +9,72 @@ use super::usage::BusyThread;
 use crate::Quantiles;
 use crate::circle::ms;
 
-/// Share of its frames that a victim keeps at least where the other client has nothing drawn.
+/// Minimum share of its frames that a victim keeps if the other client draws nothing.
 pub const MIN_FRAME_SHARE: f64 = 0.9;
-/// The same where the other has drawn all it can.
+/// Minimum share of its frames that a victim keeps if the other client draws as much as it can.
 pub const MIN_SHARED_FRAME_SHARE: f64 = 0.45;
-/// The longest gap between two frames, over the usual 95th percentile, at most.
+/// Maximum of the longest gap between two frames over the 95th percentile without the other client.
 pub const MAX_GAP_RATIO: f64 = 4.0;
-/// Time of the victim's own drags of features over the usual one, at most.
+/// Maximum time of the victim's own drags of features over that without the other client.
 pub const MAX_OWN_DRAG_RATIO: f64 = 2.0;
-/// MiB that the server may hold more than before, once the other client has left and all have rested.
+/// Maximum growth of the server's memory in MiB, after the other client has left and the rest period has passed.
 pub const MAX_MEMORY_GROWTH_MIB: f64 = 250.0;
-/// Bytes written for an edit where each is by another actor, over those with one actor, at most.
+/// Maximum of the bytes written per edit with a new actor for each, over those with one actor.
 pub const MAX_WRITE_RATIO: f64 = 2.0;
-/// Share of its updates that a victim sends at least, or the bench itself was held up.
+/// Minimum share of its updates that a victim sends; otherwise the benchmark itself was too slow.
 const MIN_UPDATE_SHARE: f64 = 0.75;
 
-/// What a victim saw.
+/// Events that a victim recorded.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timeline {
-    /// When each frame of its view had come, and the session's live revision that it shows.
+    /// Time at which each frame of its view arrived, and the session's live revision that it shows.
     pub frames: Vec<(Instant, u32)>,
-    /// The victim's update that each live revision is of; other clients' are left out.
+    /// Victim's update that each live revision shows; updates of other clients are left out.
     pub update_of: BTreeMap<u32, u64>,
-    /// When each of its updates was sent.
+    /// Time at which each of its updates was sent.
     pub sent: Vec<Instant>,
     /// Its drags of features, in the order in which they were sent.
     pub timed_drags: Vec<TimedDrag>,
-    /// Why its connections ended before it left.
+    /// Reason that its connections ended before it left.
     pub disconnect_reason: Option<String>,
 }
 
-/// A drag of a feature.
+/// Drag of a feature.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimedDrag {
     pub sent: Instant,
     pub answered: Option<Instant>,
 }
 
-/// A time that is measured.
+/// Period of measurement.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MeasuredWindow {
     pub from: Instant,
     pub to: Instant,
-    /// Until then what was open at its end was followed.
+    /// Time until which gaps and answers that were open at the end were followed.
     pub followed_to: Instant,
 }
 
-/// How the frames and answers of a victim came.
+/// Frame rate, gaps and answer times of a victim.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct VictimPace {
-    /// Frames that show something new of its drag.
+    /// Frames that show a new update of its drag.
     pub frames_per_second: f64,
-    /// 95 in 100 gaps between two of them are shorter.
+    /// 95th percentile of the gaps between two of them.
     pub p95_gap_ms: f64,
-    /// The longest gap, also where it began or ended outside of the measured time.
+    /// Longest gap, even if it began or ended outside of the period.
     pub longest_gap_ms: f64,
     /// Updates that the victim sent.
     pub updates_per_second: f64,
-    /// Its drags of features.
+    /// Number of its drags of features.
     pub own_drags: usize,
-    /// From sending one to its answer, or to where it was given up.
+    /// Time from sending a drag to its answer, or to the end of the period if there was none.
     pub own_drag_ms: Quantiles,
 }
 
 impl Timeline {
-    /// When each frame came that shows an update of the victim's that none before had shown.
+    /// Times of frames that show an update of the victim that no frame before had shown.
     fn new_frame_times(&self) -> Vec<Instant> {
         let mut latest = 0;
         let mut shown = Vec::new();
@@ -110,12 +110,12 @@ impl Timeline {
     }
 }
 
-/// Between frames, of which one at least came in the window, or one before it and the next behind.
+/// Gaps between frames that overlap the period, up to the first frame after it.
 fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
     let MeasuredWindow { from, to, followed_to } = window;
     let first = shown.partition_point(|at| *at < from);
     let last = shown.partition_point(|at| *at < to);
-    // What lies before the window is another time's, but the gap that ends in it begins there.
+    // The part of a gap before the period does not count, so the first gap begins at the earliest at its start.
     let before = shown[..first].last().copied().map_or(from, |at| at.max(from));
     let behind = shown.get(last).copied().unwrap_or(followed_to).max(to);
     let ends = shown[first..last].iter().copied().chain([behind]);
@@ -123,58 +123,57 @@ fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
     starts.zip(ends).map(|(from, to)| to.saturating_duration_since(from)).collect()
 }
 
-/// A bound that is missed.
+/// Bound that a row misses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MissedBound {
-    /// Too few of its usual frames.
+    /// The victim keeps too few of its frames.
     Share,
-    /// A gap that is too long.
+    /// A gap is too long.
     Gap,
-    /// Its own drags of features take too long.
+    /// The victim's own drags of features take too long.
     OwnDrag,
     /// The server keeps too much memory.
     Memory,
-    /// Threads of the server work for nobody.
+    /// Threads of the server use the CPU though no client needs them.
     BusyThreads,
-    /// Too much is written for an edit.
+    /// The server writes too much per edit.
     Writes,
-    /// A connection of the victim's was ended.
+    /// A connection of the victim ended.
     Connection,
-    /// The victim did not send its updates: the bench itself was held up, and the row says nothing.
+    /// The victim did not send its updates: the benchmark itself was too slow, and the row is invalid.
     Updates,
-    /// The other client did nothing or was refused all, or nothing was answered where something should be: the row says nothing.
+    /// The other client did nothing, or all its requests were refused, or none was answered though some should be: the
+    /// row is invalid.
     Other,
 }
 
 /// Measurements of a row that are judged.
 pub(super) struct JudgedRow<'a> {
     pub uses_renderer: bool,
-    /// With nobody else.
+    /// Without the other client.
     pub alone: VictimPace,
     /// With the other client.
     pub with: VictimPace,
     pub grown_mib: f64,
     pub busy_threads: &'a [BusyThread],
-    /// Bytes written for an edit of many actors over one of one actor.
+    /// Bytes written per edit with many actors, over those with one actor.
     pub writes: Option<f64>,
     pub is_connected: bool,
-    /// Whether the other client did nothing that counts.
     pub is_other_idle: bool,
 }
 
 impl JudgedRow<'_> {
-    /// The share of its frames that the victim kept.
+    /// Share of its frames that the victim kept.
     pub fn share(&self) -> f64 {
         ratio(self.with.frames_per_second, self.alone.frames_per_second)
     }
 
-    /// The longest gap over the usual 95th percentile.
     pub fn gap(&self) -> f64 {
         ratio(self.with.longest_gap_ms, self.alone.p95_gap_ms)
     }
 
-    /// The median time of its own drags of features over the usual one.
+    /// Median time of the victim's own drags of features over that without the other client.
     pub fn own_drag(&self) -> f64 {
         ratio(self.with.own_drag_ms.p50, self.alone.own_drag_ms.p50)
     }
@@ -184,7 +183,7 @@ impl JudgedRow<'_> {
     }
 
     pub fn missed(&self) -> Vec<MissedBound> {
-        // What cannot be told, such as a share of no frames, is missed too.
+        // A ratio that is not a number, like a share of no frames, misses its bound.
         let updates = ratio(self.with.updates_per_second, self.alone.updates_per_second);
         [
             (MissedBound::Share, self.share() >= self.least_share()),
@@ -203,7 +202,7 @@ impl JudgedRow<'_> {
     }
 }
 
-/// A ratio; not a number where there is nothing to compare with.
+/// Computes a ratio; NaN if `b` is not positive.
 fn ratio(a: f64, b: f64) -> f64 {
     if b > 0.0 { a / b } else { f64::NAN }
 }
@@ -214,8 +213,9 @@ mod tests {
 
     const FRAME: Duration = Duration::from_millis(20);
 
-    /// A victim that sends an update each 20 ms for two seconds, a second before and after the window too, and sees each
-    /// 5 ms later; `change` is told the frame's number and says whether it comes, and with which live revision.
+    /// Victim that sends an update every 20 ms for the two seconds of the period and for a second before and after it,
+    /// and sees each update 5 ms later. `change` gets the number of a frame and returns its live revision, or `None` if
+    /// the frame does not arrive.
     fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, MeasuredWindow) {
         let began = Instant::now();
         let at = |update: u64| began + FRAME * update as u32;
@@ -264,7 +264,7 @@ mod tests {
         assert_eq!(measured(usual).missed(), []);
     }
 
-    /// Planted: frames that come as often as ever, of another client's session or of what was shown before.
+    /// Planted: frames at the usual rate, of another client's drag, or of updates that were shown before.
     #[test]
     fn frames_that_show_nothing_of_the_victims_drag_do_not_count() {
         let of_another = measured(pace(|_| Some(1)));
@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(shared.missed(), [MissedBound::Share]);
     }
 
-    /// Planted: no frame for a while, within the measured time, at its end, and from its beginning on.
+    /// Planted: no frames for a while, inside the measured period, at its end, and from before its start on.
     #[test]
     fn gaps_are_found_wherever_they_lie() {
         for (gap, ms) in [(100..103, 80.0), (100..104, 100.0), (147..152, 120.0), (40..54, 80.0)] {
@@ -304,7 +304,7 @@ mod tests {
         assert!(stopped.longest_gap_ms > 400.0, "it is followed past the end: {stopped:?}");
     }
 
-    /// Planted: a bench that is held up itself, answers that take long or never come, and all else that is bounded.
+    /// Planted: a benchmark that is too slow itself, answers that take long or never come, and each other bound.
     #[test]
     fn each_bound_is_missed_alone() {
         let (usual_timeline, window) = victim(usual);

@@ -1,4 +1,4 @@
-//! What makes the server hold memory: answers that nobody reads, and bodies that never end.
+//! Actions that make the server hold memory: answers that are not read, and bodies that never end.
 
 use std::io::Write;
 use std::net::{Shutdown, TcpStream};
@@ -12,22 +12,22 @@ use super::setup::{edit, make_session};
 use crate::BenchError;
 use crate::client::say_hello;
 
-/// Lights of a large document, all that it takes, and control points of each.
+/// Lights of a large document, the most that it allows, and control points of each.
 const LIGHTS: usize = 250;
 const POINTS: usize = 258;
-/// Paths that its lights are linked by, and bytes of each: with its control points a light has some 70 KB.
+/// Link paths of each light, and bytes of each path: with its control points a light has some 70 KB.
 const PATHS: usize = 100;
 const PATH_BYTES: usize = 300;
-/// Requests and sockets that read nothing.
+/// Number of requests, and of sockets, that read nothing.
 const READERS: usize = CLIENTS;
-/// Bodies that are cut off at their last byte, and how large each says it is.
+/// Number of bodies that lack their last byte, and the size that each declares.
 const BODIES: usize = 200;
 const BODY_BYTES: usize = 8 << 20;
 const SENDERS: usize = 4;
-/// How long they are held before they are cut off.
+/// Time for which they are held before they are closed.
 const HELD: Duration = Duration::from_secs(2);
 
-/// Sockets and requests that read nothing of a document of 16 MiB.
+/// Opens sockets and requests for a document of 16 MiB, and reads nothing.
 pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchError> {
     let session = other.session(0);
     make_session(&other.address, &session, "demo:vases")?;
@@ -60,7 +60,7 @@ pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchEr
     }))
 }
 
-/// A BendyLight that takes as many bytes as it may, and shines nowhere.
+/// BendyLight of the maximum number of bytes, switched off.
 fn heavy_light(number: usize) -> Value {
     let mut rng = fastrand::Rng::with_seed(number as u64);
     let points: Vec<[f64; 3]> = (0..POINTS)
@@ -83,7 +83,7 @@ fn heavy_light(number: usize) -> Value {
     })
 }
 
-/// Bodies that are cut off at their last byte, many at once.
+/// Sends many bodies at once, each without its last byte.
 pub(super) fn cut_bodies(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), "demo:vases")?;
     Ok(Box::new(|other| {

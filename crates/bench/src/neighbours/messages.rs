@@ -1,4 +1,4 @@
-//! Messages on sockets, as many as a server takes.
+//! Action that sends as many messages on sockets as a server accepts.
 
 use protocol::{ClientMessage, ServerMessage};
 use serde_json::json;
@@ -8,14 +8,14 @@ use super::setup::{make_session, rename};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
-/// Messages that are sent at once; a ping after them tells when all have been carried out.
+/// Number of messages that are sent at once. The answer to a ping after them shows that all are done.
 const AT_ONCE: u64 = 64;
 /// Radians between updates of a drag.
 const TURN: f64 = 0.01;
-/// Sockets that ping, and as many that edit.
+/// Number of sockets that ping, and of sockets that edit.
 const SOCKETS: usize = 2;
 
-/// Pings, edits and updates of a drag, in a session of its own.
+/// Sends pings, edits and updates of a drag, in a session of its own.
 pub(super) fn flood(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), "demo:vases")?;
     Ok(Box::new(move |other| {
@@ -44,7 +44,7 @@ pub(super) fn flood(other: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// Drags a control point of its light.
+/// Drags a control point of the session's light.
 fn drag(other: &OtherClient, client: &mut Client) -> Result<(), BenchError> {
     let circle = DragCircle::of(client)?;
     let (gesture, base_seq) = (format!("flood-{:x}", fastrand::u64(..)), client.welcome.seq);
@@ -56,7 +56,7 @@ fn drag(other: &OtherClient, client: &mut Client) -> Result<(), BenchError> {
     })
 }
 
-/// Sends messages some at a time, each of those once the ones before are carried out.
+/// Sends messages in batches of `AT_ONCE`, each batch after the one before is done.
 fn repeat(
     other: &OtherClient,
     client: &mut Client,
@@ -67,7 +67,7 @@ fn repeat(
             client.send(&message(AT_ONCE * (round - 1) + n))?;
         }
         other.count_done(AT_ONCE);
-        // Negative, so that it is none of those that are sent for their own sake.
+        // Negative, to differ from the pings among the messages.
         let last = -(round as f64);
         client.send(&ClientMessage::Ping { sent: last })?;
         loop {

@@ -1,5 +1,6 @@
-//! What one client loses to another that does all it can: the frames of a drag and the answers to drags of features, alone
-//! and beside each kind of neighbour, and what is left of it in the server once the neighbour has gone.
+//! Measures the loss of one client (the victim) to another that uses all it can: the frames of a drag and the answers
+//! to drags of features, without and with each kind of other client, and the memory and threads that remain in the
+//! server after the other client has left.
 
 mod acts;
 mod asks;
@@ -33,34 +34,34 @@ pub use self::usage::BusyThread;
 use self::victim::Victim;
 use crate::{BenchError, Progress, ServerProcess};
 
-/// How long the victim drags before anything is measured: by then its pictures are as they stay.
+/// Duration of the victim's drag before anything is measured: its pictures have reached their final detail by then.
 const WARM_UP_TIME: Duration = Duration::from_secs(3);
-/// How long it drags before each measured time begins.
+/// Duration of its drag before each period of measurement.
 const LEAD_IN_TIME: Duration = Duration::from_secs(1);
-/// How long a server may take to come to rest after a row was prepared.
+/// Longest time that a server may take to become idle after a row was prepared.
 const SETTLE_TIMEOUT: Duration = Duration::from_mins(1);
-/// How long a gap or an answer is followed that was open at the end of the measured time.
+/// Longest time for which a gap or an answer is followed that was open at the end of a period.
 const FOLLOW_TIMEOUT: Duration = Duration::from_mins(1);
 const MIB: f64 = 1024.0 * 1024.0;
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Debug)]
 pub struct NeighbourOptions {
-    /// Rows, each by a server of its own.
+    /// Rows to measure, each with a server of its own.
     pub rows: Vec<NeighbourRow>,
     /// Width and height of the victim's view in pixels.
     pub size: [u32; 2],
-    /// How long each of the three times is: alone, with the other client, and alone again.
+    /// Duration of each of the three periods: alone, with the other client, and alone again.
     pub time: Duration,
-    /// From the other client's leaving until memory and threads are looked at.
+    /// Time from the other client's departure until memory and threads are measured.
     pub rest: Duration,
-    /// Whether each socket of the other client has an actor of its own.
+    /// True if each socket of the other client has an actor of its own.
     pub many_actors: bool,
-    /// Who draws; as the server chooses where nobody says.
+    /// Backend that draws; the server selects it if `None`.
     pub backend: Option<Backend>,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct NeighbourReport {
@@ -68,67 +69,63 @@ pub struct NeighbourReport {
     pub width: u32,
     /// Pixels of the victim's view.
     pub height: u32,
-    /// Seconds of each measured time.
+    /// Seconds of each period.
     pub seconds: f64,
-    /// Seconds of the rest after it.
+    /// Seconds of rest after the period with the other client.
     pub rest_s: f64,
-    /// Whether each socket of the other client had an actor of its own.
+    /// True if each socket of the other client had an actor of its own.
     pub many_actors: bool,
-    /// In the order in which they were measured.
+    /// Rows in the order in which they were measured.
     pub rows: Vec<RowReport>,
 }
 
-/// What the victim lost to one kind of other client.
+/// Loss of the victim to one kind of other client.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct RowReport {
-    /// What it is asked for by.
     pub row: NeighbourRow,
-    /// What the other client did, for people.
+    /// Description of the other client's action.
     pub what: &'static str,
-    /// Whether no bound is missed.
+    /// True if no bound is missed.
     pub passes: bool,
-    /// The bounds that are missed.
     pub missed: Vec<MissedBound>,
-    /// Frames of the victim's with the other client over those alone.
+    /// Frame rate of the victim with the other client over that without it.
     pub share: f64,
-    /// The least that it may be.
+    /// Minimum of `share`.
     pub least_share: f64,
-    /// The longest gap with the other client over the 95th percentile alone.
+    /// Longest gap with the other client over the 95th percentile without it.
     pub longest_gap_of_usual: f64,
-    /// The median time of the victim's own drags of features with the other client over that alone.
+    /// Median time of the victim's own drags of features with the other client over that without it.
     pub own_drag_of_usual: f64,
-    /// With nobody else, before: what all is compared with, or `alone_after` where that is faster.
+    /// Pace without the other client, before. Everything is compared with the faster of this and `alone_after`.
     pub alone: VictimPace,
-    /// With the other client.
+    /// Pace with the other client.
     pub with: VictimPace,
-    /// With nobody else, after the rest.
+    /// Pace without the other client, after the rest.
     pub alone_after: VictimPace,
-    /// What the server held.
     pub memory: MemoryReport,
-    /// Threads of the server that worked after the rest.
+    /// Threads of the server that used the CPU after the rest.
     pub busy_threads: Vec<BusyThread>,
-    /// CPU seconds of the server in a second with the other client.
+    /// CPU seconds of the server per second with the other client.
     pub server_cpu_share: f64,
-    /// CPU seconds of the bench itself in such a second, the victim and the other client included.
+    /// CPU seconds of the benchmark per second with the other client; includes the victim and the other client.
     pub bench_cpu_share: f64,
-    /// What the other client did.
     pub other: OtherClientCounts,
-    /// Bytes written for edits, where that is the row's question.
+    /// Bytes written per edit, if the row measures them.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub writes: Option<Writes>,
-    /// Why a connection of the victim's ended.
+    /// Reason that a connection of the victim ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub victim_broke: Option<String>,
 }
 
-/// MiB that the server's process held.
+/// MiB that the process of the server held.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MemoryReport {
     /// After the victim's first drag, before the other client came.
     pub before_mib: f64,
-    /// The most since then.
+    /// Maximum since then.
     pub peak_mib: f64,
     /// After the rest.
     pub after_mib: f64,
@@ -141,10 +138,10 @@ impl NeighbourReport {
     }
 }
 
-/// Steps of a row, for those who wait.
+/// Steps of a row, for progress.
 const STEPS: [&str; 6] = ["starts", "prepares", "alone", "with the other", "rests", "alone again"];
 
-/// Measures each row by `program serve` on data of its own. Returns what was measured and the chart, an SVG.
+/// Measures each row with a `program serve` on new data. Returns the report and the chart in SVG.
 pub fn run(
     program: &Path,
     options: &NeighbourOptions,
@@ -179,7 +176,7 @@ fn measure(
 ) -> Result<RowReport, BenchError> {
     step(0);
     let folder = tempfile::tempdir()?;
-    // Made by the server, nobody else may look into it.
+    // The server creates the folder, so that no other user can read it.
     let data = folder.path().join("data");
     let backend = options.backend.map_or("auto", Backend::name);
     let server = ServerProcess::start(program, &data, &["--scene", "demo:vases", "--backend", backend])?;
@@ -272,7 +269,7 @@ fn measure(
     })
 }
 
-/// Drags with nobody else.
+/// Drags without the other client.
 fn alone(victim: &Victim, time: Duration) -> MeasuredWindow {
     victim.start_dragging();
     thread::sleep(LEAD_IN_TIME);

@@ -1,4 +1,4 @@
-//! The other client: its connections, its threads, and a count of what it did.
+//! The other client: its connections, its threads, and counts of its requests.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -13,44 +13,44 @@ use serde::Serialize;
 use super::row::NeighbourRow;
 use crate::{BenchError, Client, ServerAddress};
 
-/// Begins to do what a row is about, and returns; its threads go on until the other client leaves.
+/// Action of a row. It starts threads, which continue until the other client leaves, and returns.
 pub(super) type ClientAction = Box<dyn FnOnce(&OtherClient) -> Result<(), BenchError>>;
 
-/// How often a thread looks whether all is over.
+/// Interval at which a thread checks if all is over.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(100);
-/// How long a client waits that was refused.
+/// Pause of a client after a refusal.
 const AFTER_REFUSAL: Duration = Duration::from_millis(50);
-/// By so much less important to the system than the server's drawing are its threads.
+/// Niceness of its threads: they have a lower priority than those with which the server draws.
 const NICE: i32 = 15;
-/// Bytes of an answer that are kept; the rest is counted.
+/// Bytes of an answer that are kept.
 const KEPT_BYTES: usize = 4096;
-/// Connections from which on it is looked which have ended.
+/// Number of connections above which closed ones are removed.
 const PRUNE_CONNECTIONS_ABOVE: usize = 512;
-/// Clients in one session, at most: what a server takes.
+/// Clients in one session: the most that a server accepts.
 pub(super) const CLIENTS: usize = 64;
 
-/// What the other client did.
+/// Counts of the other client's requests.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct OtherClientCounts {
-    /// What was done or asked for: drags, moves of views, views opened, requests, edits, bodies.
+    /// Actions and requests: drags, moves of views, views opened, requests, edits, bodies.
     pub done: u64,
-    /// Of that, what was answered: frames, pictures, answers, edits.
+    /// Answers to them: frames, pictures, responses, edits.
     pub answered: u64,
-    /// What the server refused, closed connections included.
+    /// Refusals by the server, closed connections included.
     pub refused: u64,
-    /// One of the refusals.
+    /// Text of the first refusal.
     pub refusal: Option<String>,
 }
 
-/// The other client, as each of its threads knows it.
+/// The other client, shared by its threads.
 #[derive(Clone, Debug)]
 pub(super) struct OtherClient {
     pub address: ServerAddress,
     pub row: NeighbourRow,
     /// Process id of the server.
     pub pid: u32,
-    /// How long it is measured.
+    /// Duration of the measured period.
     pub span: Duration,
     many_actors: bool,
     shared: Arc<Shared>,
@@ -63,25 +63,24 @@ struct Shared {
     answered: AtomicU64,
     refused: AtomicU64,
     refusal: Mutex<Option<String>>,
-    /// Closed when it leaves: no thread goes on waiting for an answer.
+    /// Connections that are closed when the client leaves, so that no thread waits for an answer.
     connections: Mutex<Vec<TcpStream>>,
     threads: Mutex<Vec<JoinHandle<()>>>,
     writes: Mutex<Option<Writes>>,
 }
 
-/// Bytes that the server had written to disk for an edit.
+/// Bytes that the server wrote to disk per edit.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Writes {
-    /// With one actor.
     pub one_actor_bytes: f64,
-    /// With another actor for each edit.
+    /// With a new actor for each edit.
     pub many_actors_bytes: f64,
-    /// The latter over the former.
+    /// `many_actors_bytes` over `one_actor_bytes`.
     pub ratio: f64,
 }
 
-/// A client whose connection ends with it, though others know the connection too.
+/// Client that closes its connection on drop, though the other client has a handle of the connection too.
 pub(super) struct TrackedClient {
     client: Client,
     tcp: TcpStream,
@@ -107,10 +106,10 @@ impl Drop for TrackedClient {
     }
 }
 
-/// What a request came to.
+/// Status and beginning of a response.
 pub(super) struct Answer {
     pub status: u16,
-    /// Its first bytes, head included.
+    /// First bytes, head included.
     start: String,
 }
 
@@ -135,12 +134,12 @@ impl OtherClient {
         Self { address, row, pid, span, many_actors, shared: Arc::default() }
     }
 
-    /// The actor of its socket of this number.
+    /// Actor of a socket by its number.
     pub fn actor(&self, socket: usize) -> String {
         if self.many_actors { format!("other-{socket}") } else { "other".into() }
     }
 
-    /// The session of its socket of this number, of those that a session has room for.
+    /// Session of a socket by its number. A session has `CLIENTS` sockets.
     pub fn session(&self, socket: usize) -> String {
         match socket / CLIENTS {
             0 => self.row.name().into(),
@@ -148,7 +147,7 @@ impl OtherClient {
         }
     }
 
-    /// Connects its socket of this number.
+    /// Connects a socket by its number.
     pub fn connect(&self, socket: usize) -> Result<TrackedClient, BenchError> {
         self.connect_to(&self.session(socket), socket)
     }
@@ -160,11 +159,11 @@ impl OtherClient {
         Ok(TrackedClient { client, tcp: also })
     }
 
-    /// A connection that is closed when it leaves.
+    /// Opens a connection that is closed when the client leaves.
     pub fn tcp(&self) -> Result<TcpStream, BenchError> {
         let tcp = TcpStream::connect(&self.address.host)?;
         let mut connections = self.connections();
-        // Those that have ended need not be closed.
+        // Connections that have ended need not be closed.
         if connections.len() > PRUNE_CONNECTIONS_ABOVE {
             connections.retain(|connection| connection.peer_addr().is_ok());
         }
@@ -180,11 +179,12 @@ impl OtherClient {
         self.shared.is_over.load(Ordering::Relaxed)
     }
 
-    /// Has a thread do something until it leaves; where that ends early, with an error or without, it begins again.
+    /// Starts a thread that repeats `act` until the client leaves. Errors are counted as refusals.
     pub fn spawn(&self, mut act: impl FnMut(&Self) -> Result<(), BenchError> + Send + 'static) {
         let other = self.clone();
         let thread = thread::spawn(move || {
-            // Whoever it stands for is on another machine. Where the system refuses, rows are harder.
+            // A real client would run on another machine. If the system refuses the niceness, the rows are harder to
+            // pass.
             let _refused = rustix::process::nice(NICE);
             while !other.is_over() {
                 let acted = act(&other);
@@ -196,7 +196,7 @@ impl OtherClient {
         self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner).push(thread);
     }
 
-    /// Counts a refusal, and waits a little before the next try.
+    /// Counts a refusal, and pauses before the next try.
     pub fn count_refusal(&self, acted: Result<(), BenchError>) {
         let Err(why) = acted else { return };
         self.shared.refused.fetch_add(1, Ordering::Relaxed);
@@ -204,12 +204,12 @@ impl OtherClient {
         thread::sleep(AFTER_REFUSAL);
     }
 
-    /// Counts something that was done or asked for.
+    /// Counts actions or requests.
     pub fn count_done(&self, count: u64) {
         self.shared.done.fetch_add(count, Ordering::Relaxed);
     }
 
-    /// Counts answers to such.
+    /// Counts answers.
     pub fn count_answered(&self, count: u64) {
         self.shared.answered.fetch_add(count, Ordering::Relaxed);
     }
@@ -231,12 +231,12 @@ impl OtherClient {
         *self.shared.writes.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Closes all of its connections and waits for its threads.
+    /// Closes all connections and waits for the threads.
     pub fn leave(&self) {
         self.shared.is_over.store(true, Ordering::Relaxed);
         let mut threads =
             std::mem::take(&mut *self.shared.threads.lock().unwrap_or_else(PoisonError::into_inner));
-        // One that was just connecting is closed in the next round.
+        // The next round closes a connection that was just being opened.
         while !threads.is_empty() {
             for connection in self.connections().drain(..) {
                 let _ = connection.shutdown(Shutdown::Both);
@@ -249,7 +249,8 @@ impl OtherClient {
         }
     }
 
-    /// Sends a request on a connection of its own. Of the answer only the beginning is kept; it is given up when all is over.
+    /// Sends a request on a connection of its own. Keeps only the beginning of the answer, and stops reading when the
+    /// client leaves.
     pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
         self.count_done(1);
         let mut tcp = self.send_request(method, path, body)?;
@@ -258,7 +259,7 @@ impl OtherClient {
         Ok(())
     }
 
-    /// Sends a request, whose answer is still to be read.
+    /// Sends a request and does not read the answer.
     pub fn send_request(&self, method: &str, path: &str, body: &[u8]) -> Result<TcpStream, BenchError> {
         let mut tcp = TcpStream::connect(&self.address.host)?;
         tcp.set_nodelay(true)?;
@@ -268,7 +269,7 @@ impl OtherClient {
         Ok(tcp)
     }
 
-    /// Head of a request whose body has so many bytes.
+    /// Head of a request with a body of `body_bytes`.
     pub fn head(&self, method: &str, path: &str, body_bytes: usize) -> String {
         let ServerAddress { host, token } = &self.address;
         format!(

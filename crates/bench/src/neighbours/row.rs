@@ -1,8 +1,8 @@
-//! The rows of the table: what one other client does.
+//! Rows of the table, one per kind of other client.
 
 use serde::{Serialize, Serializer};
 
-/// What the other client does.
+/// Kind of other client.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NeighbourRow {
     Nobody,
@@ -46,7 +46,7 @@ pub const ROWS: [NeighbourRow; 17] = [
 ];
 
 impl NeighbourRow {
-    /// By which it is asked for.
+    /// Name on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nobody => "nobody",
@@ -69,7 +69,7 @@ impl NeighbourRow {
         }
     }
 
-    /// What the other client does, for people.
+    /// Description of the other client's action.
     pub fn what(self) -> &'static str {
         match self {
             Self::Nobody => "is not there: what the machine itself takes from a victim",
@@ -98,12 +98,12 @@ impl NeighbourRow {
         }
     }
 
-    /// Whether its views are opened before anything is measured.
+    /// True if its views are opened before anything is measured.
     pub(super) fn has_views_open(self) -> bool {
         matches!(self, Self::LargeViews | Self::RestingViews | Self::SlowLink)
     }
 
-    /// Whether the other client has much drawn: the victim then shares the renderer with it.
+    /// True if the other client draws much: the victim then shares the renderer with it.
     pub fn uses_renderer(self) -> bool {
         match self {
             Self::LargeViews
@@ -126,7 +126,8 @@ impl NeighbourRow {
         }
     }
 
-    /// Whether some of what the other client asks for is to be answered within the measured time. A still can take longer.
+    /// True if the server answers some of the other client's requests within the measured period. A still can take
+    /// longer.
     pub(super) fn expects_answers(self) -> bool {
         match self {
             Self::SolvesInSession

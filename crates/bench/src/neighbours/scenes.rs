@@ -1,8 +1,9 @@
-//! Scenes that are small as files and take long to draw.
+//! Scenes that are small files and take long to draw.
 
 use serde_json::{Value, json};
 
-/// A triangle in front of everything, so many times in one place; another `name` makes another file.
+/// Makes `count` copies of a triangle in front of everything, at one position. A different `name` gives a different
+/// file.
 pub fn triangles(count: u32, name: &str) -> Vec<u8> {
     let indices: Vec<u8> = (0..count).flat_map(|_| [0_u32, 1, 2]).flat_map(u32::to_le_bytes).collect();
     let accessor = json!({"bufferView": 1, "componentType": 5125, "count": 3 * count, "type": "SCALAR"});
@@ -10,13 +11,13 @@ pub fn triangles(count: u32, name: &str) -> Vec<u8> {
     glb(name, &[primitive], Some((indices, accessor)))
 }
 
-/// So many primitives of one triangle, in one place.
+/// Makes `count` primitives of one triangle, at one position.
 pub fn primitives(count: usize, name: &str) -> Vec<u8> {
     let primitive = json!({"attributes": {"POSITION": 0}});
     glb(name, &vec![primitive; count], None)
 }
 
-/// One mesh of `primitives` that share three corners.
+/// Makes a file of one mesh with `primitives` that share three corners.
 fn glb(name: &str, primitives: &[Value], indices: Option<(Vec<u8>, Value)>) -> Vec<u8> {
     let corners = [[-1.0_f32, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]];
     let mut bytes: Vec<u8> =
@@ -55,7 +56,7 @@ fn glb(name: &str, primitives: &[Value], indices: Option<(Vec<u8>, Value)>) -> V
 mod tests {
     use super::*;
 
-    /// The files are as small as the table says, and what they hold is drawn.
+    /// The files are as small as the table states, and their geometry is drawn.
     #[test]
     fn scenes_are_small_and_read() {
         let cases = [

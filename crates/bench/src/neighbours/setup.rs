@@ -6,14 +6,14 @@ use serde_json::{Value, json};
 
 use crate::{BenchError, Response, ServerAddress};
 
-/// Width and height in pixels of the picture that features are dragged in.
+/// Width and height in pixels of the picture in which features are dragged.
 pub(super) const SIZE: [u32; 2] = [640, 360];
-/// Edits in one request.
+/// Number of edits in one request.
 const EDITS: usize = 250;
-/// Control points that a server takes for a drag, at most.
+/// Control points in a drag: the most that a server accepts.
 const MAX_CHOSEN: usize = 128;
 
-/// A pixel, and the place in the world that it sees.
+/// A pixel, and the world position that it sees.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LitPixel {
     pub pixel: [f64; 2],
@@ -27,7 +27,7 @@ pub(super) struct Draggable {
     /// Number of its control points.
     points: usize,
     camera: Camera,
-    /// What it lights.
+    /// Pixels that it lights.
     pub lit: Vec<LitPixel>,
 }
 
@@ -35,12 +35,12 @@ pub(super) fn make_session(address: &ServerAddress, session: &str, scene: &str) 
     post(address, "/sessions", &json!({"name": session, "scene": scene})).map(drop)
 }
 
-/// What a server answers to JSON.
+/// Posts JSON and returns the JSON of the response; an error if the server refuses.
 pub(super) fn post(address: &ServerAddress, path: &str, body: &Value) -> Result<Value, BenchError> {
     read(&address.post(path, body.to_string().as_bytes())?)
 }
 
-/// A session's document.
+/// Requests a session's document.
 pub(super) fn document(address: &ServerAddress, session: &str) -> Result<Value, BenchError> {
     let mut state = read(&address.get(&format!("/sessions/{session}"))?)?;
     Ok(state["document"].take())
@@ -53,7 +53,7 @@ fn read(response: &Response) -> Result<Value, BenchError> {
     serde_json::from_slice(&response.body).map_err(|error| BenchError::Refused(error.to_string()))
 }
 
-/// Edits a session; the first command that is rejected is an error.
+/// Edits a session; the first rejected command is an error.
 pub(super) fn edit(
     address: &ServerAddress,
     session: &str,
@@ -72,12 +72,12 @@ pub(super) fn edit(
     Ok(())
 }
 
-/// Gives a light another name, which no picture shows and every drag of it depends on.
+/// Changes the name of a light. No picture depends on it, but every drag of the light does.
 pub(super) fn rename(light: u64, n: u64) -> Command {
     Command::SetLight { light, parameter: NAME.to(format!("name {n}")).into() }
 }
 
-/// Adds a light like the first of a session, bent anew into so many segments where that is said. Its id.
+/// Adds a light like the first of a session, straightened and bent into `segments` segments if given. Returns its id.
 pub(super) fn add_light(
     address: &ServerAddress,
     session: &str,
@@ -97,7 +97,7 @@ pub(super) fn add_light(
     Ok(id)
 }
 
-/// Gives a light so many pins where it shows, two of them hard.
+/// Adds `pins` pins to a light at pixels that it lights, two of them hard.
 pub(super) fn pin(
     address: &ServerAddress,
     session: &str,
@@ -123,7 +123,8 @@ pub(super) fn pin(
     Ok(Draggable { light, points, camera, lit })
 }
 
-/// Where the light with this place in the order of a session's lights shows: hotspots that are dragged to where they are.
+/// Finds pixels that a light reaches, by drags of hotspots to their own position. `index` is the light's position in
+/// the order of the session's lights.
 fn lit_pixels(address: &ServerAddress, session: &str, index: usize) -> Result<Vec<LitPixel>, BenchError> {
     let seen = (120..340).step_by(20).flat_map(|y| (60..600).step_by(20).map(move |x| (x, y)));
     let asked: Vec<Value> = seen
@@ -146,7 +147,8 @@ fn lit_pixels(address: &ServerAddress, session: &str, index: usize) -> Result<Ve
 }
 
 impl Draggable {
-    /// Drags a hotspot, the `n`th of many such drags, by as many control points as may be chosen, the source aside.
+    /// Command that drags a hotspot, the `n`th of many such drags, by as many control points as a drag may use, without
+    /// the source.
     pub fn command(&self, n: usize) -> Result<Command, BenchError> {
         let from = self.lit[self.lit.len() / 2].pixel;
         let to = self.lit[(self.lit.len() / 2 + 1 + n % 5) % self.lit.len()].pixel;

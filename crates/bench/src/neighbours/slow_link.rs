@@ -1,4 +1,4 @@
-//! A link that takes few bits a second, between a client and the server.
+//! Proxy that limits the bandwidth between a client and the server.
 
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
@@ -7,17 +7,18 @@ use std::time::{Duration, Instant};
 
 use crate::{BenchError, ServerAddress};
 
-/// Bytes a second towards the client: 2 Mbit/s.
+/// Bytes per second towards the client: 2 Mbit/s.
 const BYTES_PER_SECOND: f64 = 250_000.0;
-/// Bytes that pass at once: two frames of Ethernet.
+/// Bytes that pass at once: two Ethernet frames.
 const PIECE: usize = 3_000;
 
-/// A place that leads to `address`; what comes from there does so slowly. It lasts as long as the connections over it.
+/// Opens a proxy for one connection to `address`. The direction from `address` is slow. It lasts as long as the
+/// connection.
 pub(super) fn open(address: &ServerAddress) -> Result<ServerAddress, BenchError> {
     let listener = TcpListener::bind("127.0.0.1:0")?;
     let host = listener.local_addr()?.to_string();
     let server = address.host.clone();
-    // One connection is enough: the victim's, that has the view.
+    // One connection is enough: that of the victim, which has the view.
     thread::spawn(move || {
         let linked = || -> std::io::Result<()> {
             let (client, _) = listener.accept()?;
@@ -29,13 +30,13 @@ pub(super) fn open(address: &ServerAddress) -> Result<ServerAddress, BenchError>
             forward_slowly(server, client, BYTES_PER_SECOND);
             Ok(())
         };
-        // A client whose connection fails says so itself.
+        // The client reports a failed connection itself.
         let _ = linked();
     });
     Ok(ServerAddress { host, token: address.token.clone() })
 }
 
-/// Passes on what comes, at most so many bytes a second, until one side closes.
+/// Forwards bytes, at most `bytes_per_second`, until one side closes.
 fn forward_slowly(mut from: TcpStream, mut to: TcpStream, bytes_per_second: f64) {
     let mut bytes = [0; PIECE];
     let mut free_at = Instant::now();

@@ -1,4 +1,4 @@
-//! What the server's process uses of the machine, as Linux tells it in `/proc`.
+//! CPU, memory and disk use of the server's process, from Linux's `/proc`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,31 +8,30 @@ use serde::Serialize;
 
 use crate::BenchError;
 
-/// Ticks a second in `/proc/PID/stat`: `USER_HZ` of Linux on every processor that Rust builds for.
+/// Ticks per second in `/proc/PID/stat`: `USER_HZ` of Linux on every CPU that Rust builds for.
 const TICKS_PER_SECOND: f64 = 100.0;
-/// Share of a core over a second from which a thread counts as busy: low, as dozens may share few cores.
+/// Share of a core over a second above which a thread is busy: low, as dozens of threads may share few cores.
 const BUSY_SHARE: f64 = 0.015;
-/// Share of a core that a process takes at most that is at rest.
+/// Share of a core below which a process is at rest.
 const REST_SHARE: f64 = 0.1;
-/// Span over which it is looked whether a process rests.
+/// Period over which the CPU use of a process is measured to see if it is at rest.
 const REST_CHECK_SPAN: Duration = Duration::from_millis(500);
 
-/// Bytes of memory that a process holds.
+/// Memory of a process in bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Memory {
-    /// Now.
     pub rss_bytes: f64,
-    /// The most since [`reset_peak`].
+    /// Peak since [`reset_peak`].
     pub peak_bytes: f64,
 }
 
-/// A thread that works.
+/// Thread that uses the CPU.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BusyThread {
-    /// As the server calls it.
+    /// Name that the server gives the thread.
     pub name: String,
-    /// Share of a core that it took over a second.
+    /// Share of a core over a second.
     pub share: f64,
 }
 
@@ -46,14 +45,14 @@ pub(super) fn memory(pid: u32) -> Result<Memory, BenchError> {
     Ok(Memory { rss_bytes: 1024.0 * kib("VmRSS:")?, peak_bytes: 1024.0 * kib("VmHWM:")? })
 }
 
-/// Has the peak count from now on.
+/// Resets the peak of the memory.
 pub(super) fn reset_peak(pid: u32) -> Result<(), BenchError> {
-    // 5 is the number that resets the peak alone.
+    // 5 resets only the peak.
     std::fs::write(path(pid, "clear_refs"), "5")
         .map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
 }
 
-/// CPU seconds since the process began, of all of its threads.
+/// CPU seconds of all threads since the process began.
 pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
     let stat = read(pid, "stat")?;
     ticks(&stat)
@@ -61,7 +60,7 @@ pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
         .ok_or_else(|| unreadable(pid, "stat", "it is shorter than expected".into()))
 }
 
-/// Bytes that the process had written to disks, if its data lie on one.
+/// Bytes that the process wrote to disk; 0 if its data is not on one.
 pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
     let io = read(pid, "io")?;
     let line = io.lines().find_map(|line| line.strip_prefix("write_bytes: "));
@@ -69,7 +68,7 @@ pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
         .ok_or_else(|| unreadable(pid, "io", "it has no write_bytes".into()))
 }
 
-/// Threads that work over the next second, the busiest first.
+/// Threads that use the CPU during the next second, the busiest first.
 pub(super) fn busy_threads(pid: u32) -> Result<Vec<BusyThread>, BenchError> {
     let (began, before) = (Instant::now(), thread_ticks(pid)?);
     std::thread::sleep(Duration::from_secs(1));
@@ -91,7 +90,7 @@ fn busy(before: &Threads, after: &Threads, seconds: f64) -> Vec<BusyThread> {
     busy
 }
 
-/// Waits until a process does nothing, or for so long.
+/// Waits until a process is at rest, for at most `within`.
 pub(super) fn wait_until_at_rest(pid: u32, within: Duration) -> Result<(), BenchError> {
     let until = Instant::now() + within;
     while Instant::now() < until {
@@ -119,9 +118,9 @@ fn thread_ticks(pid: u32) -> Result<Threads, BenchError> {
     Ok(ids.filter_map(thread).collect())
 }
 
-/// Name, and ticks in user and in system mode, of a line of `stat`.
+/// Name, and ticks in user and in system mode, from a line of `stat`.
 fn ticks(stat: &str) -> Option<(String, f64)> {
-    // A name may hold spaces and brackets.
+    // A name may contain spaces and brackets.
     let (name, rest) = stat.split_once('(')?.1.rsplit_once(')')?;
     let mut numbers = rest.split_whitespace().skip(11).map_while(|number| number.parse::<f64>().ok());
     Some((name.into(), numbers.next()? + numbers.next()?))

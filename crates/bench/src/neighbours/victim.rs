@@ -1,4 +1,4 @@
-//! The victim: it drags a control point in a view of its own, and now and then a feature of another light.
+//! The victim. It drags a control point in a view of its own, and at intervals a feature of another light.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,29 +13,29 @@ use crate::circle::ANIMATION_FRAME;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, ServerAddress};
 
-/// Its session and its actor, in which the other client takes no part but in one row.
+/// Its session and its actor. The other client joins this session in one row only.
 pub(super) const SESSION: &str = "main";
 pub(super) const ACTOR: &str = "victim";
-/// Radians that the control point goes around with each update.
+/// Radians by which each update moves the control point along the circle.
 const STEP: f64 = 0.05;
 /// Pins of the light whose features it drags: with them a drag takes tens of milliseconds.
 const PINS: usize = 3;
-/// From the answer of a drag of a feature to the next.
+/// Pause from the answer to a drag of a feature to the next drag.
 const FEATURE_DRAG_INTERVAL: Duration = Duration::from_millis(200);
-/// How long it looks for what comes while it rests.
+/// Timeout of each receive while it is at rest.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 const RESTING: u8 = 0;
 const DRAGGING: u8 = 1;
 const LEAVING: u8 = 2;
 
-/// What the victim's threads and the bench tell each other.
+/// State shared by the victim's threads and the benchmark.
 #[derive(Debug, Default)]
 struct Shared {
     activity: AtomicU8,
-    /// When the latest frame had come.
+    /// Time at which the latest frame arrived.
     latest_frame: Mutex<Option<Instant>>,
-    /// Since when a drag of a feature is not answered.
+    /// Time at which the unanswered drag of a feature was sent.
     unanswered_since: Mutex<Option<Instant>>,
 }
 
@@ -45,7 +45,7 @@ impl Shared {
     }
 }
 
-/// A victim at work.
+/// A victim that runs.
 #[derive(Debug)]
 pub(super) struct Victim {
     shared: Arc<Shared>,
@@ -54,7 +54,7 @@ pub(super) struct Victim {
 }
 
 impl Victim {
-    /// Adds a light to its session, opens a view of so many pixels over `link`, and rests.
+    /// Adds a light to its session, opens a view of `size` pixels over `link`, and rests.
     pub fn start(address: &ServerAddress, link: &ServerAddress, size: [u32; 2]) -> Result<Self, BenchError> {
         let light = add_light(address, SESSION, ACTOR, None)?;
         let draggable = pin(address, SESSION, ACTOR, light, PINS)?;
@@ -79,7 +79,8 @@ impl Victim {
         self.shared.activity.store(RESTING, Ordering::Relaxed);
     }
 
-    /// Waits for a frame later than `to`, and for answers to what was asked before; until when.
+    /// Waits for a frame later than `to` and for answers to drags sent before `to`, for at most `patience`. Returns the
+    /// time at which it stopped.
     pub fn follow(&self, to: Instant, patience: Duration) -> Instant {
         let get = |of: &Mutex<Option<Instant>>| *of.lock().unwrap_or_else(PoisonError::into_inner);
         while to.elapsed() < patience {
@@ -94,7 +95,7 @@ impl Victim {
         Instant::now()
     }
 
-    /// Leaves. What it saw.
+    /// Stops the threads and returns the recorded events.
     pub fn leave(self) -> Result<Timeline, BenchError> {
         self.shared.activity.store(LEAVING, Ordering::Relaxed);
         let panicked = |_| BenchError::Refused("the victim's thread panicked".into());
@@ -106,7 +107,7 @@ impl Victim {
     }
 }
 
-/// Of the light that is dragged alone: what happens to others' costs no picture.
+/// Opens a view that shows only the dragged light, so that other lights cause no renders.
 fn open_view(client: &mut Client, [width, height]: [u32; 2], light: u64) -> Result<(), BenchError> {
     client.send(&ClientMessage::OpenView {
         source: ViewSource::Own(client.welcome.camera.clone()),
@@ -122,7 +123,7 @@ fn open_view(client: &mut Client, [width, height]: [u32; 2], light: u64) -> Resu
     })
 }
 
-/// Who drags the control point.
+/// Thread that drags the control point.
 struct DragThread {
     client: Client,
     circle: DragCircle,
@@ -136,7 +137,7 @@ impl DragThread {
         Self { client, circle, timeline: Timeline::default(), gestures: 0, update: 0 }
     }
 
-    /// Drags while it is to; an end of the connection ends it too.
+    /// Drags while the activity is `DRAGGING`, until the victim leaves or the connection ends.
     fn drag(mut self, shared: &Shared) -> Timeline {
         while shared.activity() != LEAVING {
             let done = if shared.activity() == DRAGGING {
@@ -152,7 +153,7 @@ impl DragThread {
         self.timeline
     }
 
-    /// Drags until it is to rest, and leaves the control point where it was.
+    /// Drags until the activity changes, then cancels the gesture.
     fn one_drag(&mut self, shared: &Shared) -> Result<(), BenchError> {
         self.gestures += 1;
         let (light, base_seq) = (self.circle.light, self.client.welcome.seq);
@@ -166,7 +167,7 @@ impl DragThread {
                 ClientMessage::GestureUpdate { gesture: gesture.clone(), update: self.update, command };
             self.client.send(&message)?;
             self.timeline.sent.push(Instant::now());
-            // Updates that were held up are not made up for: a page sends none then either.
+            // Updates that were delayed are not sent later: a page does not send them either.
             next = (next + ANIMATION_FRAME).max(Instant::now());
             while let Some(left) = next.checked_duration_since(Instant::now()).filter(|left| !left.is_zero())
             {
@@ -180,7 +181,7 @@ impl DragThread {
         format!("hand-{}", self.gestures)
     }
 
-    /// Receives for at most `timeout`. Frames are acknowledged as they come, and not decoded.
+    /// Receives for at most `timeout`. Acknowledges frames as they arrive, and does not decode them.
     fn take(&mut self, shared: &Shared, timeout: Duration) -> Result<(), BenchError> {
         match self.client.receive(timeout)? {
             Some(Incoming::Frame(header, _)) => {
@@ -207,7 +208,7 @@ fn is_of(state: &GestureState, client: &Client, gesture: &str) -> bool {
     state.client == client.welcome.client && state.gesture == gesture
 }
 
-/// Drags features of another light, one after the other, and gives each up once it is answered.
+/// Drags features of another light, one after the other, and cancels each after its answer.
 fn drag_features(mut client: Client, draggable: &Draggable, shared: &Shared) -> Timeline {
     let mut timeline = Timeline::default();
     for n in 1.. {
@@ -229,7 +230,7 @@ fn drag_features(mut client: Client, draggable: &Draggable, shared: &Shared) -> 
     timeline
 }
 
-/// Takes what comes, for a while and as long as nothing is dragged.
+/// Receives messages for the pause between drags, and while the victim rests.
 fn rest(client: &mut Client, shared: &Shared) -> Result<(), BenchError> {
     let until = Instant::now() + FEATURE_DRAG_INTERVAL;
     while Instant::now() < until || shared.activity() == RESTING {
@@ -238,7 +239,7 @@ fn rest(client: &mut Client, shared: &Shared) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// When the answer to a drag had come; `None` where it was left without one.
+/// Drags a feature and returns the time of the answer; `None` if the victim left before.
 fn drag_feature_once(
     client: &mut Client,
     draggable: &Draggable,

@@ -1,4 +1,4 @@
-//! Views that move, rest, or are never looked at.
+//! Actions with views that move, rest, or whose frames are not read.
 
 use std::time::{Duration, Instant};
 
@@ -11,29 +11,30 @@ use super::setup::make_session;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
-/// Views that move, and their size in pixels: the largest that a server takes.
+/// Number of views that move, and their size in pixels: the largest that a server accepts.
 const LARGE_VIEWS: usize = 8;
 const LARGE_VIEW_SIZE: [u32; 2] = [3840, 2160];
-/// Sockets with a view that nobody acknowledges: all that the victim's two and those that drag leave of 256.
+/// Number of sockets with a view whose frames are not acknowledged: the rest of 256 after the victim's two and those
+/// that drag.
 const SILENT_VIEWS: usize = 250;
-/// Sessions that they are in, each with one that drags.
+/// Number of sessions that they are in. One socket of each drags.
 const SILENT_SESSIONS: usize = 4;
 const MEDIUM_VIEW_SIZE: [u32; 2] = [1280, 720];
-/// Views that rest, and that are opened and closed.
+/// Number of views that rest, and of views that are opened and closed.
 const RESTING_VIEWS: usize = 30;
-/// After how long a view that moves does so again though no frame has come.
+/// Time after which a view moves again if no frame has arrived.
 const MOVES_EVERY: Duration = Duration::from_millis(50);
-/// How long views are waited for that are to be open before anything is measured.
+/// Longest wait for views that must be open before anything is measured.
 const OPENS_WITHIN: Duration = Duration::from_mins(2);
-/// How long views are open that are closed again.
+/// Time for which views are open before they are closed again.
 const CLOSES_AFTER: Duration = Duration::from_secs(1);
-/// Radians that a view turns for each frame, and updates after which it turns back.
+/// Radians by which a view turns for each frame, and number of updates after which it turns back.
 const TURN: f64 = 0.01;
 const TURNS: u32 = 40;
 
 const SCENE: &str = "demo:vases";
 
-/// Views that have been seen once before they are measured, and then move as fast as their frames come.
+/// Opens views and waits for a first frame of each. They then move as fast as their frames arrive.
 pub(super) fn large(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
@@ -53,7 +54,7 @@ pub(super) fn large(other: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// Moves a view, and again with its next frame or as soon as a hand would.
+/// Moves a view once, and waits for its next frame, for at most `MOVES_EVERY`.
 fn move_view(
     other: &OtherClient,
     client: &mut Client,
@@ -96,7 +97,7 @@ fn begin_view(client: &mut Client, [width, height]: [u32; 2]) -> Result<(), Benc
     })
 }
 
-/// Views that nobody reads, of lights that are dragged.
+/// Opens views that read nothing, in sessions whose light is dragged.
 pub(super) fn silent(other: &OtherClient) -> Result<ClientAction, BenchError> {
     for session in 0..SILENT_SESSIONS {
         make_session(&other.address, &other.session(session * CLIENTS), SCENE)?;
@@ -148,7 +149,7 @@ fn drag(other: &OtherClient, socket: usize) -> Result<(), BenchError> {
     Ok(())
 }
 
-/// Views that are whole and at rest before they are measured.
+/// Opens views and waits for the lossless picture of each. They then rest.
 pub(super) fn resting(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
@@ -168,7 +169,7 @@ pub(super) fn resting(other: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// Views that are closed a moment after they were opened.
+/// Opens views and closes them a moment later.
 pub(super) fn closing(other: &OtherClient) -> Result<ClientAction, BenchError> {
     make_session(&other.address, &other.session(0), SCENE)?;
     Ok(Box::new(|other| {
@@ -193,7 +194,7 @@ fn open_many(other: &OtherClient) -> Result<Vec<TrackedClient>, BenchError> {
     (0..RESTING_VIEWS).map(open).collect()
 }
 
-/// Waits until each view has had a frame that is wanted, or for so long. Frames of all are acknowledged meanwhile.
+/// Waits until each view had a frame that `is_wanted` accepts, for at most `within`. Acknowledges the frames of all.
 fn wait_for_all(
     views: &mut [TrackedClient],
     within: Duration,

@@ -1,4 +1,4 @@
-//! The drags side by side, and the cases below them, as an SVG.
+//! Chart of the drags side by side, and the cases below them, in SVG.
 
 use plotters::prelude::*;
 
@@ -17,14 +17,14 @@ const STAGES: [StageSeries; 5] = [
     ("decode", GREEN, |s| s.decode),
 ];
 
-/// Pixels of the picture, and rows of them for the key of the stages and the drags.
+/// Size of the picture in pixels, and heights of the legend of the stages and of the drags.
 const SIZE: (u32, u32) = (1100, 800);
 const KEY: u32 = 26;
 const DRAGS: u32 = 400;
-/// Fewest pixels of a bar that has room beside it.
+/// Minimum width in pixels of a bar that gets a gap to the next.
 const WIDE: f64 = 4.0;
 
-/// The frames of each drag of the report, in its order.
+/// Draws the frames of each drag of the report, in the order of the report.
 pub(super) fn draw(shown: &[&[ShownFrame]], report: &SessionBenchReport) -> Result<String, BenchError> {
     let SessionBenchReport { scene, width, height, .. } = report;
     let title = format!("{scene}, {width} x {height} pixels: edit to decoded frame");
@@ -46,7 +46,7 @@ fn total(shown: &ShownFrame) -> f64 {
     STAGES.iter().map(|(_, _, of)| of(&shown.stages)).sum()
 }
 
-/// Which color is which stage. Within a plot it would hide bars.
+/// Draws the legend of the stages. Inside a plot it would hide bars.
 fn key(area: &Area) -> ChartResult {
     for ((name, color, _), x) in STAGES.iter().zip((68..).step_by(100)) {
         area.draw(&Rectangle::new([(x, 8), (x + 12, 18)], color.filled()))?;
@@ -55,7 +55,8 @@ fn key(area: &Area) -> ChartResult {
     Ok(())
 }
 
-/// A bar a frame, its stages stacked, and the quantiles of all updates as lines, up to `top` milliseconds.
+/// Draws one bar per frame with its stages stacked, and the quantiles of all updates as lines, up to `top`
+/// milliseconds.
 fn one(area: &Area, shown: &[ShownFrame], drag: &BackendDrag, top: f64) -> ChartResult {
     let BackendDrag { backend, frames_per_second, edit_to_decoded_ms, .. } = drag;
     let Quantiles { p50, p95, .. } = *edit_to_decoded_ms;
@@ -106,7 +107,7 @@ mod tests {
         }
     }
 
-    /// The chart of drags of one frame each, which is nothing but a render of so many milliseconds.
+    /// Chart of drags with one frame each, which has only a render of the given milliseconds.
     fn chart_of(drags: &[(&'static str, f64)]) -> String {
         let frame =
             |render| ShownFrame { stages: LatencyStages { render, ..LatencyStages::default() }, bytes: 0 };
@@ -125,7 +126,7 @@ mod tests {
         draw(&shown, &report).expect("drawn")
     }
 
-    /// Heights in pixels of the bars of renders, which are higher than the key's boxes and those of the cases' key.
+    /// Heights in pixels of the bars of renders, which are higher than the boxes of the legends.
     fn heights(svg: &str) -> Vec<f64> {
         let rects = svg.split("<rect ").filter(|rect| rect.contains("fill=\"#2F6DB5\""));
         let height = |rect: &str| rect.split_once(" height=\"")?.1.split_once('"')?.0.parse().ok();
@@ -140,7 +141,7 @@ mod tests {
         // Half a pixel at each end of a bar.
         let is_scaled = |low: f64, high: f64| (4.0 * low - high).abs() <= 4.0 + 1.0;
         assert!(is_scaled(native, wgpu), "{native} {wgpu}");
-        // Alone, each has an axis of its own.
+        // A chart with a single drag has an axis of its own.
         let [alone] = heights(&chart_of(&[("native", 25.0)]))[..] else { panic!("one bar") };
         assert!(!is_scaled(alone, wgpu), "{alone} {wgpu}");
     }

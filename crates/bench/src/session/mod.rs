@@ -1,5 +1,5 @@
-//! How long it takes until an edit is on the screen, and where the time goes. Where the processor lights pictures, wgpu
-//! is measured beside it.
+//! Measures the latency from an edit to the decoded frame, and its stages. If the CPU shades the pictures, wgpu is
+//! measured too.
 
 mod chart;
 
@@ -18,84 +18,84 @@ use crate::frame::backends;
 use crate::peers::{FEWEST_FRAMES, Peer, Peers, RUNS};
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionBenchOptions<'a> {
-    /// What the server loads: `demo:NAME` or a glTF file.
+    /// Scene that the server loads: `demo:NAME` or a glTF file.
     pub scene: &'a str,
-    /// What the report calls it.
+    /// Name of the scene in the report.
     pub name: &'a str,
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Updates of the drag.
+    /// Number of updates of the drag.
     pub updates: u64,
-    /// Who draws shadows and lights; as the device is where nobody says.
+    /// Backend that draws shadows and lights; the device decides if `None`.
     pub backend: Option<Backend>,
-    /// Other renderers to run beside.
+    /// Other renderers to run for comparison.
     pub peers: Option<&'a Peers>,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SessionBenchReport {
-    /// `demo:NAME`, or a file's name without its folder.
+    /// `demo:NAME`, or the name of a file without its folder.
     pub scene: String,
-    /// What was dragged.
+    /// Description of the drag.
     pub what: String,
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Updates sent in each drag, one an animation frame.
+    /// Updates sent in each drag, one per animation frame.
     pub updates: u64,
-    /// The same drag by the backend that is measured, and by wgpu where that is another: each by a server that is alone,
-    /// wgpu's first.
+    /// The drag by the measured backend, followed by the same drag by wgpu if that is another. Each has a server of its
+    /// own; the one of wgpu runs first.
     pub drags: Vec<BackendDrag>,
-    /// The same drag by the first of those in views of two sizes, alone and watched.
+    /// The same drag by the measured backend, in views of two sizes, with and without other viewers.
     pub cases: Vec<SessionCase>,
-    /// Other renderers; empty where that was not asked for.
+    /// Other renderers; empty if none were requested.
     pub peers: Vec<PeerFrames>,
 }
 
-/// How a drag came to the screen.
+/// Measurements of one drag.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BackendDrag {
-    /// Who drew shadows and lights.
+    /// Backend that drew shadows and lights.
     pub backend: &'static str,
     /// Frames decoded during the drag.
     pub frames: usize,
-    /// Frames a second during the drag.
     pub frames_per_second: f64,
-    /// From sending an update to having decoded the first frame that shows it or a later one.
+    /// Time from sending an update to having decoded the first frame that shows it or a later one.
     pub edit_to_decoded_ms: Quantiles,
-    /// Where the time of the newest update of each frame went.
+    /// Stages of the latency of the newest update of each frame.
     pub stages_ms: LatencyStages<Quantiles>,
-    /// From letting go to having decoded the lossless picture.
+    /// Time from the commit of the gesture to having decoded the lossless picture.
     pub release_to_lossless_ms: f64,
-    /// Bytes of a moving frame, the middle of all.
+    /// Median bytes of a moving frame.
     pub frame_bytes_p50: usize,
 }
 
-/// Frames of another renderer, of what it draws in a size of its own, each read back and neither encoded nor sent.
+/// Frames of another renderer, of its own scene and size. They are read back, and neither encoded nor sent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PeerFrames {
-    /// The name that it gives.
+    /// Name that its script prints.
     pub name: String,
-    /// As it says, too.
+    /// Version that its script prints.
     pub version: String,
-    /// Milliseconds a frame: the least and the middle of the medians of its runs.
+    /// Milliseconds per frame: quantiles of the medians of the runs.
     pub wall_ms: Quantiles,
-    /// The first drag's middle edit to decoded frame over the middle of those.
+    /// Median edit-to-decoded time of the first drag over the median of `wall_ms`.
     pub edit_to_decoded_over_it: f64,
 }
 
-/// Starts `program serve` on data of its own, drags a control point of the scene's first BendyLight in a circle, and
-/// measures; before it by wgpu where that is another; then other renderers. Returns what was measured and the chart, an SVG.
+/// Starts `program serve` with new data, drags a control point of the scene's first BendyLight in a circle, and
+/// measures. If the backend is not wgpu, measures wgpu first. Measures other renderers last. Returns the report and the
+/// chart in SVG.
 pub fn run(
     program: &Path,
     options: &SessionBenchOptions,
@@ -109,12 +109,12 @@ pub fn run(
         done += 1;
     };
     let (mut what, mut measured, mut cases) = (String::new(), Vec::new(), Vec::new());
-    // The one that is measured last, and then its cases: no long while lies between the drags, in which a machine may
-    // become busy with something else, and both are the first of their server.
+    // The measured backend runs last, followed by its cases. So little time passes between the two drags, in which
+    // another process could load the machine, and each drag is the first one of its server.
     for (index, backend) in backends.into_iter().enumerate().rev() {
         step(format!("the drag by {}", backend.name()));
         let folder = tempfile::tempdir()?;
-        // Made by the server, nobody else may look into it.
+        // The server creates the folder, so that no other user can read it.
         let data = folder.path().join("data");
         let more = ["--scene", options.scene, "--backend", backend.name()];
         let server = ServerProcess::start(program, &data, &more)?;
@@ -147,7 +147,7 @@ pub fn run(
     Ok((report, chart))
 }
 
-/// The drag, until its lossless picture is there.
+/// Measures the drag up to its lossless picture.
 fn measure_drag(
     server: &ServerProcess,
     options: &SessionBenchOptions,
@@ -172,7 +172,7 @@ fn measure_drag(
     Ok((circle, drag, report))
 }
 
-/// Each in turn, and all of them again.
+/// Runs each renderer in turn, and repeats all of them `RUNS` times.
 fn measure_peers(
     peers: &Peers,
     p50_ms: f64,

@@ -1,4 +1,4 @@
-//! Run time against error, a row a knob.
+//! Chart of run time over error, with one row per setting.
 
 use plotters::prelude::*;
 use render::ShadowSettings;
@@ -7,10 +7,10 @@ use super::{SceneReport, ShadowBenchReport, ShadowRun};
 use crate::BenchError;
 use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED, VIOLET, range};
 
-/// A colour a scene, in their order.
+/// One color per scene, in the order of the scenes.
 const COLORS: [RGBColor; 5] = [BLUE, RED, GREEN, ORANGE, VIOLET];
 
-/// A knob: its name, whether a run has all others at their defaults, and what it is set to.
+/// A setting: its title, a test that a run has the defaults for all other settings, and a label of its value.
 struct Knob {
     title: &'static str,
     of: fn(&ShadowSettings, &ShadowSettings) -> bool,
@@ -40,7 +40,7 @@ const KNOBS: [Knob; 4] = [
     },
 ];
 
-/// An error: its name with its unit, and what it is of a run.
+/// An error: its title with its unit, and its value for a run.
 struct Measure {
     title: &'static str,
     of: fn(&ShadowRun) -> f64,
@@ -51,13 +51,13 @@ const MEASURES: [Measure; 2] = [
     Measure { title: "radiance off edges, relative RMSE", of: |run| run.error.radiance_rmse },
 ];
 
-/// An SVG.
+/// Draws the SVG.
 pub(super) fn draw(report: &ShadowBenchReport) -> Result<String, BenchError> {
     let ShadowBenchReport { width, height, adapter, .. } = report;
     let title = format!("bent shadows: run time against error, {width} x {height} pixels on {adapter}");
     chart::svg((1100, 1644), &title, |area| {
         let panels = area.split_evenly((KNOBS.len(), MEASURES.len()));
-        // One scale for a column, so that its panels can be compared.
+        // One scale per column, so that its panels can be compared.
         let ranges = MEASURES.map(|measure| {
             let errors = KNOBS.iter().flat_map(|knob| {
                 report.scenes.iter().flat_map(|scene| points(scene, knob, &measure)).map(|point| point.1)
@@ -75,7 +75,7 @@ pub(super) fn draw(report: &ShadowBenchReport) -> Result<String, BenchError> {
     })
 }
 
-/// What a panel spans.
+/// Ranges of a panel's axes.
 #[derive(Clone, Copy)]
 struct Axes {
     end_ms: f64,
@@ -113,7 +113,7 @@ fn panel(
         }
         for (ms, error, text) in points {
             let (x, y) = plot.backend_coord(&(*ms, *error));
-            // Where runs lie close together, the first says which it is.
+            // If runs lie close together, only the first has a label.
             if labels.iter().all(|(other_x, other_y)| (x - other_x).abs() > 30 || (y - other_y).abs() > 10) {
                 let style = ("sans-serif", 11).into_font().color(&color);
                 plot.draw_series([Text::new(text.clone(), (*ms, *error), style)])?;
@@ -127,12 +127,12 @@ fn panel(
     Ok(())
 }
 
-/// Milliseconds, error and the knob's value, of the runs that turn this knob alone, in its order.
+/// Milliseconds, error and label of the runs that change only this setting, in the order of its values.
 fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64, String)> {
     let default = ShadowSettings::default();
     let mut turned: Vec<_> = scene.runs.iter().filter(|run| (knob.of)(&run.settings, &default)).collect();
     let edge_error = |run: &ShadowRun| run.settings.edge_error_texels.unwrap_or(f32::INFINITY);
-    // All but one of these are equal.
+    // All but one of these settings are equal in all runs.
     turned.sort_by(|a, b| {
         let by_edge = edge_error(b).total_cmp(&edge_error(a));
         by_edge
@@ -143,18 +143,18 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
     turned
         .into_iter()
         .map(|run| {
-            // An edge that was not found at all is drawn at the window's end.
+            // An edge that was not found at all is drawn at the end of the window.
             (milliseconds(run), (measure.of)(run).clamp(1e-6, 6.0), (knob.label)(run))
         })
         .collect()
 }
 
-/// Of the stages that the knobs are about.
+/// Milliseconds of the stages that the settings affect.
 fn milliseconds(run: &ShadowRun) -> f64 {
     run.stages.shadow_ms + run.stages.lighting_ms
 }
 
-/// Whole decades around some values, so that a logarithmic axis has its numbers.
+/// Extends a range to whole decades, so that a logarithmic axis has numbers.
 fn decades((low, high): (f64, f64)) -> (f64, f64) {
     (10_f64.powf(low.log10().floor()), 10_f64.powf((1.2 * high).log10().ceil()))
 }

@@ -1,5 +1,5 @@
-//! What do bent shadows cost, and how wrong are they? Run time against error over resolution, splitting and filter
-//! of shadow maps and the error of the mesh they show, in scenes that are hard on them in different ways.
+//! Measures run time and error of bent shadows, over resolution, edge splitting, filter and caster simplification, in
+//! scenes that are difficult for shadow maps in different ways.
 
 mod chart;
 pub(crate) mod scenes;
@@ -14,17 +14,17 @@ use serde::Serialize;
 use crate::compare::{Comparison, ComparisonSubject, ExpectedPicture, RenderedSubject};
 use crate::{BenchError, Progress};
 
-/// Texels along each side of a map.
+/// Texels per side of a map.
 const RESOLUTIONS: [u32; 5] = [256, 512, 1024, 2048, 4096];
-/// Texels by which a bent edge may be off; the last does not split at all.
+/// Allowed errors of a bent edge in texels; the last one splits no edges.
 const EDGE_ERRORS: [Option<f32>; 7] =
     [Some(4.0), Some(2.0), Some(1.0), Some(0.4), Some(0.2), Some(0.1), None];
-/// How far casters may stray from the surface, of the diagonal of the scene's bounds.
+/// Allowed distances of simplified casters from the surface, as shares of the diagonal of the scene's bounds.
 const MESH_ERRORS: [f64; 4] = [0.0, 1e-4, 1e-3, 1e-2];
-/// Times that each picture is timed; the fastest counts, since nothing but other work makes one slower.
+/// Number of timings of each picture. The fastest counts, since only other work makes one slower.
 const TIMINGS: usize = 7;
 
-/// What makes a shadow map.
+/// Stages that make a shadow map.
 const SHADOW: [FrameStage; 6] = [
     FrameStage::Vertices,
     FrameStage::Triangles,
@@ -34,18 +34,18 @@ const SHADOW: [FrameStage; 6] = [
     FrameStage::Counts,
 ];
 
-/// What to measure.
+/// Options of the benchmark.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowBenchOptions<'a> {
     /// Pixels.
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Folder, there already, for a picture of each run's differences.
+    /// Existing folder for a picture of each run's differences.
     pub pictures: Option<&'a Path>,
 }
 
-/// What was measured.
+/// Results of the benchmark.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowBenchReport {
@@ -55,56 +55,56 @@ pub struct ShadowBenchReport {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Each with the same runs.
+    /// Results by scene, each with the same runs.
     pub scenes: Vec<SceneReport>,
 }
 
-/// One scene.
+/// Results for one scene.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SceneReport {
-    /// What the scene is called.
+    /// Name of the scene.
     pub scene: String,
-    /// How long the reference took for it.
+    /// Seconds that the reference took.
     pub reference_seconds: f64,
-    /// One knob turned at a time.
+    /// Runs, each of which changes one setting.
     pub runs: Vec<ShadowRun>,
 }
 
-/// One way to make shadows.
+/// Time and error of one combination of settings.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowRun {
-    /// Texels along each side of the map.
+    /// Texels per side of the map.
     pub resolution: u32,
-    /// Texels by which a bent edge may be off; null splits none.
+    /// Allowed error of a bent edge in texels; null splits none.
     pub edge_error_texels: Option<f32>,
     /// `nearest`, `bilinear` or `pcf3x3`.
     pub filter: &'static str,
-    /// How far casters may stray from the surface, in world units.
+    /// Allowed distance of simplified casters from the surface, in world units.
     pub mesh_error: f64,
-    /// Nothing kept from a picture before; milliseconds.
+    /// Times in milliseconds, with empty caches.
     pub stages: ShadowCosts,
-    /// Against the reference.
+    /// Error against the reference.
     pub error: Comparison,
-    /// The same four.
+    /// The four settings above.
     #[serde(skip)]
     pub settings: ShadowSettings,
 }
 
-/// The fastest of several, in milliseconds.
+/// Minimum over several timings, in milliseconds.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowCosts {
-    /// What each pixel sees.
+    /// Time of the G-buffer.
     pub gbuffer_ms: f64,
-    /// The shadow map.
+    /// Time of the shadow map.
     pub shadow_ms: f64,
-    /// The lighting pass with its look-ups.
+    /// Time of the lighting pass, including shadow lookups.
     pub lighting_ms: f64,
 }
 
-/// Every run in a scene of that diagonal: the default, and one knob turned at a time.
+/// Settings of every run for a scene of the given diagonal: the defaults, and changes of one setting at a time.
 fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
     let default = ShadowSettings::default();
     let mut all: Vec<_> = RESOLUTIONS.map(|resolution| ShadowSettings { resolution, ..default }).to_vec();
@@ -120,8 +120,8 @@ fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
     unique
 }
 
-/// Renders every scene once by the reference and in every way by the GPU. Returns what was measured and the chart,
-/// an SVG.
+/// Renders every scene once with the reference and with all settings on the GPU. Returns the report and the chart in
+/// SVG.
 pub fn run(
     gpu: &Arc<Gpu>,
     options: ShadowBenchOptions,
@@ -129,7 +129,7 @@ pub fn run(
 ) -> Result<(ShadowBenchReport, String), BenchError> {
     let mut renderer = Renderer::new(Arc::clone(gpu))?;
     let subjects = scenes::subjects(options.width, options.height);
-    // As many in every scene; the reference's picture is one step more.
+    // Every scene has the same number of runs; the reference's picture is one step more.
     let steps = all_settings(1.0).len() + 1;
     let mut scenes = Vec::with_capacity(subjects.len());
     for (index, subject) in subjects.iter().enumerate() {
@@ -186,7 +186,7 @@ fn run_scene(
     Ok(SceneReport { scene: subject.name.clone(), reference_seconds, runs })
 }
 
-/// What the picture's stages take.
+/// Measures the stages of the picture.
 fn time(renderer: &mut Renderer, subject: &ComparisonSubject) -> Result<ShadowCosts, BenchError> {
     let lights = subject.lights()?;
     let mut record = || {
@@ -220,7 +220,7 @@ impl ShadowRun {
         format!("{scene}-{}-{edge}-{}-{}.png", self.resolution, self.filter, self.mesh())
     }
 
-    /// The mesh error in short.
+    /// Short text of the mesh error.
     fn mesh(&self) -> String {
         if self.mesh_error == 0.0 { "exact".into() } else { format!("{:.1e}", self.mesh_error) }
     }

@@ -1,4 +1,4 @@
-//! Scenes that are hard on bent shadow maps, each in its own way.
+//! Scenes that are difficult for bent shadow maps, each in a different way.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3, Vec4};
 use light::Light;
@@ -8,7 +8,7 @@ use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 use crate::compare::ComparisonSubject;
 use crate::solids::{ball, block};
 
-/// All of them, `width` x `height` pixels.
+/// Makes all subjects, `width` x `height` pixels.
 pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
     let view = view(width, height);
     let subject = |name, parts, light| ComparisonSubject::new(name, scene_of(parts), light, view.clone());
@@ -21,7 +21,7 @@ pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
     ]
 }
 
-/// From above, so that the floor shows the whole shadow.
+/// View from above, so that the floor shows the whole shadow.
 pub(crate) fn view(width: u32, height: u32) -> View {
     let (eye, target) = (DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2));
     let back = (eye - target).normalize();
@@ -35,7 +35,7 @@ pub(crate) fn view(width: u32, height: u32) -> View {
     View::beauty(camera, [width, height])
 }
 
-/// A light through world positions.
+/// Light through world positions.
 fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let source = DVec3::from_array(points[0]);
     let points = points.map(|point| DVec3::from_array(point) - source).to_vec();
@@ -43,7 +43,7 @@ fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     light.map_points(|_, point| point.intensity = 3.0)
 }
 
-/// A cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
+/// Cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
 /// section 1).
 fn straight() -> Light {
     let (source, end) = (DVec3::new(-2.6, 5.0, 1.2), DVec3::new(2.6, -2.2, -1.0));
@@ -51,7 +51,7 @@ fn straight() -> Light {
     light(shares.map(|share| source.lerp(end, share).to_array()), shares.map(|share| 2.8 * share))
 }
 
-/// Sets out level and comes down steeply.
+/// Light that starts horizontally and comes down steeply.
 fn bent() -> Light {
     light(
         [[-3.4, 2.2, 1.0], [-2.4, 3.6, 0.9], [-0.2, 4.4, 0.5], [1.0, 2.3, 0.1], [1.1, -1.2, -0.2]],
@@ -59,7 +59,7 @@ fn bent() -> Light {
     )
 }
 
-/// Wide at its source, narrow in the middle and wide again.
+/// Light that is wide at its source, narrow in the middle and wide at its end.
 fn tapered() -> Light {
     light(
         [[-2.6, 4.4, 1.0], [-1.9, 3.9, 0.8], [-0.6, 3.0, 0.3], [0.6, 1.7, 0.0], [1.3, -1.0, 0.0]],
@@ -67,7 +67,7 @@ fn tapered() -> Light {
     )
 }
 
-/// A mesh at a place.
+/// A mesh and its placement.
 pub(crate) struct PlacedPrimitive(pub Primitive, pub DAffine3);
 
 pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
@@ -75,7 +75,7 @@ pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(scale, DQuat::from_rotation_y(turn), at)
 }
 
-/// Two large triangles.
+/// Floor of two large triangles.
 pub(crate) fn floor() -> PlacedPrimitive {
     let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
     let primitive = Primitive {
@@ -109,7 +109,7 @@ fn beams() -> Vec<PlacedPrimitive> {
     ]
 }
 
-/// Fifteen hundred small blocks in the air, at even spacings that never repeat (the R3 lattice).
+/// Fifteen hundred small blocks in the air, evenly spaced without repetition (the R3 lattice).
 fn leaves() -> Vec<PlacedPrimitive> {
     const PLASTIC: f64 = 1.220_744_084_605_759_5;
     let leaf = |k: u32| {

@@ -1,15 +1,15 @@
 //! Blinn's solver for homogeneous cubics: "How to Solve a Cubic Equation, Part 5: Back to Numerics", IEEE Computer
 //! Graphics and Applications 27(3), 2007.
 //!
-//! Roots come as ratios `x / w`, so that a vanishing leading coefficient sends one of them to infinity and leaves the
-//! others alone; each is found from the end of the cubic that is better conditioned for it.
+//! Roots are ratios `x / w`, so that a vanishing leading coefficient sends one of them to infinity and leaves the
+//! others unchanged. Each root is computed from the end of the cubic that is better conditioned for it.
 
 use num_traits::Float;
 
 use super::closed_form::RealRoots;
 use super::cubic::Cubic;
 
-/// The roots of `A x^3 + 3 B x^2 w + 3 C x w^2 + D w^3`.
+/// Roots of `A x^3 + 3 B x^2 w + 3 C x w^2 + D w^3`.
 pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     if cubic.c3 == F::zero() {
         return [Some(-cubic.c0 / cubic.c1), None, None];
@@ -19,7 +19,7 @@ pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let (a, b, c, d) = (cubic.c3, cubic.c2 / three, cubic.c1 / three, cubic.c0);
     let hessian = [a * c - b * b, a * d - b * c, b * d - c * c];
     let discriminant = two * two * hessian[0] * hessian[2] - hessian[1] * hessian[1];
-    // Depressed from the side of the leading coefficient, or from that of the last.
+    // Depressed from the side of the leading coefficient, and from that of the last.
     let leading = BlinnCubic { outer: a, bar_c: hessian[0], bar_d: -two * b * hessian[0] + a * hessian[1] };
     let trailing = BlinnCubic { outer: d, bar_c: hessian[2], bar_d: -d * hessian[1] + two * c * hessian[2] };
     if discriminant <= F::zero() {
@@ -34,7 +34,7 @@ pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let large = [if x1 + x3 > two * b { x1 } else { x3 } - b, a];
     let [x1, x3] = trailing.outer_pair(root);
     let small = [-d, if x1 + x3 < two * c { x1 } else { x3 } + c];
-    // The third from the other two: the cubic divided by their factors.
+    // The third root follows from the other two: the cubic divided by their factors.
     let e = large[1] * small[1];
     let f = -large[0] * small[1] - large[1] * small[0];
     let g = large[0] * small[0];
@@ -42,7 +42,7 @@ pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     [large, middle, small].map(|[x, w]| Some(x / w))
 }
 
-/// A depressed cubic, `t^3 + 3 bar_c t + bar_d`.
+/// Depressed cubic `t^3 + 3 bar_c t + bar_d`.
 struct BlinnCubic<F> {
     outer: F,
     bar_c: F,
@@ -50,7 +50,7 @@ struct BlinnCubic<F> {
 }
 
 impl<F: Float> BlinnCubic<F> {
-    /// Its only real root.
+    /// The only real root.
     fn single(&self, discriminant: F) -> F {
         let two = F::one() + F::one();
         let t0 = -self.bar_d.signum() * self.outer.abs() * (-discriminant).sqrt();
@@ -60,7 +60,7 @@ impl<F: Float> BlinnCubic<F> {
         if self.bar_c <= F::zero() { p + q } else { -self.bar_d / (p * p + q * q + self.bar_c) }
     }
 
-    /// The largest and the smallest of its three.
+    /// The largest and the smallest of three roots.
     fn outer_pair(&self, root: F) -> [F; 2] {
         let two = F::one() + F::one();
         let three = two + F::one();

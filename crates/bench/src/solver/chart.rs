@@ -1,4 +1,4 @@
-//! Run time against error as an SVG.
+//! Chart of run time over error, in SVG.
 
 use plotters::prelude::*;
 
@@ -10,13 +10,13 @@ use crate::chart::{self, BLUE, ChartResult, ORANGE, range};
 
 const WIDTHS: [(Precision, RGBColor, &str); 2] =
     [(Precision::F32, BLUE, "f32"), (Precision::F64, ORANGE, "f64")];
-/// Height of a label and width of its letters, in pixels.
+/// Height of a label and width of a letter, in pixels.
 const LINE: i32 = 15;
 const LETTER: i32 = 7;
 
 type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// A marker a method and width, filled where nothing was wrong, and each width's Pareto front.
+/// Draws a marker per method and precision, filled if nothing was wrong, and the Pareto front of each precision.
 pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
     let methods = &report.methods;
     chart::svg((1000, 640), "", |area| {
@@ -57,7 +57,7 @@ pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
     })
 }
 
-/// The steps of what is fastest for each error, up to the time `end`.
+/// Steps of the fastest method for each error, up to the time `end`.
 fn front(methods: &[&MeasuredMethod], end: f64) -> Vec<(f64, f64)> {
     let mut best: Vec<_> =
         methods.iter().filter(|m| m.on_pareto_front).map(|m| (m.nanoseconds, m.error())).collect();
@@ -75,7 +75,7 @@ fn draw_markers(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartRes
     Ok(())
 }
 
-/// Each marker's name beside it, moved down where another stands there, with a line back to its marker.
+/// Draws the name of each marker beside it, moved down if it would overlap another, with a line to its marker.
 fn draw_labels(plot: &mut Plot<'_, '_>, methods: &[MeasuredMethod]) -> ChartResult {
     let mut markers: Vec<_> =
         methods.iter().map(|m| (plot.backend_coord(&(m.nanoseconds, m.error())), m)).collect();
@@ -118,7 +118,7 @@ fn name(method: &MeasuredMethod) -> String {
     format!("{:?}{separator}{failures}", method.method)
 }
 
-/// How many answers went wrong, in words; nothing where none did.
+/// Describes the number of wrong answers; empty if there are none.
 fn failures(method: &MeasuredMethod) -> String {
     let accuracy = &method.accuracy;
     let wrong = accuracy.missed + accuracy.spurious + accuracy.inaccurate;

@@ -1,4 +1,4 @@
-//! The cubic as every other method needs it: four numbers, and which of its roots are wanted.
+//! The cubic as other methods need it: four coefficients, and a test of the wanted roots.
 
 use light::Curve;
 use num_traits::Float;
@@ -16,7 +16,7 @@ pub struct Cubic<F> {
 }
 
 impl<F: FloatWidth> Cubic<F> {
-    /// Of a segment and a point (light model, section 5).
+    /// Cubic of a segment and a point (light model, section 5).
     pub fn of(curve: &Curve<F>, q: F::Vec3) -> Self {
         let (d0, a, from_start) = (curve.d0, curve.a, q - curve.b0);
         Self {
@@ -27,7 +27,7 @@ impl<F: FloatWidth> Cubic<F> {
         }
     }
 
-    /// Those of `roots` that are wanted: on the segment, and where the distance has a minimum. NaN stays in.
+    /// Selects the wanted roots: on the segment, at a minimum of the distance. NaN is kept.
     pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
         let slack = F::of(F::END_SLACK);
         let outside = |u: F| u < -slack || u > F::one() + slack;
@@ -42,7 +42,7 @@ impl<F: FloatWidth> Cubic<F> {
     }
 }
 
-/// Limited to the segment; NaN stays NaN, which `min` and `max` would hide.
+/// Clamps to the segment. NaN stays NaN, which `min` and `max` would hide.
 pub fn clamp01<F: Float>(u: F) -> F {
     if u < F::zero() {
         F::zero()

@@ -1,4 +1,4 @@
-//! The kinds of input that the solvers are compared on: what a light can be bent to, and where points can lie.
+//! Families of inputs on which the solvers are compared: curves that a light can have, and points around them.
 
 use fastrand::Rng;
 use glam::DVec3;
@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::width::FloatWidth;
 
-/// A kind of segment and point; cases are numbered, and the same number gives the same case on every machine.
+/// Family of segments and points. The same case number gives the same case on every machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Family {
@@ -15,15 +15,15 @@ pub enum Family {
     Ordinary,
     /// Bends of 10^-1 to 10^-10: the cubic's leading coefficients vanish in rounding.
     NearlyStraight,
-    /// No bend at all, with constant and with changing speed.
+    /// No bend, with constant and with changing speed.
     Straight,
     /// One end tangent 10 to 10^4 times as long as the other.
     Uneven,
     /// The curve turns back on itself.
     Hairpin,
-    /// One end tangent 10^-2 to 10^-7 of the other: P' all but vanishes at that end.
+    /// One end tangent 10^-2 to 10^-7 of the other: P' almost vanishes at that end.
     Cusp,
-    /// Two control points in one place: P' is zero at an end.
+    /// Two control points coincide: P' is zero at an end.
     Coincident,
     /// Segment and point together 10^3 to 10^6 away from the origin.
     FarOffset,
@@ -31,11 +31,11 @@ pub enum Family {
     Scaled,
     /// The point on the curve itself.
     OnCurve,
-    /// The point on the tube's surface, the tube as wide as the bend lets it be.
+    /// The point on the surface of the widest tube that the bend allows.
     Boundary,
     /// The point 10 to 10^4 lengths away.
     FarPoint,
-    /// The point near the evolute, `1 - kappa r.N` of 10^-1 to 10^-7: two roots all but meet.
+    /// The point near the evolute, `1 - kappa r.N` of 10^-1 to 10^-7: two roots almost meet.
     NearEvolute,
     /// The point on the plane across one end, or within rounding of it.
     AtEnd,
@@ -43,7 +43,6 @@ pub enum Family {
     Anywhere,
 }
 
-/// Every family.
 pub const FAMILIES: [Family; 15] = [
     Family::Ordinary,
     Family::NearlyStraight,
@@ -62,29 +61,28 @@ pub const FAMILIES: [Family; 15] = [
     Family::Anywhere,
 ];
 
-/// One question: where on `curve` is the point `q` square to it?
+/// Input of a solver: a curve and a point `q`, for the parameters at which `q - P(u)` is perpendicular to the curve.
 #[derive(Clone, Debug)]
 pub struct SolverCase<F: FloatWidth> {
-    /// Only positions and derivatives count.
+    /// Only positions and derivatives matter.
     pub curve: Curve<F>,
-    /// The point.
     pub q: F::Vec3,
 }
 
 impl SolverCase<f64> {
-    /// The same case with every number rounded to `F`, as a light is prepared for it.
+    /// Rounds every number to `F`, as the light model does for a light.
     pub fn rounded<F: FloatWidth>(&self) -> SolverCase<F> {
         SolverCase { curve: F::curve(&self.curve), q: F::vec(self.q) }
     }
 }
 
 impl Family {
-    /// Whether `P'` all but vanishes somewhere on its curves.
+    /// True if `P'` almost vanishes somewhere on the curves of this family.
     pub fn has_vanishing_derivative(self) -> bool {
         matches!(self, Self::Hairpin | Self::Cusp | Self::Coincident)
     }
 
-    /// Case `index` of this family.
+    /// Makes case `index` of this family.
     pub fn case(self, index: u64) -> SolverCase<f64> {
         let rng = &mut Rng::with_seed((self as u64 + 1) << 48 | index);
         let strength = (index % 10) as f64;
@@ -159,7 +157,7 @@ impl Family {
                 let curve = bent(rng, 1.0);
                 let u = rng.f64();
                 let (d, a) = (curve.d(u), curve.a);
-                // P'' across P' points to the centre of curvature, |d|^2 / (2 a_across) away where |P'|^2 = 4 |d|^2.
+                // P'' across P' points to the center of curvature, |d|^2 / (2 a_across) away, with |P'|^2 = 4 |d|^2.
                 let a_across = a - d * (a.dot(d) / d.length_squared());
                 let sign = if rng.bool() { 1.0 } else { -1.0 };
                 let short = 1.0 - sign * magnitude(rng, -7.0, -1.0);
@@ -185,7 +183,7 @@ impl Family {
     }
 }
 
-/// A curve one of whose end tangents is `ratio` times as long as the other.
+/// Makes a curve with one end tangent `ratio` times as long as the other.
 fn end_speed(rng: &mut Rng, ratio: f64) -> SolverCase<f64> {
     let curve = bent(rng, 1.0);
     let curve = if rng.bool() {
@@ -197,7 +195,7 @@ fn end_speed(rng: &mut Rng, ratio: f64) -> SolverCase<f64> {
     SolverCase { curve, q }
 }
 
-/// From `10^low` to `10^high`, every order as likely as the others.
+/// Random number from `10^low` to `10^high`, log-uniform.
 fn magnitude(rng: &mut Rng, low: f64, high: f64) -> f64 {
     libm::exp10(uniform(rng, low, high))
 }
@@ -206,12 +204,12 @@ fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.f64()
 }
 
-/// Uniform in the cube of half width 1.
+/// Random point, uniform in the cube of half width 1.
 fn cube(rng: &mut Rng) -> DVec3 {
     DVec3::new(uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0))
 }
 
-/// Uniform over the unit sphere.
+/// Random unit vector, uniform over the sphere.
 fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = cube(rng);
@@ -221,24 +219,24 @@ fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A segment whose end tangents differ by up to `bent` times their length.
+/// Makes a segment whose end tangents differ by up to `bend` times their length.
 fn bent(rng: &mut Rng, bend: f64) -> Curve<f64> {
     let (b0, d0) = (cube(rng), direction(rng) * uniform(rng, 0.5, 1.0));
     curve_of(b0, d0, d0 + direction(rng) * (d0.length() * bend * uniform(rng, 0.1, 0.9)))
 }
 
-/// The narrowest radius of curvature, or the segment's length where that is less.
+/// The smallest radius of curvature, or the segment's length if that is less.
 fn narrowest(curve: &Curve<f64>) -> f64 {
     (1.0 / kappa_max(curve)).min(curve.d0.length() + curve.d1.length())
 }
 
-/// The largest curvature over the segment: `kappa = |d0 x d1| / (2 |d|^3)` is greatest where `|d|` is least.
+/// Largest curvature over the segment: `kappa = |d0 x d1| / (2 |d|^3)` is greatest where `|d|` is least.
 pub fn kappa_max(curve: &Curve<f64>) -> f64 {
     let slowest = slowest(curve);
     curve.d0.cross(curve.d1).length() / (2.0 * slowest * slowest * slowest)
 }
 
-/// The least `|d|` over the segment.
+/// Smallest `|d|` over the segment.
 pub fn slowest(curve: &Curve<f64>) -> f64 {
     curve.d(u_of_slowest(curve)).length()
 }
@@ -248,7 +246,7 @@ fn u_of_slowest(curve: &Curve<f64>) -> f64 {
     if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// A unit vector across the curve at `u`.
+/// Random unit vector across the curve at `u`.
 fn across(rng: &mut Rng, curve: &Curve<f64>, u: f64) -> DVec3 {
     loop {
         let (v, u_hat) = (direction(rng), curve.u_hat(u));
@@ -259,20 +257,20 @@ fn across(rng: &mut Rng, curve: &Curve<f64>, u: f64) -> DVec3 {
     }
 }
 
-/// A point within `share` of the widest tube that the curve's bend allows.
+/// Random point within `share` of the radius of the widest tube that the curve's bend allows.
 fn in_tube(rng: &mut Rng, curve: &Curve<f64>, share: f64) -> DVec3 {
     let u = rng.f64();
     let radius = share * rng.f64() * narrowest(curve);
     curve.position(u) + across(rng, curve, u) * radius
 }
 
-/// A point of the cube around the segment, `reach` lengths wider than it.
+/// Random point in a cube around the segment, `reach` lengths wider than the segment.
 fn around(rng: &mut Rng, curve: &Curve<f64>, reach: f64) -> DVec3 {
     curve.position(rng.f64()) + cube(rng) * (reach * curve.d0.length().max(curve.d1.length()))
 }
 
-/// A point around the segment, or one 10^-5 to 10^-1 lengths from where the curve is slowest: there P' all but vanishes
-/// and roots lie close together.
+/// Random point around the segment, or 10^-5 to 10^-1 lengths from its slowest point: there P' almost vanishes and
+/// roots lie close together.
 fn near_slowest(rng: &mut Rng, curve: &Curve<f64>) -> DVec3 {
     if rng.bool() {
         return around(rng, curve, 1.0);
@@ -281,7 +279,7 @@ fn near_slowest(rng: &mut Rng, curve: &Curve<f64>) -> DVec3 {
     curve.position(u_of_slowest(curve)) + cube(rng) * (length * magnitude(rng, -5.0, -1.0))
 }
 
-/// A curve; radius and frame do not matter here and are zero.
+/// Makes a curve. Its radius and frame do not matter here and are zero.
 fn curve_of(b0: DVec3, d0: DVec3, d1: DVec3) -> Curve<f64> {
     let a = d1 - d0;
     Curve {

@@ -1,4 +1,4 @@
-//! What a solver says: up to three parameters.
+//! Result of a solver: up to three parameters.
 
 use super::width::FloatWidth;
 
@@ -10,18 +10,16 @@ pub struct FoundRoots<F> {
 }
 
 impl<F: FloatWidth> FoundRoots<F> {
-    /// Nothing yet.
     pub fn none() -> Self {
         Self { roots: [F::zero(); 3], count: 0 }
     }
 
-    /// One more; at most three.
+    /// Adds a parameter; at most three.
     pub fn push(&mut self, u: F) {
         self.roots[self.count] = u;
         self.count += 1;
     }
 
-    /// All of them.
     pub fn roots(&self) -> &[F] {
         &self.roots[..self.count]
     }

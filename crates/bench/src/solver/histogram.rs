@@ -1,14 +1,14 @@
-//! Quantiles of any number of values in little memory.
+//! Quantiles of any number of values in constant memory.
 
 use crate::Quantiles;
 
 /// Values per doubling: bins are 4 % wide.
 const BINS_AN_OCTAVE: f64 = 16.0;
-/// The smallest value that is told from zero is `2^-LOWEST`.
+/// The smallest value that is distinct from zero is `2^-LOWEST`.
 const LOWEST: f64 = 120.0;
 const BINS: usize = 160 * BINS_AN_OCTAVE as usize;
 
-/// How often values of each size, from 2^-120 to 2^40, came; smaller ones count as zero.
+/// Histogram of values from 2^-120 to 2^40; smaller ones count as zero.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     bins: Vec<u64>,
@@ -31,14 +31,14 @@ impl Histogram {
         self.max = self.max.max(value);
     }
 
-    /// Counts what another has counted.
+    /// Adds the counts of another histogram.
     pub fn add(&mut self, other: &Self) {
         self.bins.iter_mut().zip(&other.bins).for_each(|(bin, other)| *bin += other);
         self.count += other.count;
         self.max = self.max.max(other.max);
     }
 
-    /// The value that a `share` of all does not exceed, at most 4 % too large; 0 of none.
+    /// Returns the value that a `share` of all values does not exceed, at most 4 % too large; 0 if there are none.
     fn quantile(&self, share: f64) -> f64 {
         let wanted = (share * self.count as f64).ceil() as u64;
         let mut seen = 0;

@@ -5,9 +5,9 @@ use num_traits::Float;
 use super::closed_form::RealRoots;
 use super::cubic::{Cubic, clamp01};
 
-/// Yuksel's bracketed Newton: between the cubic's extrema each piece holds one root at most, found by Newton's method
-/// from its middle, halving wherever that leaves the bracket ("High-Performance Polynomial Root Finding for Graphics",
-/// Proceedings of the ACM on Computer Graphics and Interactive Techniques 5(3), 2022).
+/// Yuksel's bracketed Newton: between the cubic's extrema each piece has at most one root. Newton's method finds it
+/// from the middle of the piece, with a bisection step if it leaves the bracket ("High-Performance Polynomial Root
+/// Finding for Graphics", Proceedings of the ACM on Computer Graphics and Interactive Techniques 5(3), 2022).
 pub fn yuksel<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let three = F::one() + F::one() + F::one();
     let (zero, one) = (F::zero(), F::one());
@@ -21,14 +21,14 @@ pub fn yuksel<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     [bracketed(cubic, zero, left.min(one)), bracketed(cubic, right.max(zero), one), None]
 }
 
-/// The root of an increasing piece.
+/// Finds the root of an increasing piece.
 fn bracketed<F: Float>(cubic: &Cubic<F>, mut low: F, mut high: F) -> Option<F> {
     let two = F::one() + F::one();
     if low > high || cubic.value(low) > F::zero() || cubic.value(high) < F::zero() {
         return None;
     }
     let mut u = (low + high) / two;
-    // Halving alone would be done by then.
+    // Bisection alone would need fewer steps.
     for _ in 0..64 {
         let value = cubic.value(u);
         *(if value > F::zero() { &mut high } else { &mut low }) = u;
@@ -42,7 +42,7 @@ fn bracketed<F: Float>(cubic: &Cubic<F>, mut low: F, mut high: F) -> Option<F> {
     Some(u)
 }
 
-/// Where the iterations with fixed steps begin: both ends and the middle, so that neither of two roots is missed.
+/// Start values of the iterations with fixed steps: both ends and the middle, so that neither of two roots is missed.
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Newton's method, six steps from each start.
@@ -59,7 +59,7 @@ pub fn halley<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     })
 }
 
-/// What `N` steps lead to on the segment; nothing where the last step was still a large one.
+/// Results of `N` steps from each start, if on the segment; `None` if the last step was still large.
 fn from_each_start<F: Float, const N: usize>(step: impl Fn(F) -> F) -> RealRoots<F> {
     let settled = F::from(1e-3).expect("f32 has it");
     STARTS.map(|start| {

@@ -1,4 +1,4 @@
-//! What a solver's answers are worth: the error of each root, and whether it is one at all.
+//! Judges a solver's answers: the error of each root, and missed or spurious roots.
 
 use twofloat::TwoFloat;
 
@@ -8,56 +8,56 @@ use super::histogram::Histogram;
 use super::truth::{ExactCubic, TrueRoot};
 use super::width::{FloatWidth, Precision};
 
-/// A root further than this from every true one is another root.
+/// A root farther than this from every true one is a different root.
 const SAME_ROOT_DISTANCE: f64 = 1.0 / 64.0;
 
-/// What is known about the answers to some cases.
+/// Counts and errors of the answers to some cases.
 #[derive(Clone, Debug, Default)]
 pub struct AnswerTally {
-    /// Cases.
+    /// Number of cases.
     pub inputs: u64,
-    /// Errors in u, of the wanted roots that were found.
+    /// Errors in u of the wanted roots that were found.
     pub error: Histogram,
-    /// The same in units of `eps cond`, where the light model bounds it: see [`ErrorBounds::is_well_conditioned`].
+    /// The errors in units of `eps cond`, for cases that the light model bounds in u: see
+    /// [`ErrorBounds::is_well_conditioned`].
     pub error_eps_cond: Histogram,
     /// Wanted roots that were not found.
     pub missed: u64,
     /// Reported parameters at which there is no wanted root.
     pub spurious: u64,
-    /// Roots found that are over the bars of the light model, section 5.
+    /// Roots found with an error over the bounds of the light model, section 5.
     pub inaccurate: u64,
-    /// Reported parameters that are no number.
+    /// Reported parameters that are NaN.
     pub nan: u64,
-    /// The first case with anything wrong, to look at.
+    /// First case with a wrong answer, for debugging.
     pub first_wrong: Option<WrongCase>,
 }
 
-/// A case with a wrong answer: the same numbers give the same case again.
+/// A case with a wrong answer. Its numbers reproduce the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct WrongCase {
-    /// Its family.
     pub family: Family,
-    /// Its number there.
+    /// Number of the case in its family.
     pub index: u64,
-    /// The width it was solved in.
+    /// Precision in which it was solved.
     pub precision: Precision,
 }
 
 impl AnswerTally {
-    /// Wrong roots of all three kinds: missed, spurious and inaccurate.
+    /// Number of wrong roots of all three kinds: missed, spurious and inaccurate.
     pub fn wrong(&self) -> u64 {
         self.missed + self.spurious + self.inaccurate
     }
 
-    /// Of several.
+    /// Sum of several tallies.
     pub fn sum<'a>(tallies: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut sum = Self::default();
         tallies.into_iter().for_each(|tally| sum.add(tally));
         sum
     }
 
-    /// Adds the answers to other cases.
+    /// Adds another tally.
     pub fn add(&mut self, other: &Self) {
         self.inputs += other.inputs;
         self.error.add(&other.error);
@@ -69,7 +69,7 @@ impl AnswerTally {
         self.first_wrong = self.first_wrong.or(other.first_wrong);
     }
 
-    /// Adds the answer to one case.
+    /// Judges the answer to one case and counts it.
     pub fn count<F: FloatWidth>(
         &mut self,
         family: Family,
@@ -106,21 +106,21 @@ impl AnswerTally {
     }
 }
 
-/// The truth about a case, and how far from it an answer in `F` may be (light model, section 5).
+/// True roots of a case, and bounds on the error of an answer in `F` (light model, section 5).
 pub struct ErrorBounds<F: FloatWidth> {
     truth: ExactCubic,
     case: SolverCase<F>,
-    /// The bar `K` on the backward error.
+    /// The bound `K` on the backward error.
     backward: f64,
     /// `|d0| + |d1|`.
     length: f64,
-    /// Whether the bar on u holds: a tube as wide as the point is off the curve has `R kappa <= 0.9`, and
-    /// `|P'| >= 0.1 L`. Elsewhere only the backward error is bounded.
+    /// True if the bound on u applies: the tube whose radius is the distance from the point to the curve has
+    /// `R kappa <= 0.9`, and `|P'| >= 0.1 L`. Otherwise only the backward error is bounded.
     is_well_conditioned: bool,
 }
 
 impl<F: FloatWidth> ErrorBounds<F> {
-    /// The bars for a case as it is in `F`.
+    /// Computes the bounds for a case rounded to `F`.
     pub fn new(family: Family, exact: &SolverCase<f64>) -> Self {
         let case = exact.rounded::<F>();
         let truth = ExactCubic::of(&case.curve, case.q);
@@ -138,12 +138,12 @@ impl<F: FloatWidth> ErrorBounds<F> {
         }
     }
 
-    /// The case in `F`.
+    /// The case rounded to `F`.
     pub fn case(&self) -> &SolverCase<F> {
         &self.case
     }
 
-    /// `(|r| + L) / (|P'| (1 - kappa r.N))` at `u`, with `|P'| (1 - kappa r.N) = 2 f' / |P'|`, and
+    /// `(|r| + L) / (|P'| (1 - kappa r.N))` at `u`, with `|P'| (1 - kappa r.N) = 2 f' / |P'|`, times
     /// `1 + |world offset| / size` for a segment away from the origin.
     fn cond(&self, u: f64) -> f64 {
         let (r, d) = self.at(u);
@@ -165,7 +165,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
         self.backward * F::PRECISION.eps() * ((r + q + self.length) * d + r * self.length)
     }
 
-    /// Whether `u` can be meant for `root`.
+    /// True if `u` is an answer for `root`.
     fn is_answer(&self, root: &TrueRoot, u: f64) -> bool {
         let [low, high] = root.piece;
         root.error(u) <= SAME_ROOT_DISTANCE
@@ -176,14 +176,15 @@ impl<F: FloatWidth> ErrorBounds<F> {
         self.truth.value(TwoFloat::from(u)).abs() <= self.backward_bar(u)
     }
 
-    /// Whether `f` is within the bar where it turns, at `u` on the segment: there two roots meet or part in rounding.
+    /// True if `f` is within the bound of zero at its extremum `u` on the segment: there two roots merge or separate by
+    /// rounding.
     fn is_double(&self, u: f64) -> bool {
         let rounding = 16.0 * F::PRECISION.eps();
         (-rounding..=1.0 + rounding).contains(&u)
             && self.truth.value(TwoFloat::from(u)).abs() <= 2.0 * self.backward_bar(u)
     }
 
-    /// Whether a wanted root lies at `u`, but for what rounding can do.
+    /// True if a wanted root lies at `u`, up to rounding.
     fn is_root(&self, u: f64) -> bool {
         let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME_ROOT_DISTANCE);
         let rising =
@@ -191,7 +192,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
         near || (self.is_within_backward(u) && rising())
     }
 
-    /// Whether rounding can make a true root vanish: it lies at an end of the segment, or all but meets another.
+    /// True if rounding can remove a true root: it lies at an end of the segment, or almost meets another.
     fn may_miss(&self, root: &TrueRoot) -> bool {
         root.piece.iter().any(|&end| self.is_double(end))
     }

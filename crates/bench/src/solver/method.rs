@@ -1,4 +1,4 @@
-//! The solvers that are compared.
+//! Solvers that are compared.
 
 use light::Curve;
 use serde::{Deserialize, Serialize};
@@ -9,11 +9,11 @@ use super::found::FoundRoots;
 use super::width::FloatWidth;
 use super::{blinn, closed_form, iterative};
 
-/// A way to find where a curve is square to a point.
+/// Method to find the parameters at which a curve is perpendicular to the direction of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub enum Method {
-    /// The product's: [`light::increasing_roots`].
+    /// The product's solver: [`light::increasing_roots`].
     Ours,
     /// The general cubic formula.
     Naive,
@@ -33,7 +33,6 @@ pub enum Method {
     Quilez,
 }
 
-/// Every method.
 pub const METHODS: [Method; 9] = [
     Method::Ours,
     Method::Naive,
@@ -46,11 +45,11 @@ pub const METHODS: [Method; 9] = [
     Method::Quilez,
 ];
 
-/// A solver: the parameters on the segment at which the distance to the point has a minimum.
+/// Solver function. It returns the parameters on the segment at which the distance to the point has a minimum.
 pub type SolverFn<F> = fn(&Curve<F>, <F as light::Lanes>::Vec3) -> FoundRoots<F>;
 
 impl Method {
-    /// The solver itself.
+    /// Function of this method in precision `F`.
     pub fn solver<F: FloatWidth>(self) -> SolverFn<F> {
         match self {
             Self::Ours => ours,
@@ -74,7 +73,7 @@ fn ours<F: FloatWidth>(curve: &Curve<F>, q: F::Vec3) -> FoundRoots<F> {
     found
 }
 
-/// Inlined, so that each method's code is one piece.
+/// Inlined, so that each method compiles to one piece of code.
 #[inline]
 fn from_cubic<F: FloatWidth>(
     curve: &Curve<F>,

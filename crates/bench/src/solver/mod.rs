@@ -1,11 +1,11 @@
-//! Which solver finds where a curve is square to a point, how fast, how accurately, and does it ever fail?
+//! Compares solvers for the curve parameter by speed, accuracy and failures.
 //!
-//! The question that each pixel asks of each segment of each BendyLight (light model, section 5): the parameters `u` in
-//! `[0, 1]` at which `(P(u) - q) . P'(u) = 0` with the distance at a minimum. The product's solver and eight others
-//! answer it in f32 and f64 for fifteen [families](FAMILIES) of inputs; the truth is known to thirty digits.
+//! Each pixel solves this for each segment of each BendyLight (light model, section 5): the parameters `u` in `[0, 1]`
+//! at which `(P(u) - q) . P'(u) = 0` with the distance at a minimum. The product's solver and eight others solve it in
+//! f32 and f64 for fifteen [families](FAMILIES) of inputs; the true roots are known to thirty digits.
 //!
-//! A root is *wrong* where a wanted one is missed, where one is reported that is none, or where it is over the bars of
-//! section 5: 16 eps cond in u for tubes that are far from folding, a bound on the backward error elsewhere.
+//! A root is *wrong* if a wanted one is missed, if a reported one is none, or if its error is over the bounds of
+//! section 5: 16 eps cond in u for tubes that are far from folding, a bound on the backward error otherwise.
 
 mod blinn;
 mod chart;
@@ -45,30 +45,30 @@ use self::timing::nanoseconds;
 use self::width::FloatWidth;
 use crate::{BenchError, Progress};
 
-/// Cases that one thread judges in one go.
+/// Number of cases that a thread judges per task.
 const CHUNK: u64 = 4096;
-/// Cases by which run times are measured.
+/// Number of cases over which run times are measured.
 const TIMED: u64 = 2048;
-/// Cases that are solved at once.
+/// Number of cases that are solved at once.
 const SIXTEEN: usize = 16;
-/// Most cases of a family that are solved sixteen-wide and on the adapter: they fit into its buffers.
+/// Maximum cases of a family that are solved sixteen-wide and on the GPU: they fit into its buffers.
 const MAX_BULK_CASES: u64 = 60_000;
-/// How often the adapter solves them for its run time.
+/// Number of dispatches over which the GPU's run time is measured.
 const DISPATCHES: u32 = 8;
 
-/// What to compare.
+/// Options of the comparison.
 #[derive(Clone, Debug)]
 pub struct SolverBenchOptions {
     /// Cases of each family.
     pub inputs_per_family: u64,
-    /// The methods to compare; the product's own is always among them.
+    /// Methods to compare; the product's own is always included.
     pub methods: Vec<Method>,
 }
 
-/// Judges and times the methods. Returns what was measured and the chart, an SVG.
+/// Judges and times the methods. Returns the report and the chart in SVG.
 ///
-/// Cases are made as they are needed and every thread keeps counts only, so any number can be asked for. The adapter
-/// is left out where `gpu` is `None`.
+/// Cases are generated on demand and every thread keeps only counts, so their number is not limited by memory. If `gpu`
+/// is `None`, the GPU is left out.
 pub fn run(
     options: &SolverBenchOptions,
     gpu: Option<&Gpu>,
@@ -76,7 +76,7 @@ pub fn run(
 ) -> Result<(SolverBenchReport, String), BenchError> {
     let mut contestants = vec![Method::Ours];
     contestants.extend(options.methods.iter().filter(|&&m| m != Method::Ours));
-    // In f32 each, then in f64 each.
+    // All methods in f32, followed by all in f64.
     let mut times = times_in::<f32>(&contestants);
     times.extend(times_in::<f64>(&contestants));
     let of = options.inputs_per_family as usize * FAMILIES.len();
@@ -111,7 +111,7 @@ pub fn run(
     Ok((report, chart))
 }
 
-/// Nanoseconds a solve in `F` of each method, in each family.
+/// Nanoseconds per solve in `F` of each method, in each family.
 fn times_in<F: FloatWidth>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
     let cases = FAMILIES.map(|family| (0..TIMED).map(|i| family.case(i).rounded::<F>()).collect::<Vec<_>>());
     let of_method = |method: &Method| {
@@ -121,7 +121,7 @@ fn times_in<F: FloatWidth>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
     methods.iter().map(of_method).collect()
 }
 
-/// What each method's answers to a family are worth, in f32 and then in f64.
+/// Judges each method's answers to a family, in f32 and then in f64.
 fn judge(
     family: Family,
     inputs: u64,
@@ -162,7 +162,7 @@ fn judge_in<F: FloatWidth>(
     }
 }
 
-/// Sixteen at once, over the first `inputs` cases of each family.
+/// Solves sixteen cases at once, over the first `inputs` cases of each family.
 fn sixteen_wide(inputs: u64) -> Throughput {
     let all = |family: Family, inputs: u64| {
         (0..inputs).step_by(SIXTEEN).map(move |first| (first, SolverBatch::new(&sixteen(family, first))))
@@ -196,7 +196,7 @@ fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
     })
 }
 
-/// The shaders' twin over the first `inputs` cases of each family.
+/// Solves the first `inputs` cases of each family with the WGSL solver.
 fn on_adapter(gpu: &Gpu, inputs: u64) -> Result<Throughput, BenchError> {
     let mut tally = AnswerTally::default();
     let mut seconds = 0.0;

@@ -1,4 +1,4 @@
-//! What `bendylights bench solver` answers.
+//! Report of `bendylights bench solver`.
 
 use serde::Serialize;
 
@@ -8,103 +8,98 @@ use super::method::Method;
 use super::width::Precision;
 use crate::Quantiles;
 
-/// The whole answer.
+/// Report of the comparison.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SolverBenchReport {
     /// Cases of each family.
     pub inputs_per_family: u64,
-    /// The product's solver in both widths: nothing may be wrong.
+    /// Verdict on the product's solver in both precisions: nothing may be wrong.
     pub ours: SolverVerdict,
-    /// Every method in every width.
+    /// Every method in every precision.
     pub methods: Vec<MeasuredMethod>,
-    /// The product's solver in f32, sixteen at once: [`relight::solve_batch`].
+    /// The product's solver in f32, sixteen cases at once: [`relight::solve_batch`].
     pub sixteen_wide: Throughput,
-    /// The product's solver in f32 on the adapter; nothing where there is none.
+    /// The product's solver in f32 on the GPU; `None` if there is none.
     pub adapter: Option<Throughput>,
 }
 
-/// Whether a solver holds what is asked of it.
+/// Verdict on a solver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SolverVerdict {
-    /// Cases solved, one in f32 and one in f64 counting as two.
+    /// Cases solved. A case in f32 and in f64 counts as two.
     pub solves: u64,
-    /// Roots missed, reported where there is none, or over the bars.
+    /// Roots missed, reported where there is none, or over the bounds.
     pub wrong: u64,
-    /// Roots that are no number.
+    /// Roots that are NaN.
     pub nan: u64,
-    /// The first case with anything wrong.
+    /// First case with a wrong answer.
     pub first_wrong: Option<WrongCase>,
 }
 
-/// Run time and error of a method in one width.
+/// Run time and error of a method in one precision.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MeasuredMethod {
-    /// The method.
     pub method: Method,
-    /// The width.
     pub precision: Precision,
-    /// Nanoseconds a solve on one core, the mean over the families.
+    /// Nanoseconds per solve on one core, mean over the families.
     pub nanoseconds: f64,
-    /// Whether no other method of this width is both faster and more accurate: by the mean time, and by the p99.9 of
+    /// True if no other method of this precision is both faster by the mean time and more accurate by the p99.9 of
     /// `errorEpsCond`.
     pub on_pareto_front: bool,
     /// Over all families.
     pub accuracy: Accuracy,
-    /// Family by family.
+    /// By family.
     pub families: Vec<FamilyAccuracy>,
 }
 
-/// The same of one family.
+/// Run time and error in one family.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct FamilyAccuracy {
-    /// The family.
     pub family: Family,
-    /// Nanoseconds a solve on one core.
+    /// Nanoseconds per solve on one core.
     pub nanoseconds: f64,
-    /// How good the answers are.
     pub accuracy: Accuracy,
 }
 
-/// How good answers are.
+/// Errors and failures of a solver.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Accuracy {
-    /// Cases.
+    /// Number of cases.
     pub inputs: u64,
     /// Errors in u of all roots that were found.
     pub error_u: Quantiles,
-    /// Errors in units of `eps cond`, of the inputs that the light model bounds in u (section 5): 16 at most.
+    /// Errors in units of `eps cond`, for inputs that the light model bounds in u (section 5): at most 16.
     pub error_eps_cond: Quantiles,
     /// Wanted roots that were not found.
     pub missed: u64,
     /// Reported roots that are none.
     pub spurious: u64,
-    /// Roots over the bars.
+    /// Roots with an error over the bounds.
     pub inaccurate: u64,
-    /// Reported roots that are no number.
+    /// Reported roots that are NaN.
     pub nan: u64,
-    /// The first case with anything wrong.
+    /// First case with a wrong answer.
     pub first_wrong: Option<WrongCase>,
 }
 
-/// Many solves at once.
+/// Throughput of many solves at once.
 #[derive(Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Throughput {
-    /// What solves.
+    /// Name of the solver or the GPU.
     pub on: String,
-    /// Solves a second, the mean over the families.
+    /// Solves per second, mean over the families.
     pub solves_per_second: f64,
-    /// What they are worth.
     pub verdict: SolverVerdict,
 }
 
 impl SolverVerdict {
-    /// Of what was counted.
+    /// Verdict of a tally.
     pub fn of(tally: &AnswerTally) -> Self {
         let AnswerTally { inputs, nan, first_wrong, .. } = *tally;
         Self { solves: inputs, wrong: tally.wrong(), nan, first_wrong }
@@ -112,7 +107,7 @@ impl SolverVerdict {
 }
 
 impl Accuracy {
-    /// Of what was counted.
+    /// Accuracy of a tally.
     pub fn of(tally: &AnswerTally) -> Self {
         let AnswerTally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
         Self {
@@ -129,7 +124,7 @@ impl Accuracy {
 }
 
 impl MeasuredMethod {
-    /// From the time and the count of each family.
+    /// Combines the time and the tally of each family.
     pub fn new(
         method: Method,
         precision: Precision,
@@ -151,7 +146,7 @@ impl MeasuredMethod {
         }
     }
 
-    /// What the chart compares: the error in u that one in a thousand exceeds, for a condition of 1.
+    /// Error in the chart: the error in u that one root in a thousand exceeds, for a condition of 1.
     pub fn error(&self) -> f64 {
         self.accuracy.error_eps_cond.p999 * self.precision.eps()
     }

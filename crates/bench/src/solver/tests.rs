@@ -14,7 +14,7 @@ use super::{
 };
 use crate::Progress;
 
-/// The tally of a method's answers, each passed through `alter` first.
+/// Tally of a method's answers, each changed by `alter`.
 fn tally<F: FloatWidth>(
     family: Family,
     inputs: u64,
@@ -36,7 +36,8 @@ fn found<F: FloatWidth>(roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
     found
 }
 
-/// None of the others is a straw man: where nothing is degenerate they find every root, half of them to 20 eps.
+/// The other methods are correct implementations: for inputs without degeneracies they find every root, half of them to
+/// 20 eps.
 #[test]
 fn all_solve_the_ordinary() {
     fn solves<F: FloatWidth>(method: Method) {
@@ -55,7 +56,7 @@ fn all_solve_the_ordinary() {
     }
 }
 
-/// What the paper's own method does to the default light, a straight one, and to one that is bent a little.
+/// The paper's own method fails for the default light, a straight one, and for one with a small bend.
 #[test]
 fn cardano_fails_near_straight() {
     let straight = tally::<f32>(Family::Straight, 500, Method::Cardano, |found| found);
@@ -76,7 +77,7 @@ fn ours_is_never_wrong() {
     }
 }
 
-/// Each kind of wrong answer, planted into right ones, is counted as what it is.
+/// Each kind of wrong answer, planted into right ones, is counted as that kind.
 #[test]
 fn planted_faults_are_judged() {
     let judge = |alter: fn(FoundRoots<f32>) -> FoundRoots<f32>| {
@@ -89,7 +90,7 @@ fn planted_faults_are_judged() {
         judge(|right| found(right.roots().iter().copied().chain([0.123]))),
         [false, true, false, false]
     );
-    // 1e-4 is some thousand eps; well past the bar, and still the same root.
+    // 1e-4 is some thousand eps: well over the bound, and still the same root.
     assert_eq!(judge(|right| found(right.roots().iter().map(|u| u + 1e-4))), [false, false, true, false]);
     assert_eq!(
         judge(|right| found(right.roots().iter().copied().chain([f32::NAN]))),
@@ -97,7 +98,7 @@ fn planted_faults_are_judged() {
     );
 }
 
-/// A parabola's nearest point, known by construction, and every root's residual in 106 bits.
+/// The nearest point of a parabola is known by construction, and every root's residual in 106 bits.
 #[test]
 fn truth_is_true() {
     let mut case: SolverCase<f64> = Family::Ordinary.case(0);
@@ -126,7 +127,7 @@ fn truth_is_true() {
     }
 }
 
-/// Each of sixteen lanes has the scalar's bits, and one bit more in one lane is seen.
+/// Each of sixteen lanes has the bits of the scalar solver, and a different bit in one lane is detected.
 #[test]
 fn sixteen_are_as_one() {
     let scalar = Method::Ours.solver::<f32>();
@@ -147,8 +148,8 @@ fn sixteen_are_as_one() {
     assert!(differ > 250, "{differ}");
 }
 
-/// What docs/accuracy.md says: over all families ours alone is never wrong, and the most accurate; but far from the origin
-/// some others are never wrong either, and in f32 more accurate.
+/// Statements of docs/accuracy.md: over all families only the product's solver is never wrong, and it is the most
+/// accurate. Far from the origin some others are never wrong either, and more accurate in f32.
 fn says_what_the_docs_say(report: &SolverBenchReport) {
     let failures = |a: &Accuracy| a.missed + a.spurious + a.inaccurate + a.nan;
     for precision in [Precision::F32, Precision::F64] {
@@ -179,7 +180,8 @@ fn says_what_the_docs_say(report: &SolverBenchReport) {
     }
 }
 
-/// The whole question, small: processor and adapter are never wrong, and ours is beaten by nothing in both respects.
+/// A small run of everything: CPU and GPU are never wrong, and no method is both faster and more accurate than the
+/// product's.
 #[test]
 fn whole_run() {
     let gpu = Gpu::new().expect("a GPU, be it software");

@@ -1,12 +1,12 @@
-//! How long a small piece of work takes, on one core.
+//! Measures a small piece of work on one core.
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Passes over the cases; the fastest counts, since whatever else the machine does only adds time.
+/// Number of passes over the cases. The fastest counts, since other work of the machine only adds time.
 const PASSES: usize = 15;
 
-/// Nanoseconds a case of the fastest pass of `work` over all `cases`.
+/// Nanoseconds per case of the fastest pass of `work` over all `cases`.
 pub fn nanoseconds<C, R>(cases: &[C], work: impl Fn(&C) -> R) -> f64 {
     let pass = |_| {
         let start = Instant::now();

@@ -1,50 +1,50 @@
-//! The true roots of a case, from the inputs as they are: 106 bits, where the solvers have 24 or 53.
+//! True roots of a case in 106 bits; the solvers have 24 or 53.
 //!
-//! Inputs are taken as exact numbers. The cubic's coefficients and every value of it are formed in double-double
-//! arithmetic (Dekker, "A floating-point technique for extending the available precision", 1971), so a root is
-//! known to about `1e-30 cond`.
+//! Inputs are exact numbers. The cubic's coefficients and every value of it are computed in double-double arithmetic
+//! (Dekker, "A floating-point technique for extending the available precision", 1971), so a root is known to about
+//! `1e-30 cond`.
 
 use glam::DVec3;
 use light::{Curve, Real};
 use twofloat::TwoFloat;
 
-/// How far past its ends a segment's roots are looked for. Those count only as what a solver that rounds to the end
-/// must have meant.
+/// Distance in u past the ends of a segment in which roots are searched. Such a root is only the explanation of an
+/// answer that a solver rounded to the end.
 const BEYOND: f64 = 1.0 / 64.0;
 
 /// An increasing root of `f`.
 #[derive(Clone, Copy, Debug)]
 pub struct TrueRoot {
-    /// Where; a little beyond `[0, 1]` perhaps.
+    /// Parameter, possibly a little outside of `[0, 1]`.
     pub u: TwoFloat,
-    /// The ends, within `[0, 1]`, of the piece on which `f` increases through this root.
+    /// Ends, within `[0, 1]`, of the piece on which `f` increases through this root.
     pub piece: [f64; 2],
 }
 
 impl TrueRoot {
-    /// How far `u` is from it.
+    /// Distance of `u` from the root.
     pub fn error(&self, u: f64) -> f64 {
         (self.u - u).hi().abs()
     }
 
-    /// Whether it must be found.
+    /// True if a solver must find the root.
     pub fn is_wanted(&self) -> bool {
         self.u >= TwoFloat::from(0.0) && self.u <= TwoFloat::from(1.0)
     }
 }
 
-/// A case's cubic `f(u) = (P(u) - q) . d(u)`, exact but for 2^-100, and its roots.
+/// The cubic `f(u) = (P(u) - q) . d(u)` of a case, exact to 2^-100, and its roots.
 #[derive(Clone, Debug)]
 pub struct ExactCubic {
     coefficients: [TwoFloat; 4],
-    /// Where `f'` changes sign from plus to minus and back; equal where it never does.
+    /// Parameters at which `f'` changes sign from plus to minus and back; equal if it never does.
     pub extrema: [f64; 2],
-    /// The root on the left increasing piece and the one on the right.
+    /// The root on the left increasing piece, and the one on the right.
     pub roots: [Option<TrueRoot>; 2],
 }
 
 impl ExactCubic {
-    /// The truth about the point `q`; the curve is that of `b0`, `d0` and `a`.
+    /// Computes the cubic and its roots for the point `q` and the curve of `b0`, `d0` and `a`.
     pub fn of<F: Real>(curve: &Curve<F>, q: F::Vec3) -> Self {
         let [b0, d0, a, q] = [curve.b0, curve.d0, curve.a, q].map(F::vec_f64);
         let [x, y, z] = [(q.x, b0.x), (q.y, b0.y), (q.z, b0.z)].map(|(q, b0)| TwoFloat::new_sub(q, b0));
@@ -81,8 +81,8 @@ impl ExactCubic {
         ((c3 * (3.0 * u) + c2 * 2.0) * u + c1).hi()
     }
 
-    /// The root between `low` and `high`, on which `f` increases: in f64 first, then to the last bit of f64 by the exact
-    /// value, then by Newton's method on what is left.
+    /// Finds the root between `low` and `high`, on which `f` increases: in f64, to the last bit by the exact value, and
+    /// then by Newton's method on the rest.
     fn between(&self, low: f64, high: f64) -> Option<TwoFloat> {
         let at = |u: f64| self.value(TwoFloat::from(u));
         if low >= high || at(low) > 0.0 || at(high) < 0.0 {
@@ -96,7 +96,7 @@ impl ExactCubic {
         let slope = self.slope(u.hi());
         for _ in 0..2 {
             let step = self.exact_value(u) * (1.0 / slope);
-            // Where the slope is lost in rounding, f64 is as good as it gets.
+            // If the slope is lost in rounding, the f64 result cannot be improved.
             if step.hi().abs() <= 1e-12 {
                 u -= step;
             }
@@ -105,7 +105,7 @@ impl ExactCubic {
     }
 }
 
-/// Newton's method on an increasing function, halving where it leaves the bracket, until it stands still.
+/// Newton's method on an increasing function, with a bisection step if it leaves the bracket, until it stops changing.
 fn bracketed(
     value: impl Fn(f64) -> f64,
     slope: impl Fn(f64) -> f64,
@@ -130,7 +130,7 @@ fn dot(x: DVec3, y: DVec3) -> TwoFloat {
     TwoFloat::new_mul(x.x, y.x) + TwoFloat::new_mul(x.y, y.y) + TwoFloat::new_mul(x.z, y.z)
 }
 
-/// The zeros of `f'`, ascending, or its least value twice where it has none.
+/// Zeros of `f'`, ascending, or twice the parameter of its minimum if it has none.
 fn extrema_of([_, c1, c2, c3]: [f64; 4]) -> [f64; 2] {
     let discriminant = c2 * c2 - 3.0 * c3 * c1;
     if discriminant <= 0.0 {

@@ -1,21 +1,19 @@
-//! `f32` and `f64`, with what the comparison needs beyond the model's own [`light::Real`].
+//! `f32` and `f64`, with functions that the comparison needs beyond [`light::Real`].
 
 use light::{Curve, Real};
 use num_traits::Float;
 use serde::Serialize;
 
-/// Which of the two.
+/// Floating-point precision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Precision {
-    /// Single.
     F32,
-    /// Double.
     F64,
 }
 
 impl Precision {
-    /// The bars' eps (light model, section 5): 2^-24 or 2^-52.
+    /// The eps of the bounds (light model, section 5): 2^-24 or 2^-52.
     pub fn eps(self) -> f64 {
         match self {
             Self::F32 => 1.0 / (1_u64 << 24) as f64,
@@ -24,17 +22,18 @@ impl Precision {
     }
 }
 
-/// A width of float that solvers are compared in.
+/// Floating-point type in which solvers are compared.
 pub trait FloatWidth: Real + Float + Send + Sync + 'static {
-    /// As answers call it.
+    /// Value of this type in reports.
     const PRECISION: Precision;
-    /// The bar `K` on the backward error (light model, section 5), ordinarily and where `P'` may all but vanish.
+    /// The bound `K` on the backward error (light model, section 5): the usual one, and the one for families whose `P'`
+    /// almost vanishes.
     const BACKWARD_ERROR_BOUNDS: [f64; 2];
-    /// How far past an end the others' roots may lie and still be taken for one at the end: what rounding moves an
-    /// ordinary root by, so that none is lost between two segments. The best of three that were tried.
+    /// Distance past an end within which other methods' roots count as roots at the end: the amount by which rounding
+    /// moves an ordinary root, so that none is lost between two segments. The best of three values that were tried.
     const END_SLACK: f64;
 
-    /// The curve with each number rounded to this width.
+    /// Rounds each number of a curve to this type.
     fn curve(curve: &Curve<f64>) -> Curve<Self>;
 }
 

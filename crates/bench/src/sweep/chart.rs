@@ -1,4 +1,4 @@
-//! Run time against error, a dot a pose.
+//! Chart of run time over error, with one dot per pose.
 
 use plotters::prelude::*;
 
@@ -7,11 +7,11 @@ use crate::BenchError;
 use crate::chart::{self, BLUE, ORANGE, WRONG};
 
 const COLORS: [RGBColor; 2] = [ORANGE, BLUE];
-/// Errors below count as this: where all of a picture is dark they are 0.
+/// Smaller errors are drawn as this; a picture that is entirely dark has an error of 0.
 const LEAST_ERROR: f64 = 1e-6;
 
-/// A panel a shape: how long each pose's picture took, and how far its radiance is off; red rings are around those with wrong
-/// pixels.
+/// Draws one panel per shape: the time of each pose's picture and the error of its radiance. Red rings mark poses with
+/// wrong pixels.
 pub(super) fn draw(report: &SweepReport) -> Result<String, BenchError> {
     let SweepReport { width, height, .. } = report;
     let title =

@@ -1,4 +1,5 @@
-//! Close looks at where two surfaces meet: what a shadow map's tolerances hide is as narrow as its texels.
+//! Finds close-up views of edges between two surfaces: errors from a shadow map's tolerances are as narrow as its
+//! texels.
 
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
@@ -7,28 +8,28 @@ use scene::{Camera, Projection, View};
 
 use super::stage::camera;
 
-/// Pixels tried for a place where surfaces meet.
+/// Number of pixels tried to find such an edge.
 const TRIES: usize = 400;
-/// Pixels between two looks of which one may be on either surface.
+/// Distance in pixels between two points that may lie on different surfaces.
 const APART: f64 = 3.0;
-/// Halvings of that.
+/// Number of halvings of that distance.
 const HALVINGS: u32 = 24;
-/// Normals of surfaces that meet differ by so much: 30 degrees.
+/// Cosine of the angle by which normals of different surfaces differ at least: 30 degrees.
 const SAME_COSINE: f64 = 0.866;
-/// Texels that a pixel is wide, at least and at most.
+/// Width of a pixel in texels, minimum and maximum.
 const TEXELS_A_PIXEL: [f64; 2] = [0.3, 1.2];
-/// Light arrives within so many texels of the place, in one of so many directions.
+/// Light must arrive within so many texels of the edge, in one of so many directions.
 const LIT_WITHIN: f64 = 10.0;
 const DIRECTIONS: u32 = 8;
 
-/// A place where surfaces meet at a shadow.
+/// A point on an edge between surfaces, near a shadow.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadowCorner {
-    /// World position.
     target: DVec3,
-    /// Unit vector from there to where it was seen from: nothing is in the way.
+    /// Unit vector from the target to the camera from which it was seen; the line is free up to there.
     to_eye: DVec3,
-    /// World units from which a pixel is about as wide as a texel, and from which it was seen.
+    /// Distances in world units: the one from which a pixel is about as wide as a texel, and the one from which the
+    /// target was seen.
     distance: f64,
     farthest: f64,
     /// Vertical field of view in radians.
@@ -36,15 +37,16 @@ pub(super) struct ShadowCorner {
 }
 
 impl ShadowCorner {
-    /// One that looks at it from so many times the distance, but from nowhere that something may be in the way.
+    /// Camera that looks at the target from `times` the distance, but at most from as far as the line is known to be
+    /// free.
     pub fn camera(&self, times: f64) -> Camera {
         let distance = (self.distance * times).min(self.farthest);
         camera(self.target + self.to_eye * distance, self.target, self.yfov)
     }
 }
 
-/// A random place that `view` sees, where surfaces meet at a shadow whose texels are `texel` world units wide. `None` where none
-/// is found.
+/// Finds a random point that `view` sees on an edge between surfaces, near a shadow whose texels are `texel` world
+/// units wide. `None` if none is found.
 pub(super) fn find(
     reference: &Reference,
     source: &ReferenceLight,
@@ -68,7 +70,7 @@ pub(super) fn find(
     Some(ShadowCorner { target, to_eye: corner.to_eye, distance, farthest: corner.depth, yfov })
 }
 
-/// Whether light arrives on a surface's plane around a place, and somewhere there it does not.
+/// True if light arrives at some points of the surface's plane around `surface`, but not at all.
 fn is_near_a_shadow(
     reference: &Reference,
     source: &ReferenceLight,
@@ -86,7 +88,7 @@ fn is_near_a_shadow(
     0 < lit && lit < DIRECTIONS as usize
 }
 
-/// Two surfaces that meet between two pixels and face each other there: each lies before the other's plane.
+/// Finds two surfaces that meet between two pixels and face each other: each lies in front of the other's plane.
 fn inner_corner(reference: &Reference, view: &View, [mut a, mut b]: [DVec2; 2]) -> Option<[ShadedPoint; 2]> {
     let (mut here, mut there) = (reference.surface(view, a)?, reference.surface(view, b)?);
     let is_same = |one: &ShadedPoint, other: &ShadedPoint| {

@@ -1,21 +1,22 @@
-//! Pixels whose shadow the reference is sure of: nothing that it says of them changes nearby.
+//! Selects stable pixels: those near which nothing changes in the reference, so that their shadow is certain.
 
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use reference::{LightSample, Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
-/// Texels within which the reference has to say the same. A filter of two by two texels reaches half of one to each side, and
-/// what is drawn of an edge may be another half off.
+/// Radius in texels within which the reference must be constant. A filter of 2 x 2 texels reaches half a texel to each
+/// side, and a drawn edge may be displaced by another half.
 const STABLE_TEXELS: f64 = 1.5;
-/// In how many directions that is asked, and at what share of that distance: a shadow that ends in a tip is seen between them
-/// where it opens by 15 degrees.
+/// Number of tested directions, and the share of that radius at which they are tested. The tip of a shadow is detected
+/// between them if it opens by 15 degrees.
 const RINGS: [(u32, f64); 2] = [(24, 1.0), (12, 0.5)];
-/// The same of a pixel that is wrong: a tip is seen that opens by a degree.
+/// Test of a wrong pixel: detects tips that open by one degree.
 const CLOSE_RINGS: [(u32, f64); 5] = [(360, 1.0), (180, 0.8), (180, 0.6), (90, 0.4), (90, 0.2)];
-/// A rasteriser snaps corners to 1/256 pixel: within so much of a pixel it may see another surface.
+/// A rasterizer snaps corners to 1/256 pixel: within this distance in pixels it may see another surface.
 const RASTER_SNAP_PX: f64 = 0.02;
-/// Normals are packed to 2 x 16 bits: where light is as nearly square to one, the picture may have it on the other side.
+/// Normals are packed to 2 x 16 bits: if light is this close to perpendicular to a normal, the picture may have it on
+/// the other side.
 const NORMAL_QUANTUM: f64 = 1.0 / 16384.0;
 
 /// A pixel that is judged.
@@ -27,20 +28,20 @@ pub(super) struct StablePixel {
     pub surface: ShadedPoint,
 }
 
-/// Pixels of a view that see a surface, and those of them that are calm.
+/// Number of pixels of a view that see a surface, and the stable ones of them.
 #[derive(Clone, Debug)]
 pub(super) struct JudgedView {
     pub surfaces: usize,
     pub stable: Vec<StablePixel>,
 }
 
-/// The share of pixels with a surface that are calm; 1 where there is none.
+/// Share of stable pixels among pixels with a surface; 1 if there are none.
 pub(super) fn stable_share(calm: usize, surfaces: usize) -> f64 {
     if surfaces == 0 { 1.0 } else { calm as f64 / surfaces as f64 }
 }
 
-/// Judges all pixels of a view under a light whose shadow map has texels of `texel` world units across the light at a
-/// surface, at most.
+/// Finds the stable pixels of a view under a light whose shadow map has texels of at most `texel` world units across
+/// the light at a surface.
 pub(super) fn judge(
     reference: &Reference,
     source: &ReferenceLight,
@@ -60,7 +61,7 @@ pub(super) fn judge(
     JudgedView { surfaces: pixels.len(), stable: pixels.into_iter().flatten().collect() }
 }
 
-/// Whether a pixel stays calm where it is asked of far more places: to be asked of those that are wrong.
+/// Tests a wrong pixel at far more points. True if it is still stable.
 pub(super) fn is_surely_stable(
     reference: &Reference,
     source: &ReferenceLight,
@@ -70,12 +71,12 @@ pub(super) fn is_surely_stable(
     is_stable(reference, source, &calm.surface, texel, &CLOSE_RINGS)
 }
 
-/// Whether light arrives; `None` outside of it.
+/// True if light arrives; `None` outside of the light.
 fn is_lit(reference: &Reference, source: &ReferenceLight, surface: &ShadedPoint) -> Option<bool> {
     reference.sample(source, surface).map(|sample| sample.is_visible)
 }
 
-/// Whether a rasteriser sees the same triangle there, whatever it rounds.
+/// True if a rasterizer sees the same triangle at the pixel, with any rounding.
 fn is_one_surface(reference: &Reference, view: &View, centre: DVec2, surface: &ShadedPoint) -> bool {
     [(RASTER_SNAP_PX, 0.0), (-RASTER_SNAP_PX, 0.0), (0.0, RASTER_SNAP_PX), (0.0, -RASTER_SNAP_PX)]
         .into_iter()
@@ -86,8 +87,8 @@ fn is_one_surface(reference: &Reference, view: &View, centre: DVec2, surface: &S
         })
 }
 
-/// Whether no other surface lies in the same place, nearer than f32 can tell: a few ulps of positions of the scene's size and
-/// of the way to the viewer, over the cosine between that and the surface.
+/// True if no other surface coincides within the precision of f32: a few ulps of positions of the scene's size and of
+/// the distance to the camera, divided by the cosine between view ray and surface.
 fn has_no_coincident_surface(reference: &Reference, surface: &ShadedPoint) -> bool {
     let cosine = surface.geometric_normal.dot(surface.to_eye).abs().max(1e-3);
     let size = reference.bvh.posed.half_extent.length() + surface.depth;
@@ -97,8 +98,8 @@ fn has_no_coincident_surface(reference: &Reference, surface: &ShadedPoint) -> bo
     reference.bvh.first_hit(surface.position, -surface.to_eye, around, |hit| is_other(hit.triangle)).is_none()
 }
 
-/// Whether the reference says the same of the surface's plane all around, as far as a map's texels reach on it: a step
-/// across the light is longer on the plane where light grazes.
+/// True if the reference has the same visibility on the surface's plane around the point, as far as texels reach on it:
+/// a step across the light is longer on the plane if the light grazes it.
 fn is_stable(
     reference: &Reference,
     source: &ReferenceLight,
@@ -113,7 +114,7 @@ fn is_stable(
     {
         return false;
     }
-    // What faces the path that light arrives along, but not where it shades from, is dark with a shadow and without.
+    // A surface that faces the light path but not the shading direction is dark with a shadow and without.
     let is_dark = |sample: LightSample| surface.normal.dot(sample.coords.direction) <= 0.0;
     if surface.normal.dot(towards) > 0.0 && here.is_some_and(is_dark) {
         return false;

@@ -1,8 +1,8 @@
-//! Is a picture right at first sight? Random lights of each shape, turned about themselves, over things on floors of every
-//! size, between walls, in rooms and under roofs, drawn by each backend and held to the reference.
+//! Measures the correctness of pictures in random poses: lights of each shape with random orientation, over objects on
+//! floors of every size, between walls, in rooms and under roofs. Each backend draws them, and the reference judges
+//! them.
 //!
-//! A pixel is judged where the reference says the same of everything within 1.5 texels of it; nothing of the
-//! measure knows the map.
+//! A pixel is judged if the reference is constant within 1.5 texels of it. No part of the measure uses the shadow map.
 
 mod chart;
 mod close;
@@ -38,54 +38,54 @@ pub const SHAPES: [(&str, ParameterOwner); 4] = [
     ("bendy", ParameterOwner::Bendy),
 ];
 
-/// A pixel is wrong whose visibility is off by more: weights of a filter add up to 1 within some ulps.
+/// Visibility error above which a pixel is wrong: weights of a filter add up to 1 within some ulps.
 const WRONG: f32 = 1e-3;
-/// Less of a pose than this share of what is seen is calm, and the pose counts as failed.
+/// Minimum share of stable pixels among those that see a surface. A pose with less counts as failed.
 const MIN_STABLE_SHARE: f64 = 0.5;
 
-/// A light is taken where it holds at least this share of what is seen, by one pixel of so many along each axis; of so many
-/// the last is taken in any case.
+/// A light is used if it contains at least this share of the visible surfaces, tested at one of `LATTICE` pixels along
+/// each axis. After `TRIES` lights the last is used.
 const MIN_SHARE_IN_LIGHT: f64 = 0.3;
 const LATTICE: u32 = 4;
 const TRIES: usize = 60;
-/// The share of poses that are looked at from close by.
+/// Share of poses that are close-ups.
 const CLOSE_UP_SHARE: f64 = 0.5;
-/// Times the distance of those from which one looks where less than enough is calm.
+/// Factors of the distance of a close-up, tried in order until enough pixels are stable.
 const CLOSE_UP_DISTANCE_FACTORS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
-/// A scene of a file to sweep over besides the random ones.
+/// A scene from a file to sweep over, in addition to the random ones.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// Names it in reports.
+    /// Name in reports.
     pub name: String,
-    /// Its fill is not used.
+    /// The fill is not used.
     pub scene: Scene,
-    /// The first is looked through; a scene without one is framed.
+    /// The view has the first camera; without cameras it frames the scene.
     pub cameras: Vec<Camera>,
 }
 
-/// What to sweep over.
+/// Options of a sweep.
 #[derive(Clone, Debug)]
 pub struct SweepOptions {
     /// Poses of each shape.
     pub poses: usize,
-    /// The same seed makes the same poses.
+    /// Seed of the random poses.
     pub seed: u64,
     /// Pixels of each picture.
     pub size: [u32; 2],
-    /// Shapes of lights, of [`SHAPES`].
+    /// Shapes of lights, from [`SHAPES`].
     pub shapes: Vec<&'static str>,
-    /// Scenes besides the random ones.
+    /// Scenes in addition to the random ones.
     pub scenes: Vec<SceneFile>,
-    /// Texels along each side of shadow maps.
+    /// Texels per side of shadow maps.
     pub resolution: u32,
-    /// Only the pose of that number, of each shape.
+    /// Number of the only pose to draw, for each shape.
     pub only: Option<usize>,
-    /// Folder, there already, for a picture of each pose with a wrong pixel.
+    /// Existing folder for a picture of each pose with a wrong pixel.
     pub pictures: Option<PathBuf>,
 }
 
-/// What a sweep found.
+/// Results of a sweep.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SweepReport {
@@ -95,84 +95,83 @@ pub struct SweepReport {
     pub width: u32,
     /// Pixels.
     pub height: u32,
-    /// Of the random numbers.
+    /// Seed of the random poses.
     pub seed: u64,
-    /// Texels along each side of shadow maps.
+    /// Texels per side of shadow maps.
     pub resolution: u32,
-    /// A row a shape and backend.
+    /// One row per shape and backend.
     pub rows: Vec<SweepRow>,
-    /// One a pose that is not right.
+    /// Poses that failed or have wrong pixels.
     pub faults: Vec<SweepPose>,
-    /// All poses.
     #[serde(skip)]
     pub poses: Vec<SweepPose>,
 }
 
-/// A shape of light by a backend.
+/// Results of one shape of light with one backend.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SweepRow {
-    /// As parameters call it.
+    /// Name of the shape in JSON.
     pub shape: &'static str,
     /// `wgpu` or `native`.
     pub backend: &'static str,
-    /// How many poses were drawn.
+    /// Number of poses drawn.
     pub poses: usize,
-    /// Poses of whose surfaces less than half are calm: nothing is known of them.
+    /// Poses with fewer than half of the pixels with a surface stable: they are not judged.
     pub failed: usize,
-    /// Pixels judged: a surface is seen, and the reference says the same within 1.5 texels.
+    /// Stable pixels, which are judged: they see a surface, and the reference is constant within 1.5 texels.
     pub calm: usize,
-    /// Those whose shadow is another: the reference is asked again in 900 places around each.
+    /// Stable pixels with a wrong shadow, after the reference tested 900 points around each.
     pub wrong: usize,
-    /// Poses with one such or more.
+    /// Poses with at least one wrong pixel.
     pub poses_wrong: usize,
-    /// The most in one pose.
+    /// Maximum of wrong pixels in a pose.
     pub worst: usize,
-    /// Relative RMSE of radiance over calm pixels that are not wrong: half of poses have at most this.
+    /// Median over poses of the relative RMSE of radiance over stable pixels that are not wrong.
     pub radiance_rmse_p50: f64,
-    /// The largest of a pose.
+    /// Maximum over poses of that RMSE.
     pub radiance_rmse_max: f64,
-    /// Milliseconds from a moved light to its picture, half of poses.
+    /// Median over poses of the milliseconds from a moved light to its picture.
     pub frame_ms_p50: f64,
 }
 
-/// A pose of a light over a stage, and what became of it.
+/// A pose of a light over a stage, and its results.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SweepPose {
-    /// As parameters call it.
+    /// Name of the shape in JSON.
     pub shape: &'static str,
-    /// Its number: with the seed and the shape it makes the pose again.
+    /// Number of the pose. With the seed and the shape it reproduces the pose.
     pub pose: usize,
-    /// What it is over.
+    /// Name of the stage.
     pub stage: String,
-    /// Whether pixels are about as wide as texels, where surfaces meet at a shadow.
+    /// True for a close-up: pixels are about as wide as texels, on an edge between surfaces near a shadow.
     pub is_close: bool,
     /// Pixels that see a surface.
     pub surfaces: usize,
-    /// Of those, judged.
+    /// Stable pixels, which are judged.
     pub calm: usize,
-    /// Of a bent light, the largest `R kappa`.
+    /// The largest `R kappa` of a bent light; `None` for other shapes.
     pub r_kappa: Option<f64>,
-    /// By each backend.
+    /// Results by backend.
     pub by: Vec<PoseResult>,
 }
 
-/// A backend's picture of a pose.
+/// Results of a backend's picture of a pose.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PoseResult {
     /// `wgpu` or `native`.
     pub backend: &'static str,
-    /// Calm pixels whose shadow is another.
+    /// Stable pixels with a wrong shadow.
     pub wrong: usize,
-    /// Of radiance, over the other calm pixels.
+    /// Relative RMSE of radiance over the other stable pixels.
     pub radiance_rmse: f64,
-    /// Milliseconds of the picture, its light new.
+    /// Milliseconds of the picture, with a new light.
     pub frame_ms: f64,
 }
 
-/// Sweeps by both backends of the machine's device. Returns what was found and the chart, an SVG.
+/// Sweeps with both backends of the machine's device. Returns the report and the chart in SVG.
 pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(SweepReport, String), BenchError> {
     let open = |backend| Ok(Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?));
     let gpus = BACKENDS.into_iter().map(open).collect::<Result<Vec<_>, BenchError>>()?;
@@ -183,7 +182,7 @@ pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(Sweep
     Ok((report, chart))
 }
 
-/// Sweeps by those renderers, in the order of [`BACKENDS`].
+/// Sweeps with the given renderers, in the order of [`BACKENDS`].
 pub fn sweep(
     renderers: &mut [Renderer],
     adapter: &str,
@@ -233,10 +232,10 @@ pub fn sweep(
     })
 }
 
-/// The random numbers of a pose, the same whatever else is swept over.
+/// Random number generator of a pose, independent of the other options.
 fn rng(seed: u64, shape: ParameterOwner, number: usize) -> Rng {
     let mut rng = Rng::with_seed(seed ^ (shape as u64) << 56 ^ (number as u64) << 32);
-    // Seeds that are alike begin alike.
+    // The first numbers of similar seeds are similar.
     (0..8).for_each(|_| {
         rng.u64(..);
     });
@@ -338,7 +337,7 @@ fn measure_pose(
     Ok(pose)
 }
 
-/// The first look from farther and farther of which enough is calm, or the farthest.
+/// Returns the nearest close-up with enough stable pixels, or the farthest.
 fn far_enough(look: impl Fn(f64) -> (View, JudgedView)) -> (View, JudgedView) {
     let [first, farther @ ..] = CLOSE_UP_DISTANCE_FACTORS;
     let mut found = look(first);
@@ -351,7 +350,8 @@ fn far_enough(look: impl Fn(f64) -> (View, JudgedView)) -> (View, JudgedView) {
     found
 }
 
-/// A random light of a shape that holds enough of what is seen for its shadows to be judged, or the last that was tried.
+/// Makes a random light of a shape that contains enough visible surfaces for its shadows to be judged, or the last one
+/// tried.
 fn random_visible_light(shape: ParameterOwner, stage: &SweepStage, view: &View, rng: &mut Rng) -> Light {
     let [columns, rows] = [view.width / LATTICE, view.height / LATTICE];
     let places = (0..columns * rows).map(|k| UVec2::new(k % columns, k / columns) * LATTICE);
@@ -373,7 +373,8 @@ fn random_visible_light(shape: ParameterOwner, stage: &SweepStage, view: &View, 
     light
 }
 
-/// The width of a texel across the light at a surface, in world units, at most: maps may be fitted to less, never to more.
+/// Maximum width of a texel across the light at a surface, in world units: a map may be fitted more tightly, never
+/// less.
 fn texel(
     source: &ReferenceLight,
     light: &Light,
@@ -381,13 +382,13 @@ fn texel(
     surface: &ShadedPoint,
     resolution: u32,
 ) -> f64 {
-    // Four texels around what is fitted to are room for the filter.
+    // A border of four texels around the fitted region is for the filter.
     let texels = |resolution: u32| f64::from(resolution) - 4.0;
     let origin = stage.reference.bvh.posed.origin_in_world;
     let away = |source_in_world: DVec3| (surface.position + origin).distance(source_in_world);
     match source {
         ReferenceLight::Directional(_) => 2.0 * stage.casters_radius / texels(resolution),
-        // The faces of cubes have half the texels a side, and slopes from -1 to 1.
+        // The faces of cube maps have half the texels per side, and slopes from -1 to 1.
         ReferenceLight::Omni(omni) => 2.0 * away(omni.translation) / texels(resolution / 2),
         ReferenceLight::Spot(cone) if light.get(CONE_ANGLE) > 60.0 => {
             2.0 * away(cone.translation) / texels(resolution / 2)
@@ -396,7 +397,7 @@ fn texel(
         ReferenceLight::Bendy(tube) => {
             let placement = &tube.placement;
             let root = tube.nearest_root(placement.tube_from_world(surface.position + origin));
-            // Of the widest map that it may have.
+            // Texel of the widest map that the light may have.
             root.map_or(0.0, |root| 2.0 * root.radius * placement.world_per_tube / texels(resolution))
         }
     }

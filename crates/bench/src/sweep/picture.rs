@@ -1,4 +1,4 @@
-//! A pose as pictures, to be looked at.
+//! Draws a pose as pictures, for inspection.
 
 use glam::DVec3;
 use image::{Rgb, RgbImage};
@@ -6,10 +6,11 @@ use render::Picture;
 
 use super::judge::JudgedView;
 
-/// Each pixel as large as this, to be seen.
+/// Size in pixels at which each pixel is drawn.
 const ENLARGED: u32 = 3;
 
-/// The reference's picture, then each backend's with its wrong pixels red; right of each which pixels are not calm, in blue.
+/// Draws the reference's picture and then each backend's with its wrong pixels in red, each with its unstable pixels in
+/// blue to the right.
 pub(super) fn panels(
     [width, height]: [u32; 2],
     reference: &[DVec3],

@@ -1,4 +1,4 @@
-//! Random lights of each shape over a stage, turned about themselves.
+//! Random lights of each shape over a stage, with random orientation.
 
 use fastrand::Rng;
 use glam::{DQuat, DVec3};
@@ -9,17 +9,18 @@ use light::{CheckedLight, EndMode, FrameMode, Light, ParameterOwner, Tube};
 
 use super::stage::{SweepStage, direction};
 
-/// Suns stand at least so high, in degrees, and at most so high.
+/// Minimum and maximum elevation of directional lights in degrees.
 const ELEVATION: [f64; 2] = [15.0, 89.0];
-/// The largest `R kappa` of bent lights; one in two has just one of these, or is no wider than it is long.
+/// Largest `R kappa` of bent lights. Half of the lights have one of these, unless that would make them wider than long.
 const TIGHT: [f64; 4] = [0.9, 0.97, 0.99, 0.999];
-/// Sources lie so far from all surfaces, as a share of the scene's half diagonal: a map begins a thousandth of the way to the
-/// scene's far end before its source, which is twice that at most, and what is nearer throws no shadow.
+/// Minimum distance of sources from all surfaces, as a share of the scene's half diagonal. A map begins at a thousandth
+/// of the distance from the source to the far end of the scene, which is at most twice the half diagonal; nearer
+/// casters cast no shadow.
 const CLEARANCE: f64 = 2e-3;
-/// Radii of a tube that cannot fold, whatever its curve.
+/// Radii of a tube that cannot fold, for any curve.
 const THIN: f64 = 1e-9;
 
-/// A random light of a shape.
+/// Makes a random light of a shape.
 pub(super) fn random(shape: ParameterOwner, stage: &SweepStage, rng: &mut Rng) -> Light {
     match shape {
         ParameterOwner::Directional => sun(stage, rng),
@@ -47,7 +48,7 @@ pub(super) fn random(shape: ParameterOwner, stage: &SweepStage, rng: &mut Rng) -
     }
 }
 
-/// A rotation whose -Z is `towards`, turned about that by any angle.
+/// Rotation that maps -Z to `towards`, with a random angle about it.
 fn turned(towards: DVec3, rng: &mut Rng) -> DQuat {
     let about = DQuat::from_rotation_z(rng.f64() * std::f64::consts::TAU);
     DQuat::from_rotation_arc(DVec3::NEG_Z, towards.normalize_or(DVec3::NEG_Y)) * about
@@ -66,7 +67,7 @@ fn sun(stage: &SweepStage, rng: &mut Rng) -> Light {
         .with(HEIGHT, window(rng))
 }
 
-/// A place for a source: at each scale of height over the floor as often, from a hundredth of the highest, and clear of
+/// Random position of a source: log-uniform in its height over the floor, from a hundredth of the maximum, and clear of
 /// surfaces.
 fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| stage.lights_half * (2.0 * rng.f64() - 1.0);
@@ -79,14 +80,14 @@ fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A place among the things.
+/// Random position among the objects.
 fn aim(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| 0.8 * stage.things_radius * (2.0 * rng.f64() - 1.0);
     stage.ground_in_world + DVec3::new(aside(rng), 0.5 * stage.things_radius * rng.f64(), aside(rng))
 }
 
-/// A light that sets out somewhere and comes down among the things, bowed to two sides, in a tube of any width that does
-/// not fold.
+/// Makes a light from a random position to the objects, bent in two directions, in a tube of random width that does not
+/// fold.
 fn bent(stage: &SweepStage, rng: &mut Rng) -> Light {
     let source = loop {
         let source = place(stage, rng);
@@ -127,6 +128,6 @@ fn bent(stage: &SweepStage, rng: &mut Rng) -> Light {
     let thin = Tube::new(&with(THIN)).map_or(0.0, |tube| tube.r_kappa_max().into_iter().fold(0.0, f64::max));
     let most = if rng.bool() { TIGHT[rng.usize(..TIGHT.len())] } else { 0.2 + 0.7 * rng.f64() };
     let widest = if thin > 0.0 { most * THIN / thin } else { f64::INFINITY };
-    // No wider than long: what opens further is a lamp.
+    // Not wider than long: a light that opens wider is an omni light.
     with(widest.min(length))
 }

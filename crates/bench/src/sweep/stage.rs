@@ -1,5 +1,4 @@
-//! Scenes that a sweep looks at: things on floors of every size, between walls, in rooms and under roofs, and scenes from
-//! files.
+//! Scenes of a sweep: objects on floors of every size, between walls, in rooms and under roofs, and scenes from files.
 
 use std::sync::Arc;
 
@@ -10,14 +9,14 @@ use scene::{Camera, Fill, Material, Mesh, Node, Primitive, Projection, Scene, fr
 
 use crate::solids::{ball, block, square, vase};
 
-/// The ground that things stand on, and what is around them.
+/// Floor under the objects, and their surroundings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Surroundings {
-    /// Things reach past the floor on all sides.
+    /// Objects extend past the floor on all sides.
     SmallFloor,
-    /// The floor ends where the things do.
+    /// The floor ends where the objects do.
     EqualFloor,
-    /// The floor is several times as wide as the things.
+    /// The floor is several times as wide as the objects.
     WideFloor,
     /// A wide floor with walls along two of its sides.
     Walls,
@@ -43,21 +42,21 @@ impl Surroundings {
     }
 }
 
-/// A scene with a camera, and where lights may stand in it. Lengths in world units.
+/// A scene with a camera, and the region in which lights are placed. Lengths are in world units.
 #[derive(Debug)]
 pub(super) struct SweepStage {
     pub name: String,
     pub reference: Reference,
     pub camera: Camera,
-    /// Middle of the things, on the floor; world position.
+    /// Center of the objects, on the floor; world position.
     pub ground_in_world: DVec3,
-    /// Radius within which the things lie.
+    /// Radius within which the objects lie.
     pub things_radius: f64,
-    /// Half the width of the box over `ground` in which lights stand, and its height.
+    /// Half the width and the height of the box over `ground_in_world` in which lights are placed.
     pub lights_half: f64,
     pub lights_height: f64,
-    /// Radius of a ball around all that casts shadows a shadow map has to be fitted to: without a floor that lies in a
-    /// side of the scene's bounds.
+    /// Radius of a ball around all casters to which a shadow map must be fitted: without a floor that lies in a side of
+    /// the scene's bounds.
     pub casters_radius: f64,
 }
 
@@ -65,7 +64,7 @@ pub(super) struct SweepStage {
 type Part = (Primitive, DAffine3);
 
 impl SweepStage {
-    /// Random things in a setting, seen by a random camera.
+    /// Makes random objects in the given surroundings, seen by a random camera.
     pub fn random(setting: Surroundings, rng: &mut Rng) -> Self {
         let things = things(rng);
         let (min, max) = bounds(&things);
@@ -113,7 +112,7 @@ impl SweepStage {
             matches!(setting, Surroundings::SmallFloor | Surroundings::EqualFloor | Surroundings::WideFloor)
                 && !is_thick
                 && min.y >= 0.0;
-        // From 0.03 to 30 world units, and up to a hundred times that from the world's origin.
+        // The size is 0.03 to 30 world units, and the distance from the world's origin up to a hundred times that.
         let things_radius = 10_f64.powf(rng.f64() * 3.0 - 1.5);
         let ground_in_world =
             if rng.bool() { direction(rng) * (100.0 * things_radius * rng.f64()) } else { DVec3::ZERO };
@@ -150,7 +149,7 @@ impl SweepStage {
         }
     }
 
-    /// A scene of a file, seen by its first camera or the one that frames it.
+    /// Makes a stage of a scene from a file, seen by its first camera or by one that frames it.
     pub fn of_file(name: &str, scene: Scene, cameras: &[Camera], aspect_ratio: f64) -> Self {
         let fill = Fill { sky: DVec3::ZERO, ground: DVec3::ZERO };
         let posed = scene::pose(Scene { fill, ..scene });
@@ -171,7 +170,8 @@ impl SweepStage {
 }
 
 impl SweepStage {
-    /// Whether no surface is nearer to a world position than a share of the scene's half diagonal, in any of 26 directions.
+    /// True if no surface is nearer to a world position than `share` of the scene's half diagonal, in any of 26
+    /// directions.
     pub fn is_clear(&self, position: DVec3, share: f64) -> bool {
         let posed = &self.reference.bvh.posed;
         let reach = share * posed.half_extent.length();
@@ -185,7 +185,7 @@ impl SweepStage {
     }
 }
 
-/// Three to seven things on the floor or over it, within a unit of the origin.
+/// Makes three to seven objects on the floor or above it, within a unit of the origin.
 fn things(rng: &mut Rng) -> Vec<Part> {
     let count = rng.usize(3..=7);
     (0..count)
@@ -212,13 +212,12 @@ fn things(rng: &mut Rng) -> Vec<Part> {
                 3 => {
                     let half = DVec3::new(0.35, 0.012, 0.25);
                     let leaning = DQuat::from_axis_angle(direction(rng), rng.f64() * 1.5);
-                    // Clear of the floor, however it leans.
+                    // High enough to be clear of the floor at any angle.
                     (block(), lying(half, leaning, place + DVec3::Y * 0.45))
                 }
                 4 => (vase(30), lying(DVec3::splat(size), turned, place)),
                 _ => {
-                    // A sheet that stands nearly upright, through the floor or clear of it: nothing hides what leaks at its
-                    // foot.
+                    // A nearly upright sheet, through the floor or clear of it. Nothing hides light leaks at its foot.
                     let half = DVec3::new(0.4, 1.0, 0.1 + 0.3 * rng.f64());
                     let upright =
                         DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2 + 0.6 * (rng.f64() - 0.5));
@@ -232,7 +231,7 @@ fn things(rng: &mut Rng) -> Vec<Part> {
         .collect()
 }
 
-/// A unit vector, all directions alike.
+/// Random unit vector, uniform over all directions.
 pub(super) fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
@@ -256,7 +255,7 @@ fn eye(setting: Surroundings, rng: &mut Rng) -> DVec3 {
     DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2
 }
 
-/// One that looks from a world position to another.
+/// Camera that looks from a world position to another.
 pub(super) fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();

@@ -1,4 +1,4 @@
-//! `bendylights bench drag`: do drags land, and how long do they take.
+//! `bendylights bench drag`: measures if drags land, and how long they take.
 
 use std::path::PathBuf;
 

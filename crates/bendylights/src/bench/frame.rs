@@ -1,4 +1,4 @@
-//! `bendylights bench frame`: where a frame's time goes.
+//! `bendylights bench frame`: measures the stages of a frame.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::picture::choose_camera;
 use crate::render::open_scene_with_lights;
 use crate::usage::whole_number_parser;
 
-/// Bent lights of which one moves, beside one alone.
+/// Number of bent lights, of which one moves, in the comparison with a single light.
 const CROWD: usize = 64;
 
 #[derive(clap::Args)]
@@ -79,7 +79,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     Ok(())
 }
 
-/// The scene under its first light, from its first camera.
+/// Returns the scene under its first light, from its first camera.
 fn subject(args: &Args) -> Result<FrameSubject, Error> {
     let loaded = open_scene_with_lights(&args.scene, None)?;
     let Size { width, height } = args.size;

@@ -1,4 +1,4 @@
-//! `bendylights bench log`: how fast edits are kept, taken back, replayed, and a session opened.
+//! `bendylights bench log`: measures the speed of commits, undo, replay and opening a session.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `bendylights bench`: answers to questions that people who run it have, measured.
+//! `bendylights bench`: measurements that answer users' questions.
 
 mod drag;
 mod frame;
@@ -27,20 +27,23 @@ pub struct Args {
 enum Question {
     /// Do drags land, and how long do they take? Random ones, beside the formulas of the BendyLights paper
     Drag(drag::Args),
-    /// Where does a frame's time go? Each kind of edit stage by stage, beside other lights and renderers, and how frames grow
+    /// Time of a frame: each kind of edit stage by stage, beside other lights and renderers, and how frames
+    /// grow
     Frame(frame::Args),
-    /// How fast is the edit log? Edits acknowledged, undone and replayed a second, and opening time over its length
+    /// Speed of the edit log: edits acknowledged, undone and replayed a second, and opening time over its
+    /// length
     Log(log::Args),
-    /// What does one client lose to another that does all it can? Frames, answers and memory beside each kind of neighbour
+    /// Loss of one client to another that does all it can: frames, answers and memory beside each kind of
+    /// neighbour
     Neighbours(neighbours::Args),
-    /// How long until an edit is on the screen? Drags a control point over a server of its own, on loopback
+    /// Time until an edit is on the screen: drags a control point over a server of its own, on loopback
     Session(session::Args),
-    /// What do bent shadows cost, and how wrong are they? Run time against error of resolution, splitting and filter
+    /// Cost and error of bent shadows: run time against error of resolution, splitting and filter
     Shadow(shadow::Args),
-    /// Which solver finds a point's place in a light, how fast, how accurately, and does it ever fail?
+    /// Solvers that find a point's place in a light: how fast, how accurate, and whether they ever fail
     Solver(solver::Args),
-    /// Are pictures right at first sight? Random lights of each shape over scenes on floors, in rooms and under roofs, both
-    /// backends held to the reference
+    /// Are pictures right at first sight? Random lights of each shape over scenes on floors, in rooms and under roofs,
+    /// both backends held to the reference
     Sweep(sweep::Args),
 }
 
@@ -57,12 +60,13 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
 }
 
-/// Shows the progress of `run`, writes its chart to `output`, prints its report as JSON, and returns that.
+/// Runs a measurement with a progress bar, writes its chart to `output`, and prints its report as JSON. Returns
+/// the report.
 fn measure<R: Serialize>(
     output: Option<&Path>,
     run: impl FnOnce(&(dyn Fn(Progress) + Sync)) -> Result<(R, String), BenchError>,
 ) -> Result<R, Error> {
-    // A chart that cannot be written is refused before the measurement, which may take long.
+    // The check of the chart's path precedes the measurement, which may take long.
     let output = output.map(OutputFile::create_chart).transpose()?;
     let bar = progress(0);
     let result = run(&|Progress { done, of, what }| {
@@ -79,7 +83,7 @@ fn measure<R: Serialize>(
     Ok(report)
 }
 
-/// Other renderers to measure beside.
+/// Options for other renderers to measure beside.
 #[derive(clap::Args)]
 struct PeerArgs {
     /// Folder of other renderers to measure in the same run
@@ -96,7 +100,7 @@ impl PeerArgs {
     }
 }
 
-/// What reports call a scene: a file without its folder.
+/// Returns the name of a scene in reports: the file name without its folder.
 fn name_of(scene: &str) -> String {
     Path::new(scene).file_name().map_or(scene.into(), |name| name.to_string_lossy().into())
 }

@@ -1,4 +1,4 @@
-//! `bendylights bench neighbours`: what one client loses to another.
+//! `bendylights bench neighbours`: measures the effect of one client on another.
 
 use std::path::PathBuf;
 use std::time::Duration;

@@ -1,4 +1,4 @@
-//! `bendylights bench session`: how long until an edit is on the screen.
+//! `bendylights bench session`: measures the time from an edit to its frame on the screen.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -80,7 +80,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     }
     cli::restart_without_window_system();
     let peers = args.peers.find_peers()?;
-    // What the server would refuse is said here, before it is started.
+    // This check precedes the start of the server, which would refuse the scene later.
     if open_scene_with_lights(&args.scene, None)?.contents.lights.is_empty() {
         return Err(Error::NothingLit(args.scene.clone()));
     }

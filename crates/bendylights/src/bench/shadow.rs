@@ -1,4 +1,4 @@
-//! `bendylights bench shadow`: what bent shadows cost and how wrong they are.
+//! `bendylights bench shadow`: measures the cost and the error of bent shadows.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! `bendylights bench solver`: which solver, how fast, how accurate, and does it ever fail.
+//! `bendylights bench solver`: compares solvers by speed, accuracy and failures.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,8 @@ pub struct Args {
     /// Points of each of the 15 families
     #[arg(long, default_value_t = 60_000, value_name = "N", value_parser = clap::value_parser!(u64).range(100..=1_000_000_000))]
     inputs: u64,
-    /// Method to measure beside the product's own, by its name in the answer; all if left out. May be given several times
+    /// Method to measure beside the product's own, by its name in the answer; all if left out. May be
+    /// given several times
     #[arg(long, value_name = "METHOD", value_parser = method)]
     only: Vec<Method>,
     /// Chart to write: run time against error
@@ -36,7 +37,7 @@ pub struct Args {
     output: Option<PathBuf>,
 }
 
-/// A method by its name in the answer.
+/// Parses the name of a method, as in the answer.
 fn method(name: &str) -> Result<Method, serde_json::Error> {
     serde_json::from_value(name.into())
 }
@@ -45,7 +46,7 @@ pub fn run(args: &Args) -> Result<(), Error> {
     cli::restart_without_window_system();
     let methods = if args.only.is_empty() { METHODS.to_vec() } else { args.only.clone() };
     let options = solver::SolverBenchOptions { inputs_per_family: args.inputs, methods };
-    // Without an adapter the processor's figures are still worth having.
+    // The CPU's figures are useful even without an adapter.
     let gpu = Gpu::new().ok();
     let report = measure(args.output.as_deref(), |progress| solver::run(&options, gpu.as_ref(), progress))?;
     let (wrong, nan) = (report.ours.wrong, report.ours.nan);

@@ -1,4 +1,4 @@
-//! `bendylights bench sweep`: whether pictures are right at first sight.
+//! `bendylights bench sweep`: checks pictures of random lights against the reference.
 
 use std::path::PathBuf;
 

@@ -1,9 +1,9 @@
-//! Bad input: exit code 2, one sentence on standard error that names the file, nothing on standard output,
-//! and no picture or part of one left behind.
+//! Tests of bad input: exit code 2, one sentence on standard error that names the file, nothing on standard
+//! output, and no whole or partial picture left behind.
 
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, run, run_with_input};
 
-/// Runs a command that must be refused with a sentence that says all of `must_say`.
+/// Runs a command that must be refused with a sentence that contains all of `must_say`.
 fn refused(args: &[&str], input: &str, must_say: &[&str]) {
     let done = run_with_input(args, input);
     assert_eq!((done.code, done.stdout.as_str()), (2, ""), "{args:?}: {}", done.stderr);
@@ -14,7 +14,7 @@ fn refused(args: &[&str], input: &str, must_say: &[&str]) {
     }
 }
 
-/// What is wrong with a light, as a light file, and what must be said of it.
+/// Light files with a fault, each with a part of the expected message.
 const BAD_LIGHTS: &[(&str, &str)] = &[
     ("", "ends where a value should begin"),
     ("{\"type\": \"bendy\",", "line 1, character 17"),

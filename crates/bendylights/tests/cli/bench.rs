@@ -1,10 +1,11 @@
-//! `bendylights bench drag`, `bench log`, `bench neighbours`, `bench session` and `bench sweep`, with few samples.
+//! Tests of `bendylights bench drag`, `bench log`, `bench neighbours`, `bench session` and `bench sweep`, with
+//! few samples.
 
 use serde_json::Value;
 
 use crate::program::{Done, Folder, TRIANGLE, run};
 
-/// The JSON and what was said; the chart is one.
+/// Runs a measurement with a chart. Returns its JSON and its standard error.
 fn measured_and_said(args: &[&str]) -> (Value, String) {
     let folder = Folder::new();
     let chart = folder.path("chart.svg");
@@ -18,7 +19,8 @@ fn measured(args: &[&str]) -> Value {
     measured_and_said(args).0
 }
 
-/// What moves as a whole lands; the paper's formulas miss what they are not exact for, and hit highlights.
+/// Drags of a whole hotspot land. The paper's formulas miss some shadows, for which they are not exact, and hit
+/// all highlights.
 #[test]
 fn drags_are_measured_beside_the_papers() {
     let report = measured(&["bench", "drag", "--drags", "3"]);
@@ -39,7 +41,7 @@ fn drags_are_measured_beside_the_papers() {
     assert_eq!(all("paper", "highlight"), 6, "{report}");
 }
 
-/// Every edit is answered for, and the log of each length opens.
+/// Every edit is acknowledged, and the log of each length opens.
 #[test]
 fn the_log_is_measured() {
     let report = measured(&["bench", "log", "--edits", "30"]);
@@ -54,7 +56,7 @@ fn the_log_is_measured() {
     assert_eq!(records, [2, 4, 11, 31]);
 }
 
-/// Both backends draw each pose of the shapes that are asked for, and the same seed makes the same poses.
+/// Both backends draw each pose of the requested shapes, and the same seed gives the same poses.
 #[test]
 fn random_lights_are_swept_over() {
     let args = ["bench", "sweep", "--poses", "2", "--shape", "spot", "--shape", "omni", "--size", "48x32"];
@@ -73,7 +75,8 @@ fn random_lights_are_swept_over() {
     assert_eq!(measured(&args)["rows"][0]["calm"], rows[0]["calm"]);
 }
 
-/// What is wrong with the drags that a report has of `sides`, whose servers said who draws.
+/// Returns the faults of the report's drags on `backends`. `said` is the output of the servers, which names the
+/// backends that drew.
 fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
     let drags = report["drags"].as_array().expect("drags");
     let found: Vec<_> = drags.iter().filter_map(|drag| drag["backend"].as_str()).collect();
@@ -85,7 +88,7 @@ fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
     if found != backends {
         wrong.push(format!("the report has {found:?}"));
     }
-    // The one that is measured comes last.
+    // The backend under measurement runs last.
     if !drawn.iter().rev().eq(backends) {
         wrong.push(format!("those who drew are {drawn:?}"));
     }
@@ -113,7 +116,7 @@ fn wrong_drags(report: &Value, said: &str, backends: &[&str]) -> Vec<String> {
     wrong
 }
 
-/// A script in place of another renderer, that says another time at each of its runs: 10, 20 and 30 ms.
+/// Writes a script that stands for another renderer. Its runs report 10, 20 and 30 ms.
 fn peers(folder: &Folder) -> String {
     let script = folder.path("peers/peer/bench.py");
     std::fs::create_dir_all(folder.path("peers/peer")).expect("a folder");
@@ -125,7 +128,7 @@ fn peers(folder: &Folder) -> String {
     folder.path("peers")
 }
 
-/// What is wrong with the one peer of a report, of which three runs took 10, 20 and 30 ms.
+/// Returns the fault of the report's only peer, whose three runs took 10, 20 and 30 ms.
 fn wrong_peer(report: &Value) -> Option<String> {
     let p50 = report["drags"][0]["editToDecodedMs"]["p50"].as_f64().expect("a time");
     let expected = serde_json::json!([{
@@ -137,7 +140,7 @@ fn wrong_peer(report: &Value) -> Option<String> {
     (report["peers"] != expected).then(|| report["peers"].to_string())
 }
 
-/// Beside the processor wgpu drags the same, and other renderers draw what they draw.
+/// Beside the native backend, wgpu executes the same drag, and other renderers are measured.
 #[test]
 fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
     let folder = Folder::new();
@@ -147,13 +150,13 @@ fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
         measured_and_said(&[&small[..], &["--peers", &peers, "--python", "/bin/sh"]].concat());
     assert_eq!(wrong_drags(&report, &said, &["native", "wgpu"]), [""; 0]);
     assert_eq!(report["scene"], "demo:vases");
-    // Its light is bent already.
+    // The scene's light is bent already.
     let what = report["what"].as_str().expect("text");
     assert!(what.contains("`key`") && !what.contains("bent and alone"), "{what}");
     assert_eq!(report["cases"].as_array().map(Vec::len), Some(4), "{report}");
     assert_eq!(wrong_peer(&report), None);
 
-    // Planted: who drew is not who is named, one's times for both, a peer whose fastest run counts for all.
+    // Planted faults: other backends than named, equal times for both, and a peer measured by its fastest run.
     assert_eq!(wrong_drags(&report, "", &["native", "wgpu"]).len(), 1);
     let mut planted = report.clone();
     planted["drags"][1] = planted["drags"][0].clone();
@@ -166,7 +169,8 @@ fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
     assert!(wrong_peer(&planted).is_some());
 }
 
-/// A scene whose only light is the key that it gets has that bent and dragged; by wgpu nothing is measured beside it.
+/// The benchmark bends and drags the default key of a scene without lights. With the wgpu backend it measures
+/// nothing beside it.
 #[test]
 fn a_session_whose_lights_are_straight_is_dragged_too() {
     let folder = Folder::new();
@@ -178,13 +182,13 @@ fn a_session_whose_lights_are_straight_is_dragged_too() {
     let what = report["what"].as_str().expect("text");
     assert!(what.contains("`default key`") && what.contains("bent and alone"), "{what}");
     assert_eq!(report["peers"], serde_json::json!([]));
-    // A scene that is not there is refused before a server is started.
+    // A missing scene is refused before a server starts.
     let missing = run(&["bench", "session", "--scene", "demo:nothing"]);
     assert_eq!(missing.code, 2);
     assert!(missing.stderr.contains("vases") && !missing.stderr.contains("rendering"), "{}", missing.stderr);
 }
 
-/// What is wrong with rows of `bench neighbours`, whatever they say of the server.
+/// Returns the faults in rows of `bench neighbours`, whatever they report of the server.
 fn wrong_rows(report: &Value, names: &[&str]) -> Vec<String> {
     let rows = report["rows"].as_array().expect("rows");
     let found: Vec<_> = rows.iter().filter_map(|row| row["row"].as_str()).collect();
@@ -225,7 +229,7 @@ fn wrong_rows(report: &Value, names: &[&str]) -> Vec<String> {
     wrong
 }
 
-/// What the server allows is for the bench to say; here it is held to what it says.
+/// Compares the report with its own bounds. The bounds themselves are the benchmark's.
 #[test]
 fn one_client_is_measured_beside_another() {
     let folder = Folder::new();
@@ -248,7 +252,7 @@ fn one_client_is_measured_beside_another() {
     let chart = std::fs::read_to_string(chart).expect("a chart");
     assert!(rows.iter().all(|row| chart.contains(row)));
 
-    // Planted: the frames of somebody else, and a bound that nobody holds the victim to.
+    // Planted faults: frames from another source, and a missed bound that the numbers fulfil.
     report["rows"][0]["with"]["framesPerSecond"] = 1e4.into();
     report["rows"][1]["missed"] = serde_json::json!(["share"]);
     report["rows"][1]["share"] = report["rows"][1]["leastShare"].clone();

@@ -1,4 +1,4 @@
-//! The commands that do their work.
+//! Tests of successful commands.
 
 use exr::prelude::SampleType;
 use image::Rgba32FImage;
@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 use crate::exr_channels;
 use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run, run_with_input};
 
-/// What a command prints, which must succeed in silence.
+/// Runs a command, which must succeed without output on standard error. Returns its answer.
 pub fn printed(args: &[&str], input: &str) -> String {
     let done = run_with_input(args, input);
     assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
@@ -23,7 +23,7 @@ fn eval_prints_one_object_a_point() {
     assert_eq!(printed(&["eval", &light], "[[0,0,-1],[0,0,1],[0.1,0,-1]]"), text, "from standard input");
     let lines: Vec<_> = text.lines().collect();
     assert_eq!(lines.len(), 3, "a line a point");
-    // P(u) = (0, 0, -2 u); R(1/2) = (0.1 + 2 0.4 + 0.8) / 4 = 0.425; on the axis light comes from +Z.
+    // P(u) = (0, 0, -2 u); R(1/2) = (0.1 + 2 0.4 + 0.8) / 4 = 0.425. On the axis light arrives from +Z.
     assert_eq!(
         lines[0],
         r#"[{"inside":true,"segment":0,"u":0.5,"t":0.5,"v":0.0,"w":0.0,"radius":0.42500000000000004,"direction":[0.0,0.0,1.0],"roots":[0.5]},"#
@@ -34,7 +34,8 @@ fn eval_prints_one_object_a_point() {
     assert_eq!(printed(&["eval", &light], "[]"), "[]\n");
 }
 
-/// Light from the left of the demo's blue vase to its right: straight through it, and in an arc over it.
+/// Two lights go from the left of the demo's blue vase to its right: one straight through it, one in an arc
+/// over it.
 #[test]
 fn eval_says_what_is_in_the_way() {
     let folder = Folder::new();
@@ -73,7 +74,7 @@ fn bend_makes_the_cone_it_was_given() {
     );
     assert_eq!(light["points"].as_array().expect("points").len(), 5);
 
-    // Of the cone of 20 degrees and length 6 in 3 segments: t = 3 z / 6, R = z tan 20.
+    // A cone of 20 degrees and length 6 in 3 segments has t = 3 z / 6 and R = z tan 20.
     let bent = folder.file("bent.json", bent);
     let answers: Value =
         serde_json::from_str(&printed(&["eval", &bent], "[[0,0,-3],[0.5,0,-3],[0,1.2,-3]]")).expect("JSON");
@@ -81,7 +82,7 @@ fn bend_makes_the_cone_it_was_given() {
     for i in 0..2 {
         let close = |field: &str, value: f64| {
             let found = answers[i][field].as_f64().expect("a number");
-            // A dozen roundings of numbers about 1 lie between.
+            // The tolerance covers a dozen roundings of numbers about 1.
             assert!((found - value).abs() < 1e-14, "{field}: {found} for {value}");
         };
         close("t", 1.5);
@@ -92,7 +93,8 @@ fn bend_makes_the_cone_it_was_given() {
     assert_eq!(answers[2], json!({"inside": false, "roots": []}), "1.2 is past the cone's 1.09");
 }
 
-/// Of a light without a cone that part is bent which lies in one: what it lit there it lights as before, and nothing else.
+/// `bend` keeps the part of a light without a cone that lies in the new cone, with its irradiance, and nothing
+/// else.
 #[test]
 fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
     let folder = Folder::new();
@@ -103,7 +105,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
         printed(&[&["render", &scene, "--lights", lights][..], &size].concat(), "");
         exr_channels::beauty(&picture)
     };
-    // The most by which two pictures differ where the triangle is near the middle, as a share of the first.
+    // Returns the largest relative difference of two pictures near their middle, where the triangle is.
     let apart = |a: &Rgba32FImage, b: &Rgba32FImage| {
         let near = |x: u32, y: u32| (f64::from(x) - 31.5).hypot(f64::from(y) - 23.5) < 10.0;
         let pixels = a.enumerate_pixels().filter(|(x, y, pixel)| near(*x, *y) && pixel[3] > 0.0);
@@ -117,32 +119,33 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
         assert_eq!(json["type"], "bendy");
         (drawn(&file), drawn(&folder.file("bent.json", bent)), json)
     };
-    // 10 pixels from the middle are 0.7 units: 35 degrees from the bulb, which stands a unit before the triangle.
+    // 10 pixels from the middle are 0.7 units, or 35 degrees from the bulb, which stands a unit before the
+    // triangle.
     let bulb = r#"{"type": "omni", "intensity": 5, "transform": {"translation": [0, 0, 1], "rotation": [0, 1, 0, 0]}}"#;
     let cone = ["--cone-angle", "48", "--toward", "0,0,-0.5"];
     for options in [&cone[..], &[&cone[..], &["--scene", &scene]].concat()] {
         let (before, after, _) = bent(bulb, options);
-        // What the GPU draws is within 1e-3 of what it should be.
+        // The GPU's picture is within 1e-3 of the exact one.
         assert!(apart(&before, &after) < 2e-3, "{}", apart(&before, &after));
         let corner = |picture: &Rgba32FImage| picture.get_pixel(19, 36)[1];
         assert!(corner(&before) > 0.0 && corner(&after) == 0.0, "outside of the cone");
     }
-    // The planted fault: another aim.
+    // Planted fault: another target.
     let (before, after, _) = bent(bulb, &["--cone-angle", "48", "--toward", "-4,0,0"]);
     assert!(apart(&before, &after) > 0.5);
-    // By itself it shines at the scene's middle, in a cone of 45 degrees.
+    // By default the light shines at the scene's centre, in a cone of 45 degrees.
     let (_, _, json) = bent(bulb, &["--scene", &scene]);
     assert_eq!((&json["coneAngle"], json["points"].as_array().map(Vec::len)), (&json!(45.0), Some(5)));
     assert!((json["points"][4][2].as_f64().expect("a number") + 1.0).abs() < 1e-12, "as far as the triangle");
 
-    // From so far off that a cone of 5 degrees holds the triangle, 16 units, rays lean by 2.5 degrees at 0.7 units from the
-    // axis: cosines are 0.1 % smaller, and so is what a rough metal makes of them.
+    // A cone of 5 degrees holds the triangle from 16 units away. Its rays lean by 2.5 degrees at 0.7 units from
+    // the axis. So cosines are 0.1 % smaller, and the reflection of a rough metal changes by as much.
     let sun = r#"{"type": "directional", "intensity": 2, "transform": {"translation": [9, 9, 9]}}"#;
     let (before, after, json) = bent(sun, &["--cone-angle", "5", "--scene", &scene]);
     assert!(apart(&before, &after) < 5e-3, "{}", apart(&before, &after));
     let from = &json["transform"]["translation"];
     assert!((from[2].as_f64().expect("a number") - 2.0_f64.sqrt() / 5.0_f64.to_radians().sin()).abs() < 1e-6);
-    // A scene that has no light comes with one that can be bent.
+    // A scene without lights gets the default key, which can be bent.
     let done = run(&["bend", "--scene", &scene]);
     assert!(done.code == 0 && done.stderr.contains("default key"), "{}", done.stderr);
     assert!(done.stdout.contains("\"default key\""), "{}", done.stdout);
@@ -166,10 +169,10 @@ fn a_reader_that_goes_away_is_no_error() {
     assert!(output.stdout.ends_with(b"\n0\n"));
 }
 
-/// Renders the triangle, lit from the front.
+/// Renders the triangle, lit from the front. Returns the path of the picture.
 fn rendered(folder: &Folder, name: &str, more: &[&str]) -> String {
     let scene = folder.file("scene.gltf", TRIANGLE);
-    // Stands before the triangle and shines along -Z onto all of it.
+    // The light stands before the triangle and shines along -Z onto all of it.
     let light =
         BENDY.replace("\"name\"", "\"transform\": {\"translation\": [0, 0, 1], \"scale\": 3}, \"name\"");
     let light = folder.file("light.json", light);
@@ -186,7 +189,7 @@ fn render_writes_png_for_people() {
     let folder = Folder::new();
     let picture = |more: &[&str]| {
         let file = std::fs::read(rendered(&folder, "out.png", more)).expect("a file");
-        // The chunk by which programs know which colours these are.
+        // Programs read the color space from this chunk.
         assert!(file.windows(4).any(|bytes| bytes == b"sRGB"));
         image::load_from_memory(&file).expect("a PNG").into_rgba8()
     };
@@ -196,7 +199,8 @@ fn render_writes_png_for_people() {
     assert_eq!(picture.dimensions(), (64, 48));
     let (middle, corner) = (picture.get_pixel(32, 26), picture.get_pixel(1, 1));
     assert!(middle[1] > corner[1], "the triangle is lit and the background is not: {middle:?}, {corner:?}");
-    // Behind the triangle is nothing; over its edge a pixel has as much of its colour as the middle, and less of it.
+    // Behind the triangle there is nothing. A pixel at its edge has the color of the middle, and a partial
+    // alpha.
     let alphas: Vec<u8> = seen.pixels().map(|pixel| pixel[3]).collect();
     assert_eq!((seen.get_pixel(1, 1).0, seen.get_pixel(32, 26)[3]), ([0; 4], 255));
     assert!(alphas.iter().any(|alpha| (1..255).contains(alpha)));
@@ -204,11 +208,12 @@ fn render_writes_png_for_people() {
     assert_eq!(again.get_pixel(32, 26).0[..3], [255; 3], "written over: nothing stands before the triangle");
 }
 
-/// All that the camera frames is in the picture, by both backends; without a size the picture has its shape.
+/// Both backends show all of the camera's frame. Without `--size` the picture has the frame's shape.
 #[test]
 fn render_keeps_what_the_camera_frames() {
     let folder = Folder::new();
-    // Frames 2.4 by 0.8 around the triangle, 2 wide and 2 high: its sides are in sight, its top and bottom are not.
+    // The camera frames 2.4 by 0.8 around the triangle, which is 2 wide and 2 high. Its sides are visible, its
+    // top and bottom are not.
     let yfov = 2.0 * 0.1_f64.atan();
     let framed = format!(r#"{{"yfov": {yfov}, "aspectRatio": 3, "znear": 0.1}}"#);
     let scene = TRIANGLE.replace(r#"{"yfov": 0.8, "znear": 0.1}"#, &framed);
@@ -223,21 +228,21 @@ fn render_keeps_what_the_camera_frames() {
         let [width, height] = [picture.width(), picture.height()];
         (picture.dimensions(), count(height / 2), columns(width / 2))
     };
-    // At half its height the triangle is 1 wide: 1 / 2.4 of the width. In a square picture it is seen whole, 2 high in 2.4,
-    // but for its tip, which lies half a pixel beside the middle column.
+    // At half its height the triangle is 1 wide: 1 / 2.4 of the width. A square picture shows all of it, 2 high
+    // in 2.4, except for its tip, which lies half a pixel beside the middle column.
     for backend in ["gpu", "reference"] {
         let square = covered(&["--size", "240x240", "--backend", backend]);
         assert_eq!(square, ((240, 240), 100, 199), "{backend}");
         let wide = covered(&["--size", "480x80", "--backend", backend]);
         assert_eq!(wide, ((480, 80), 100, 80), "{backend}: its height is kept");
-        // As many pixels as by default, 640 x 360, three times as wide as high.
+        // The default number of pixels, 640 x 360, in a picture three times as wide as high.
         assert_eq!(covered(&["--backend", backend]).0, (831, 277), "{backend}");
     }
     folder.file("scene.gltf", TRIANGLE);
     assert_eq!(covered(&[]).0, (640, 360), "a camera that does not say: 16:9, to the pixel");
 }
 
-/// By both backends: `--fill 0` leaves the light's own radiance, and the rest is the fill.
+/// In both backends `--fill 0` leaves the light's own radiance, and the rest is the fill.
 #[test]
 fn render_takes_the_fill_away() {
     let folder = Folder::new();
@@ -261,19 +266,20 @@ fn render_takes_the_fill_away() {
         let (ours, truth) = (at(&gpu), at(&reference));
         let is_dark = |pixel: [(f32, f32); 3]| pixel.iter().all(|(alone, _)| *alone == 0.0);
         dark += u32::from(covered == 1.0 && is_dark(ours) && is_dark(truth));
-        // The fill is at most 0.145 times a colour, which the GPU keeps to a step of its square root in 13 bits, 2.5e-4, with a
-        // normal of 2^-15; the reference rounds once, but to the f32 of a sum with up to 4 of light.
+        // The fill is at most 0.145 times a color. The GPU stores a color's square root in 13 bits, a step of
+        // 2.5e-4, and a normal to 2^-15. The reference rounds once, but to the f32 of a sum with up to 4 of
+        // light.
         let far = ours.iter().zip(&truth).any(|((_, ours), (_, truth))| (ours - truth).abs() > 0.145 * 4e-4);
         differ += u32::from(far);
-        // The planted fault: the fill is there.
+        // Control: the fill is present.
         assert!(covered == 0.0 || ours.iter().any(|(_, fill)| *fill > 1e-3), "{x} {y}");
     }
-    // A third of the demo lies outside its light. At silhouettes the two may see different surfaces.
+    // A third of the demo lies outside its light. At silhouettes the two backends may see different surfaces.
     assert!(dark > 96 * 54 / 3, "{dark}");
     assert!(differ <= 96 * 54 / 1000, "{differ}");
 }
 
-/// On a terminal a bar says how far it is and how long it will take; the picture is the same.
+/// On a terminal a bar shows the progress and the remaining time. The picture is the same.
 #[test]
 fn render_says_how_far_it_is() {
     let folder = Folder::new();
@@ -282,7 +288,7 @@ fn render_says_how_far_it_is() {
         let render =
             |out: &str| format!("render demo:vases --size 160x90 --samples 16 --backend {backend} -o {out}");
         let command = format!("{} {}", binary().display(), render(&picture("seen")));
-        // `script` runs it on a terminal of its own, and writes what that shows.
+        // `script` runs the command on a terminal and prints the terminal's output.
         let seen = std::process::Command::new("script")
             .args(["-qec", &command, "/dev/null"])
             .output()
@@ -322,12 +328,12 @@ fn render_writes_exr_with_the_values_themselves() {
         "nothing is there"
     );
     let depth = picture.get_pixel(32, 26)[0];
-    // The plane lies 4 before the camera; the depth is a float of 24 bits, kept as 1 / z over a near plane of
-    // 0.1: half a step of it is 4^2 / 0.1 * 2^-25.
+    // The plane lies 4 units before the camera. Depth is stored as 1 / z over a near plane of 0.1, in a float
+    // of 24 bits: half a step is 4^2 / 0.1 * 2^-25.
     assert!((depth - 4.0).abs() < 5e-6, "{depth}");
 }
 
-/// One drawing, several files; one file, all quantities.
+/// One drawing can give several files, and one file can hold all AOVs.
 #[test]
 fn render_puts_all_quantities_in_one_file() {
     let folder = Folder::new();
@@ -346,19 +352,19 @@ fn render_puts_all_quantities_in_one_file() {
             .concat();
     assert_eq!(types, expected.into_iter().collect());
     assert!(exr_channels::picture(&file, ["R", "G", "B", "A"]) == exr_channels::beauty(&exr));
-    // The position is where the depth says, in the world: the matrix of the header takes it to its depth.
+    // Position and depth agree: the matrix of the header transforms the position to its depth.
     let [position, depth] =
         [["P.X", "P.Y", "P.Z", "A"], ["Z", "Z", "Z", "A"]].map(|names| exr_channels::picture(&file, names));
     let matrix = file.layer_data.attributes.world_to_camera.expect("the header has it");
     let mut seen = 0;
     for (at, depth) in position.pixels().zip(depth.pixels()).filter(|(at, _)| at[3] > 0.0) {
         let z = (0..3).map(|row| at[row] * matrix[4 * row + 2]).sum::<f32>() + matrix[14];
-        // A sum of four products of numbers below 8.
+        // The tolerance is that of a sum of four products of numbers below 8.
         assert!((z + depth[0]).abs() < 4.0 * 8.0 * f32::EPSILON * 4.0, "{at:?} {depth:?}");
         seen += 1;
     }
     assert!(seen > 96 * 54 / 2);
-    // The PNG beside it is that of the same drawing: its tone mapping grows with the radiance.
+    // The PNG comes from the same drawing: its tone mapping grows with the radiance.
     let (png, beauty) = (image::open(&png).expect("a PNG").into_rgb8(), exr_channels::beauty(&exr));
     let bright = |y: u32, x: u32| (beauty.get_pixel(x, y)[1], png.get_pixel(x, y)[1]);
     let mut pixels: Vec<_> =
@@ -395,7 +401,7 @@ fn render_draws_a_wireframe_of_the_shadow_map() {
     assert_eq!(folder.names(), ["light.json", "out.exr", "scene.gltf"]);
 }
 
-/// The key is for who brings no lights: the file of one who does may have none, and that is said.
+/// The default key is only for calls without a light file. A light file may be empty, which gives a note.
 #[test]
 fn a_scene_without_lights_is_drawn_under_a_key_with_a_note() {
     let folder = Folder::new();
@@ -412,7 +418,7 @@ fn a_scene_without_lights_is_drawn_under_a_key_with_a_note() {
     note(&["render", &scene, "--lights", &none, "--size", "32x32", "-o", &unlit], "there are no lights");
     let middle = |file: &str| image::open(file).expect("a picture").into_rgb8().get_pixel(16, 18)[1];
     assert!(middle(&keyed) > middle(&unlit) + 50, "{} {}", middle(&keyed), middle(&unlit));
-    // As a light like any other it can be shown and named.
+    // The default key can be named and shown like any other light.
     let visibility = ["--aov", "visibility", "--light", "default key", "--size", "32x32"];
     note(&[&["render", &scene, "-o", &keyed], &visibility[..]].concat(), key);
     assert_eq!(middle(&keyed), 255);

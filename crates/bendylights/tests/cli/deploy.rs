@@ -1,4 +1,4 @@
-//! The systemd units: accepted by systemd, and their commands by the program.
+//! Tests of the systemd units: systemd accepts them, and the program accepts their commands.
 
 use std::fs;
 use std::path::Path;
@@ -6,17 +6,17 @@ use std::process::Command;
 
 use crate::program::{Folder, TRIANGLE, binary, run};
 
-/// Name and text of each.
+/// Name and text of each unit.
 const UNITS: [(&str, &str); 2] = [
     ("bendylights-render@.service", include_str!("../../../../deploy/bendylights-render@.service")),
     ("bendylights.service", include_str!("../../../../deploy/bendylights.service")),
 ];
 const INSTALLED: &str = "/usr/local/bin/bendylights";
 
-/// What `systemd-analyze verify` says of the unit, nothing where it is sound.
+/// Returns the output of `systemd-analyze verify` for the unit; empty if it is valid.
 fn complaints(name: &str, unit: &str) -> String {
     let folder = Folder::new();
-    // systemd looks whether the program is there: it is, but where it was built.
+    // systemd checks that the program exists, so the unit gets the path of the build.
     let built = unit.replace(INSTALLED, &binary().display().to_string());
     let file = folder.file(name, built);
     let verify = Command::new("systemd-analyze").args(["verify", "--man=no", &file]).output();
@@ -35,13 +35,13 @@ fn systemd_accepts_the_units() {
     }
 }
 
-/// What stands behind `key` in a unit, its state, cache and instance being these.
+/// Returns the value of `key` in a unit, with `folder` as its state and cache, and `room` as its instance.
 fn setting(unit: &str, key: &str, folder: &str) -> String {
     let value = unit.lines().find_map(|line| line.strip_prefix(key)).unwrap_or_else(|| panic!("no {key}"));
     value.replace("%S", folder).replace("%C", &format!("{folder}/cache")).replace("%i", "room")
 }
 
-/// The words of the unit's command after the program's name.
+/// Returns the arguments of the unit's command.
 fn command(unit: &str, folder: &str) -> Vec<String> {
     let command = setting(unit, "ExecStart=", folder);
     let mut words = command.split(' ').map(str::to_owned);
@@ -66,13 +66,13 @@ fn the_program_accepts_the_units_commands() {
         "{}",
         done.stderr
     );
-    // The server would run for ever; a scene that is not there stops it after its command line was taken.
+    // The server would run forever. A missing scene stops it after it has accepted its command line.
     let done = run_unit(UNITS[1].1, &["--scene", "nowhere.glb"]);
     assert_eq!(done.code, 2, "{}", done.stderr);
     assert!(done.stderr.contains("nowhere.glb"), "{}", done.stderr);
 }
 
-/// systemd gives a unit's folder to its own user alone: two units with one folder take it from each other.
+/// systemd gives a unit's folder to the unit's user. Two units with one folder would take it from each other.
 #[test]
 fn each_unit_has_folders_of_its_own() {
     for key in ["StateDirectory=", "CacheDirectory="] {
@@ -86,7 +86,7 @@ fn each_unit_has_folders_of_its_own() {
     }
 }
 
-/// A service has no HOME, where the driver looks for them else.
+/// A service has no HOME, in which the driver would cache shaders by default.
 #[test]
 fn the_units_keep_compiled_shaders() {
     let folder = Folder::new();
@@ -113,7 +113,7 @@ fn the_units_keep_compiled_shaders() {
     }
 }
 
-/// How many files are under a folder.
+/// Counts the files under a folder.
 fn walk(folder: &Path) -> usize {
     let Ok(files) = fs::read_dir(folder) else { return 0 };
     files

@@ -1,11 +1,12 @@
-//! `bendylights drag`.
+//! Tests of `bendylights drag`.
 
 use serde_json::{Value, json};
 
 use crate::commands::printed;
 use crate::program::{Folder, run};
 
-/// In the demo's own picture: the shadow of the blue vase's neck on the table, and a lit place of that.
+/// Pixels in the demo's own picture: the shadow of the blue vase's neck on the table, and a lit point of the
+/// table.
 const SHADOW: [f64; 2] = [430.5, 265.5];
 const LIT: [f64; 2] = [430.5, 310.5];
 
@@ -18,7 +19,7 @@ fn asked(kind: &str, from: [f64; 2], to: [f64; 2]) -> Value {
     json!({"light": 0, "kind": kind, "size": [640, 360], "from": from, "to": to})
 }
 
-/// The shadow goes where it was put: by `eval`, M' lies on the way of what throws it, and behind that.
+/// A dragged shadow lands: `eval` finds M' on the light path of the caster, behind it.
 ///
 /// Rules: DRAG-1, DRAG-3
 #[test]

@@ -1,17 +1,18 @@
-//! `bendylights eval` against answers computed with 50 digits (`fixtures/eval.json`), on f64, f32 and the GPU.
+//! Tests of `bendylights eval` against answers computed with 50 digits (`fixtures/eval.json`), on f64, f32 and
+//! the GPU.
 //!
-//! Bounds, from the light model, section 5, "Conditioning". A point at offset `r` from the curve has its
-//! parameter within
+//! The bounds come from the light model, section 5, "Conditioning". For a point at offset `r` from the curve
+//! the error of its parameter is within
 //!
 //! ```text
 //! |dt| <= 16 eps cond,   cond = (|r| + L) / (|P'| (1 - kappa r.N)) (1 + |world offset| / size),   L = |d0| + |d1|
 //! ```
 //!
-//! with `eps` 2^-52 in f64 and 2^-24 in f32 and on the GPU. The direction is a unit vector: the same bound,
-//! on the length of the difference. `v` and `w` are an offset over the radius: the same bound times `size /
-//! R`. The radius moves by `R'` times the error of t, and is itself a sum of products of control radii, none
-//! larger than the largest: that much more. `size` is the length of the control polygon. Which root, how
-//! many, which segment, and inside or not: never wrong.
+//! with `eps` 2^-52 in f64 and 2^-24 in f32 and on the GPU. `size` is the length of the control polygon. The
+//! direction is a unit vector: the length of the difference has the same bound. `v` and `w` are an offset over
+//! the radius: they have the same bound times `size / R`. The radius changes by `R'` times the error of t. It
+//! is also a sum of products of control radii, none larger than the largest, which adds to its bound. The
+//! number of roots, the chosen root, the segment and the inside test have no tolerance.
 
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
@@ -21,7 +22,7 @@ use crate::program::{Folder, run};
 const EPS_F64: f64 = 1.0 / (1u64 << 52) as f64;
 const EPS_F32: f64 = 1.0 / (1u64 << 24) as f64;
 
-/// What the bounds need of a light, in light-local space.
+/// Curve of a light in light-local space, as far as the bounds need it.
 struct Curve {
     points: Vec<DVec3>,
     radii: Vec<f64>,
@@ -54,12 +55,13 @@ impl Curve {
         }
     }
 
-    /// Length of the control polygon.
+    /// Returns the length of the control polygon.
     fn size(&self) -> f64 {
         self.points.windows(2).map(|p| p[0].distance(p[1])).sum()
     }
 
-    /// Half the derivatives at both ends of segment `i` of a quantity, from its control values (section 1).
+    /// Returns half the derivatives at both ends of segment `i` of a quantity, from its control values (section
+    /// 1).
     fn half_derivatives<T>(c: &[T], i: usize) -> (T, T)
     where
         T: Copy + std::ops::Sub<Output = T> + std::ops::Mul<f64, Output = T>,
@@ -73,7 +75,7 @@ impl Curve {
         if i == 0 { self.points[0] } else { (self.points[i] + self.points[i + 1]) / 2.0 }
     }
 
-    /// `cond` of the root `t` of a world position, and `R'` there.
+    /// Computes `cond` and `R'` at the root `t` of a world position.
     fn conditioning(&self, point_in_world: DVec3, t: f64) -> (f64, f64) {
         let i = (t as usize).min(self.points.len() - 3);
         let u = t - i as f64;
@@ -93,7 +95,7 @@ impl Curve {
     }
 }
 
-/// One sentence for each answer that lies outside its bound; `direction` names the expected one's field.
+/// Returns one sentence for each answer outside its bound. `direction` is the field of the expected direction.
 fn disagreements(case: &Value, answers: &Value, direction: &str, eps: f64) -> Vec<String> {
     let curve = Curve::of(&case["light"]);
     let rows = |value: &Value| value.as_array().expect("an array").clone();
@@ -165,7 +167,7 @@ fn cases() -> Vec<Value> {
     cases
 }
 
-/// What `bendylights eval` prints for a case's points, with its light's `direction` set.
+/// Runs `bendylights eval` on a case's points, with the `direction` of its light set.
 fn eval(folder: &Folder, case: &Value, direction: &str, on: &str) -> Value {
     let mut light = case["light"].clone();
     light["direction"] = json!(direction);
@@ -176,7 +178,7 @@ fn eval(folder: &Folder, case: &Value, direction: &str, on: &str) -> Value {
     serde_json::from_str(&done.stdout).expect("JSON")
 }
 
-/// Every case, with both directions, within its bounds.
+/// Asserts that every case, with both directions, is within its bounds.
 fn agrees(on: &str, eps: f64) {
     let folder = Folder::new();
     let mut wrong = Vec::new();
@@ -209,7 +211,7 @@ fn gpu_agrees_with_50_digits() {
     agrees("gpu", EPS_F32);
 }
 
-/// The comparison above would see each of these.
+/// The comparison above detects each of these faults.
 #[test]
 fn planted_faults_are_caught() {
     let folder = Folder::new();

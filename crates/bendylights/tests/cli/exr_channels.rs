@@ -1,18 +1,18 @@
-//! Reads the channels of EXR files, as any program does that looks for them by name.
+//! Reading of EXR channels by name, as any other program does.
 
 use std::collections::BTreeMap;
 
 use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, SampleType, read_first_flat_layer_from_file};
 use image::Rgba32FImage;
 
-/// A file of one layer.
+/// EXR file with one layer.
 pub type Exr = Image<Layer<AnyChannels<FlatSamples>>>;
 
 pub fn open(path: &str) -> Exr {
     read_first_flat_layer_from_file(path).expect("an EXR")
 }
 
-/// The channels, with their types.
+/// Returns the names of the channels with their types.
 pub fn types(exr: &Exr) -> BTreeMap<String, SampleType> {
     let kind = |samples: &FlatSamples| match samples {
         FlatSamples::F16(_) => SampleType::F16,
@@ -23,7 +23,7 @@ pub fn types(exr: &Exr) -> BTreeMap<String, SampleType> {
     channels.map(|channel| (channel.name.to_string(), kind(&channel.sample_data))).collect()
 }
 
-/// Four channels as a picture.
+/// Returns four channels as a picture.
 pub fn picture(exr: &Exr, names: [&str; 4]) -> Rgba32FImage {
     let channels = names.map(|name| {
         let named = |channel: &&exr::prelude::AnyChannel<FlatSamples>| channel.name.to_string() == name;
@@ -38,7 +38,7 @@ pub fn picture(exr: &Exr, names: [&str; 4]) -> Rgba32FImage {
     })
 }
 
-/// The beauty of a file.
+/// Reads the beauty of a file.
 pub fn beauty(path: &str) -> Rgba32FImage {
     picture(&open(path), ["R", "G", "B", "A"])
 }

@@ -1,4 +1,4 @@
-//! `--help` teaches, and the commands of README and docs are those of the program.
+//! Tests that `--help` has examples, and that README and docs show only existing commands and options.
 
 use crate::program::run;
 
@@ -41,7 +41,7 @@ fn help_names_every_command_and_shows_examples() {
     assert!(help(&["--version"]).starts_with("bendylights 0."));
 }
 
-/// What is wrong with the commands that `text` shows, each on a line that starts with `bendylights`.
+/// Returns the faults of the commands in `text`, each on a line that starts with `bendylights`.
 fn unknown_words(text: &str) -> Vec<String> {
     let lines = text.lines().map(str::trim).filter(|line| line.starts_with("bendylights "));
     lines

@@ -1,4 +1,4 @@
-//! Every hostile scene file is handled as its list says: drawn, or refused with one sentence.
+//! Tests that every hostile scene file is handled as its list says: drawn, or refused with one sentence.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use crate::program::{Folder, run};
 
 const HOSTILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets/hostile");
-/// For one file, the start of the program and of the graphics driver included.
+/// Limit per file, including the start of the program and of the graphics driver.
 const TIME_LIMIT: Duration = Duration::from_secs(20);
 
 #[test]
@@ -40,7 +40,7 @@ fn hostile_scenes_of_shared_assets_are_drawn_or_refused() {
             }
             code => panic!("{file}: exit code {code}: {}", done.stderr),
         }
-        // "reject", "accept", "reject or sanitise", "accept or limit", "limit", with remarks.
+        // Values are "reject", "accept", "reject or sanitise", "accept or limit" and "limit", with remarks.
         let may_be_drawn = expected.contains("accept") || expected.contains("sanitise");
         let may_be_refused = expected.contains("reject") || expected.contains("limit");
         assert!(

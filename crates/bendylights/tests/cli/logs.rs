@@ -1,4 +1,4 @@
-//! `sessions`, `export`, `import` and `replay`, on the log that tests/logs keeps.
+//! Tests of `sessions`, `export`, `import` and `replay` with the logs in tests/logs.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -15,17 +15,17 @@ use crate::serve::serve;
 
 const LOG: &str = include_str!("../../../../tests/logs/format-1.jsonl");
 const NEWEST_LOG: &str = include_str!("../../../../tests/logs/format-5.jsonl");
-/// Of the document after its last record.
+/// Hash of the document after the log's last record.
 const HASH: &str = "1e2b7352aea306abf0967cf120f9030ced8ac4272d09995b46a7b002941708a7";
 
-/// What a command prints, which must succeed in silence.
+/// Runs a command, which must succeed without output on standard error. Returns its answer.
 fn printed(args: &[&str]) -> String {
     let done = run(args);
     assert_eq!((done.code, done.stderr.as_str()), (0, ""), "{args:?}");
     done.stdout
 }
 
-/// The sentence of a command that must be refused, with what it prints all the same.
+/// Runs a command that must be refused. Returns the sentence, and the answer that it prints nevertheless.
 fn refused(args: &[&str]) -> (String, String) {
     let done = run(args);
     assert_eq!(done.code, 2, "{args:?}: {}", done.stderr);
@@ -33,7 +33,7 @@ fn refused(args: &[&str]) -> (String, String) {
     (done.stderr, done.stdout)
 }
 
-/// A folder with the log as a file and as the session `main`.
+/// Returns a folder with the log as a file and as the session `main`.
 fn imported() -> (Folder, String, String) {
     let folder = Folder::new();
     let (log, data) = (folder.file("log.jsonl", LOG), folder.path("data"));
@@ -52,7 +52,7 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
     let newest = folder.file("newest.jsonl", NEWEST_LOG);
     assert_eq!(printed(&["import", &newest, "--data", &data]), "old: 63 records\n");
     assert_eq!(exported("old"), NEWEST_LOG);
-    // One of an earlier format comes out as one of this.
+    // A log of an earlier format is exported in the current format.
     let upgraded = folder.file("upgraded.jsonl", exported("main"));
     assert!(exported("main").starts_with("{\"format\":5,"));
     let replayed: Value = serde_json::from_str(&printed(&["replay", &upgraded])).expect("JSON");
@@ -72,7 +72,7 @@ fn a_log_goes_in_and_comes_out_as_it_was() {
         (&json!("main"), &json!(43), &json!(HASH))
     );
     assert_ne!(rows[0]["epoch"], rows[1]["epoch"], "two histories");
-    // What the page lists is listed here: titles, and what is archived where that is asked for.
+    // The list has the data of the page's list: titles, and archived sessions if requested.
     let mut store = store::Store::open(std::path::Path::new(&data)).expect("a store");
     let change = store::SessionChange { title: Some("Shot 10".into()), archived: Some(true) };
     store.change_session("b.2", &change).expect("archived");
@@ -124,7 +124,8 @@ fn a_checkpoint_that_differs_is_told_and_named() {
     assert_eq!(folder.names(), ["log.jsonl"], "a refused log makes no folder");
 }
 
-/// The log with another asset in place of the demo scene. Its checkpoints differ then, the first after record 12.
+/// Returns the log with another asset in place of the demo scene. Its checkpoints then differ, the first after
+/// record 12.
 fn log_of(scene: &str) -> String {
     let demo = AssetHash::of(&assets::demo_bytes("vases").expect("the demo scene")).to_string();
     assert!(LOG.contains(&demo));
@@ -150,7 +151,7 @@ fn a_missing_scene_is_named_with_the_way_out() {
     std::fs::write(format!("{data}/assets/{}", asset.hex()), TRIANGLE).expect("a file");
     let render = ["replay", &log, "--data", &data, "--to", "11", "--render", &picture];
     printed(&render);
-    // What is edited needs no geometry.
+    // Edits need no geometry.
     printed(&["replay", &log, "--to", "11"]);
 
     std::fs::write(format!("{data}/assets/{}", asset.hex()), "another").expect("a file");
@@ -211,7 +212,7 @@ fn wrong_input_is_refused_and_leaves_nothing() {
     assert_eq!(printed(&["sessions", "--data", &data]).lines().count(), 2, "`main` alone");
 }
 
-/// A bundle's files by their names.
+/// Returns the files of a bundle by name.
 fn unzipped(bundle: &str) -> BTreeMap<String, Vec<u8>> {
     let mut zip = ZipArchive::new(File::open(bundle).expect("a file")).expect("a .zip");
     let mut files = BTreeMap::new();
@@ -257,7 +258,7 @@ fn a_bundle_takes_its_scenes_along() {
     let (said, _) = refused(&["import", &log, "--data", &other]);
     assert!(said.contains(&hex), "the log alone lacks the scene: {said}");
 
-    // What is damaged, or lacks something, is refused and leaves nothing.
+    // A damaged or incomplete bundle is refused and leaves nothing.
     let changed = |name: &str, bytes: Option<&[u8]>| {
         let mut files = expected.clone();
         files.remove(name);

@@ -1,4 +1,4 @@
-//! The command line, by running the real binary.
+//! Tests of the command line with the real binary.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 

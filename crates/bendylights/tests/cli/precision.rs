@@ -1,4 +1,4 @@
-//! `eval --scene` of points that were read off surfaces and rounded.
+//! Tests of `eval --scene` for points that were read from surfaces and rounded.
 
 use assets::LoadedScene;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use crate::program::{Folder, TRIANGLE, run};
 
-/// Whether light arrives at each point of a list as it is typed, `None` outside the light.
+/// Returns the visibility of the light from each point of a list, as typed; `None` outside the light.
 fn visible(folder: &Folder, scene: &str, light: &str, points: &[String], more: &[&str]) -> Vec<Option<bool>> {
     let points = folder.file("points.json", format!("[{}]", points.join(",")));
     let done = run(&[&["eval", light, &points, "--scene", scene], more].concat());
@@ -18,13 +18,13 @@ fn visible(folder: &Folder, scene: &str, light: &str, points: &[String], more: &
     answers.iter().map(|answer| answer["visible"].as_bool()).collect()
 }
 
-/// Numbers from 0 to 1, the same every time.
+/// Returns deterministic numbers from 0 to 1.
 fn random(seed: &mut u64) -> f64 {
     *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     (*seed >> 11) as f64 * 2.0_f64.powi(-53)
 }
 
-/// The demo, its light, and points all over its surfaces.
+/// Demo scene, its light, and points on all of its surfaces.
 struct Demo {
     reference: Reference,
     tube: Tube<f64>,
@@ -52,7 +52,8 @@ impl Demo {
         Some(self.reference.occluding_node((&self.tube, &LinkedNodes::default()), &place, point).is_none())
     }
 
-    /// Whether surface points within `distance` of `point` have different answers: a shadow's edge, or the light's.
+    /// Returns true if surface points within `distance` of `point` have different answers, as at an edge of a
+    /// shadow or of the light.
     fn is_at_edge(&self, point: DVec3, distance: f64) -> bool {
         let mut seed = 7;
         let expected = self.visible(point);
@@ -68,7 +69,7 @@ fn typed(point: DVec3, decimals: usize) -> String {
     format!("[{:.decimals$}, {:.decimals$}, {:.decimals$}]", point.x, point.y, point.z)
 }
 
-/// A point with few decimals has the answer of the surface that it was read from.
+/// A point with few decimals has the answer of the surface it was read from.
 #[test]
 fn rounded_points_have_the_answers_of_their_surface() {
     let scene = assets::demo("vases").expect("the demo");
@@ -83,19 +84,19 @@ fn rounded_points_have_the_answers_of_their_surface() {
         let wrong = |more: &[&str]| {
             let found = visible(&folder, "demo:vases", &light, &points, more);
             let differ = (0..points.len()).filter(|&i| found[i] != exact[i]);
-            // A rounded point and the surface nearest to it are each within the precision.
+            // The rounded point and the surface nearest to it are each within the precision.
             let precision = 3.0_f64.sqrt() * 0.5 * last_digit;
             differ.filter(|&i| !demo.is_at_edge(demo.points[i], 2.0 * precision)).count()
         };
         assert_eq!(wrong(&[]), 0, "{decimals} decimals");
-        // The planted fault: each point for exact, within a billionth of the light's size.
+        // Planted fault: each point counts as exact, within a billionth of the light's size.
         let planted = wrong(&["--precision", "0"]);
         println!("{decimals} decimals: {planted} of {lit} lit points wrong where they are taken for exact");
         assert!(planted > lit / 4, "{decimals} decimals: {planted} of {lit}");
     }
 }
 
-/// What stands in the way farther off than the precision still does, however near.
+/// An occluder that is farther away than the precision casts a shadow, however near it is.
 #[test]
 fn a_thin_thing_before_the_point_shadows_it() {
     let folder = Folder::new();
@@ -103,7 +104,7 @@ fn a_thin_thing_before_the_point_shadows_it() {
     let light = r#"{"type": "bendy", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.5,0.5,0.5],
         "transform": {"translation": [0, 0, 1]}}"#;
     let light = folder.file("light.json", light);
-    // The triangle lies in z = 0, the light comes from +Z. Three decimals are precise to 0.00087.
+    // The triangle lies in z = 0, and the light comes from +Z. Three decimals have a precision of 0.00087.
     let cases = [
         ("[0, 0, 0]", true),
         ("[0, 0, -0.0004]", false),
@@ -122,11 +123,12 @@ fn a_thin_thing_before_the_point_shadows_it() {
     assert_eq!((within("0.0005"), within("0.0003")), (vec![Some(true)], vec![Some(false)]));
 }
 
-/// Single precision, on both machines, holds places in a scene that is a ten-thousandth of its light.
+/// Single precision, on the CPU and the GPU, is accurate for points in a scene of a ten-thousandth of the
+/// light's size.
 #[test]
 fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
     let folder = Folder::new();
-    // Comes down on the origin at t = 1/2, 20,000 units long, bent, in a tube of radius 1.2.
+    // The light reaches the origin at t = 1/2. It is 20,000 units long and bent, with a radius of 1.2.
     let light = r#"{"type": "bendy", "transform": {"translation": [4500, 9000, 4000]}, "radii": [1.2, 1.2, 1.2],
         "points": [[0, 0, 0], [-4000, -10000, -4000], [-10000, -16000, -8000]]}"#;
     let light = folder.file("light.json", light);
@@ -138,7 +140,7 @@ fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
         assert_eq!((done.code, done.stderr.as_str()), (0, ""));
         serde_json::from_str(&done.stdout).expect("JSON")
     };
-    // In units of the world: across by the radius, along by the light's length.
+    // In world units: across by the radius, along by the light's length.
     let worst = |points: &[[f64; 3]], on: &str| {
         let (found, exact) = (located(points, on), located(points, "f64"));
         let off = |i: usize, field: &str| Some(found[i][field].as_f64()? - exact[i][field].as_f64()?);
@@ -147,12 +149,12 @@ fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
         apart.reduce(f64::max).expect("points in the light")
     };
     let near = ["f32", "gpu"].map(|on| worst(&points, on));
-    // The planted fault: with a point at the light's source, all of the light is taken.
+    // Planted fault: with a point at the light's source, the whole light is used.
     points.push([4500.0, 9000.0, 4000.0]);
     let whole = ["f32", "gpu"].map(|on| worst(&points, on));
     println!("of a scene of 1.6 units: off by {near:?}, in all of the light {whole:?}");
     for (near, whole) in near.into_iter().zip(whole) {
-        // Sixteen roundings of some five units: the scene's and the radius's.
+        // Sixteen roundings of about five units: those of the scene and of the radius.
         assert!(near <= 16.0 * 5.0 * 2.0_f64.powi(-24), "{near:e}");
         assert!(whole > 50.0 * near, "{near:e} {whole:e}");
     }

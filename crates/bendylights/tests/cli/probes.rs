@@ -1,18 +1,18 @@
-//! `bendylights probe`.
+//! Tests of `bendylights probe`.
 
 use serde_json::{Value, json};
 
 use crate::commands::printed;
 use crate::program::{Folder, SPOT, TRIANGLE, run};
 
-/// In the demo's own picture: the shadow of the blue vase's neck on the table.
+/// Pixel in the demo's own picture: the shadow of the blue vase's neck on the table.
 const SHADOW: [&str; 2] = ["430.5", "265.5"];
 
 fn probed(args: &[&str]) -> Value {
     serde_json::from_str(&printed(&[&["probe"], args].concat(), "")).expect("an object")
 }
 
-/// What the probe says of the place is what `eval` says of the position that it gives.
+/// A probe and `eval` at the probed position agree.
 ///
 /// Rules: PROBE-1, PROBE-2, PROBE-4
 #[test]

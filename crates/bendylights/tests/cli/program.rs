@@ -1,4 +1,4 @@
-//! Runs the real binary, in a folder that goes when the test ends.
+//! Runs the real binary in temporary folders.
 
 use std::io::Write;
 use std::path::Path;
@@ -6,15 +6,15 @@ use std::process::{Command, Stdio};
 
 use tempfile::TempDir;
 
-/// A bendy light of one segment, straight down -Z, whose radius grows from 0.1.
+/// BendyLight of one segment, straight down -Z, whose radius grows from 0.1.
 pub const BENDY: &str =
     r#"{"type": "bendy", "name": "key", "points": [[0,0,0],[0,0,-1],[0,0,-2]], "radii": [0.1,0.4,0.8]}"#;
 
-/// A spotlight with a range.
+/// Spotlight with a range.
 pub const SPOT: &str = r#"{"type": "spot", "name": "lamp", "coneAngle": 20, "range": 6}"#;
 
-/// A glTF file with one triangle, 2 units wide, in the plane z = 0, and one camera called `front` 4 units
-/// before it.
+/// glTF file with one triangle, 2 units wide, in the plane z = 0, and one camera called `front` 4 units before
+/// it.
 pub const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}],
     "nodes": [{"mesh": 0}, {"name": "front", "camera": 0, "translation": [0, 0, 4]}],
     "cameras": [{"name": "front", "type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
@@ -25,14 +25,14 @@ pub const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "scene": 0, "scenes"
     "buffers": [{"byteLength": 36,
         "uri": "data:application/octet-stream;base64,AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAAAAAAAAgD8AAAAA"}]}"#;
 
-/// What a run left behind.
+/// Result of a run.
 pub struct Done {
     pub code: i32,
     pub stdout: String,
     pub stderr: String,
 }
 
-/// A folder for one test's files.
+/// Temporary folder of one test.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -40,18 +40,18 @@ impl Folder {
         Self(TempDir::new().expect("a temporary folder"))
     }
 
-    /// The path of a file in it, there or not.
+    /// Returns the path of a file in the folder, which need not exist.
     pub fn path(&self, name: &str) -> String {
         self.0.path().join(name).display().to_string()
     }
 
-    /// Writes a file and gives its path.
+    /// Writes a file and returns its path.
     pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> String {
         std::fs::write(self.path(name), content).expect("a file");
         self.path(name)
     }
 
-    /// Names of the files in it.
+    /// Returns the names of the files in the folder, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = std::fs::read_dir(self.0.path()).expect("a folder");
         let mut names: Vec<_> =
@@ -75,7 +75,7 @@ pub fn run_with_input(args: &[&str], input: &str) -> Done {
         .stderr(Stdio::piped())
         .spawn()
         .expect("the binary runs");
-    // A program that refuses its arguments does not read.
+    // A program that refuses its arguments does not read its input.
     let _ = child.stdin.take().expect("a pipe").write_all(input.as_bytes());
     let output = child.wait_with_output().expect("the binary ends");
     Done {
@@ -85,14 +85,15 @@ pub fn run_with_input(args: &[&str], input: &str) -> Done {
     }
 }
 
-/// What was said beside what depends on the machine: advice about an old driver, and how far work is that takes a second there.
+/// Removes the lines that depend on the machine: advice about an old driver, and progress of work that takes
+/// longer than a second there.
 fn without_advice(said: &str) -> String {
     let is_progress =
         |line: &str| line.split_once(" %").is_some_and(|(share, _)| share.parse::<u32>().is_ok());
     said.split_inclusive('\n').filter(|line| !line.starts_with("note: Mesa ") && !is_progress(line)).collect()
 }
 
-/// The binary under test.
+/// Returns the path of the binary under test.
 pub fn binary() -> &'static Path {
     Path::new(env!("CARGO_BIN_EXE_bendylights"))
 }

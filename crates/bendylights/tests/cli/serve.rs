@@ -1,4 +1,4 @@
-//! `serve` as a service: what it prints, and where the token is.
+//! Tests of `serve` as a service: its output, and the place of the token.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 
 use crate::program::{Folder, binary};
 
-/// The status of `/sessions` with that token.
+/// Returns the status of `/sessions` with that token.
 fn status(host: &str, token: &str) -> String {
     let mut stream = TcpStream::connect(host).expect("it listens");
     let ask = format!(
@@ -19,7 +19,7 @@ fn status(host: &str, token: &str) -> String {
     answer.split(' ').nth(1).unwrap_or_default().to_owned()
 }
 
-/// A server with these arguments; what it says on standard output first, and on standard error up to that it is ready.
+/// Starts a server. Returns it, the address that it prints, and its standard error until it is ready.
 pub fn serve(args: &[&str]) -> (Child, String, String) {
     let mut command = Command::new(binary());
     command.args(["serve", "--listen", "127.0.0.1:0"]).args(args).env_remove("RUST_LOG");
@@ -54,7 +54,7 @@ fn a_service_keeps_its_token_in_a_file_and_out_of_its_journal() {
         server.wait().expect("it ends");
     }
     assert!(!fs::exists(format!("{data}/token")).expect("a folder"), "there is one token");
-    // Without, the address has it, and what is said has not.
+    // Without the option the token is in the address, but not in the standard error.
     let (mut server, address, said) = serve(&["--data", &data]);
     let token = fs::read_to_string(format!("{data}/token")).expect("a token");
     assert!(address.ends_with(&format!("/#token={token}")) && !said.contains(&token), "{address}\n{said}");

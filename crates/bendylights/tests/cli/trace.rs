@@ -1,4 +1,4 @@
-//! `serve --trace`: a line for each picture.
+//! Tests of `serve --trace`: a line for each picture.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader};
@@ -13,7 +13,7 @@ use crate::program::{Folder, binary, run};
 
 const READY_WITHIN: Duration = Duration::from_mins(3);
 
-/// A server whose standard error goes to a file; killed when it is dropped.
+/// Server whose standard error goes to a file. It is killed when dropped.
 struct Served {
     child: Child,
     address: ServerAddress,
@@ -51,13 +51,13 @@ impl Served {
         assert_eq!(answer.status, 200, "{}", answer.text());
     }
 
-    /// What it has said of the trace.
+    /// Returns the lines of standard error about the trace.
     fn said_of_trace(&self) -> Vec<String> {
         let said = std::fs::read_to_string(&self.said).expect("text");
         said.lines().filter(|line| line.contains("trace")).map(str::to_owned).collect()
     }
 
-    /// Asks it to stop, and waits until it has.
+    /// Stops the server by a signal, and waits until it has ended.
     fn stop(mut self) {
         let kill = Command::new("kill").arg(self.child.id().to_string()).status().expect("kill runs");
         assert!(kill.success());
@@ -132,7 +132,7 @@ fn two_files_of_a_picture_are_one_drawing() {
     let folder = Folder::new();
     let trace = folder.path("trace.jsonl");
     let server = Served::start(&folder, &trace);
-    // The planted fault, each file drawn by itself, has four.
+    // Planted fault: four lines, if each file were drawn by itself.
     for format in ["png", "exr", "png,exr"] {
         server.still_as(format);
     }

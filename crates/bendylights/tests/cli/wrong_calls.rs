@@ -1,6 +1,7 @@
-//! Wrong calls, in one table with what each is told: `wrong_calls.txt`, to be read through by people.
+//! Tests of wrong calls, in one table with the message for each: `wrong_calls.txt`, which people should read
+//! through.
 //!
-//! `BENDYLIGHTS_BLESS=1` writes it anew.
+//! With `BENDYLIGHTS_BLESS=1` the test writes the table anew.
 
 use std::fmt::Write as _;
 use std::process::{Command, Stdio};
@@ -13,7 +14,7 @@ use crate::program::{BENDY, Folder, SPOT, TRIANGLE, binary, run};
 const TABLE: &str = include_str!("wrong_calls.txt");
 const LOG: &str = include_str!("../../../../tests/logs/format-4.jsonl");
 
-/// The folder that the calls are made in.
+/// Returns the folder in which the calls run.
 fn folder() -> Folder {
     let folder = Folder::new();
     folder.file("room.gltf", TRIANGLE);
@@ -38,24 +39,24 @@ fn folder() -> Folder {
     folder
 }
 
-/// The calls of the table, without the program's name.
+/// Returns the calls in the table, without the program's name.
 fn calls() -> Vec<&'static str> {
     TABLE.lines().filter_map(|line| line.strip_prefix("$ bendylights ")).collect()
 }
 
-/// The table's entry for a call: it, the exit code, and what is said.
+/// Returns the table's entry for a call: the call, its exit code and its message.
 fn entry(folder: &Folder, call: &str) -> String {
     let mut command = Command::new(binary());
     command.args(call.split(' ')).current_dir(folder.path("")).stdin(Stdio::null());
     let output = command.env("RUST_LOG", "off").output().expect("the binary runs");
     let said = String::from_utf8(output.stderr).expect("UTF-8");
     assert_eq!(output.stdout, b"", "{call}: an answer");
-    // Notes are of the scene, and of the machine.
+    // Notes depend on the scene and on the machine.
     let said: Vec<_> = said.lines().filter(|line| !line.is_empty() && !line.starts_with("note: ")).collect();
     format!("$ bendylights {call}\n{} {}\n", output.status.code().expect("no signal"), said.join("\n  "))
 }
 
-/// What is wrong with an entry, whatever it says.
+/// Returns the fault of an entry, whatever its message.
 fn fault(entry: &str) -> Option<&'static str> {
     let said = entry.split_once('\n').expect("a call").1;
     let (code, why) = said.split_once(' ').unwrap_or((said, ""));

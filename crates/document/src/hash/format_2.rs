@@ -1,7 +1,8 @@
-//! Lights as the hashes of formats 1 and 2 walk them: the fields that lights had then, in their order. It stays as it is for
-//! good, whatever lights come to have; a log of today never asks for it.
+//! Light hashes of formats 1 and 2: the fields that lights had then, in their order. This code never changes, whatever
+//! parameters lights get later. Logs of the current format do not use it.
 //!
-//! What came later has its default in a log of that time. Whoever puts more into one gets a hash that no such log has.
+//! Later parameters have their defaults in a log of that time. A log with other values gets a hash that no real log of
+//! that time has.
 
 use glam::DVec3;
 use light::parameters::{
@@ -11,7 +12,7 @@ use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightShape, Paramet
 
 use super::HashWriter;
 
-/// Whether what has parameters had the one of that name in formats 1 and 2.
+/// Returns true if `owner` had a parameter of that name in formats 1 and 2.
 pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
     let names: &[&str] = match owner {
         ParameterOwner::Spot => &[
@@ -47,7 +48,7 @@ pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
     names.contains(&name)
 }
 
-/// Whether the walk says all of a light: what came later has its default.
+/// Returns true if the old hash covers all of a light, because later parameters have their defaults.
 pub(super) fn covers(light: &Light) -> bool {
     let is_covered = |owner, row: &light::Parameter, value: Option<&Value>| {
         was_in_format_2(owner, row.name) || row.default(owner).as_ref() == value
@@ -76,7 +77,7 @@ impl HashWriter {
                 self.tag(1);
                 self.spot(light);
             }
-            // Those that logs of then could not have: they need only differ.
+            // Logs of these formats cannot contain such lights. Their hashes only have to differ.
             LightShape::Directional => {
                 self.tag(2);
                 self.spot(light);

@@ -1,4 +1,4 @@
-//! Making changes: all or none, and only from where they start.
+//! Application of changes: all or none, and only from their old values.
 
 use document::{CameraParameter, Change, Command, ControlPoints, EditError, PointNumbering, SceneRef};
 use glam::DVec3;
@@ -72,7 +72,7 @@ fn changes_are_made_all_or_none() {
     document.apply(&[sound]).expect("the first alone");
 }
 
-/// Two that fold one by one but not together: validity is of the outcome.
+/// Two changes that fold one by one but not together: only the result has to be valid.
 ///
 /// Rules: CMD-2
 #[test]
@@ -84,7 +84,7 @@ fn what_lies_between_two_changes_need_not_be_valid() {
     document.apply(&[moved(here, aside), moved(aside, here)]).expect("nothing is left of it");
 }
 
-/// Changes made up by hand, as from a radius to a position, of old values that the document holds.
+/// Changes written by hand, as from a radius to a position, with old values that the document holds.
 ///
 /// Rules: REC-3
 #[test]
@@ -121,7 +121,7 @@ fn both_values_of_a_change_are_of_one_property() {
     }
 }
 
-/// A change made up by hand, of what its light or its control point does not have.
+/// Changes written by hand, of properties that the light or control point does not have.
 ///
 /// Rules: REC-3
 #[test]

@@ -1,4 +1,4 @@
-//! An asset's name in text.
+//! Text form of an asset's hash.
 
 use document::{AssetHash, InvalidAssetHash};
 

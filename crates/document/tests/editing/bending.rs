@@ -1,4 +1,4 @@
-//! Lights that are bent, and made straight again.
+//! Bending and straightening of lights.
 
 use std::sync::Arc;
 
@@ -36,14 +36,14 @@ fn a_light_is_bent_under_its_id_and_straightened_to_what_it_was() {
     );
     assert_eq!(bent.points().last().expect("points").position, DVec3::new(0.0, 0.0, -7.0));
     assert_eq!((bent.get(COLOR), bent.get(INTENSITY)), (spot.get(COLOR), spot.get(INTENSITY)));
-    // Taken back as one step, it is the light before.
+    // Undone as one step, it is the light before.
     let mut undone = document.clone();
     undone.apply(&[changes[0].inverse()]).expect("it holds");
     assert_eq!((undone.lights(), undone.hash()), (before.lights(), before.hash()));
     let changes = done(&mut document, &Command::StraightenLight(SPOT));
     assert_eq!(describe_changes(&changes, &document), "straightening “lamp”");
     assert_eq!(light_of(&document, SPOT), &spot);
-    // Another numbering each time: a stale command for a control point finds none.
+    // The numbering is new each time, so a stale command for a control point finds none.
     assert_ne!(document.lights()[&SPOT].layout, before.lights()[&SPOT].layout);
 }
 
@@ -66,7 +66,7 @@ fn what_is_bent_is_not_bent_again_nor_what_is_straight_straightened() {
     }
 }
 
-/// A wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
+/// Wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
 fn room(pane_at: f64) -> Bvh {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let primitive = Primitive {
@@ -88,7 +88,7 @@ fn room(pane_at: f64) -> Bvh {
     Bvh::new(scene::pose(Scene { materials: vec![Material::default()], meshes, nodes, ..Scene::default() }))
 }
 
-/// The control points reach to what the axis meets, or past the scene; a log of that needs no scene.
+/// The control points reach to the first surface on the axis, or past the scene. A log of that needs no scene.
 ///
 /// Rules: CMD-12
 #[test]
@@ -98,11 +98,11 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
     let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
     let ahead = spot(DVec3::new(0.3, -0.2, 1.0), 0.0);
     assert!(close(axis_length(&ahead, &room(-4.0)), 5.0));
-    // The planted fault: another thing in the way.
+    // Planted fault: a nearer surface.
     assert!(close(axis_length(&ahead, &room(-2.0)), 3.0));
-    // Its own housing does not count.
+    // The light's own housing does not count.
     assert!(close(axis_length(&ahead, &room(0.99)), 5.0));
-    // Beside the wall, and looking away from it.
+    // Beside the wall, and away from it.
     assert!(axis_length(&spot(DVec3::new(3.0, 0.0, 1.0), 0.0), &room(-2.0)) > 5.0);
     assert!(axis_length(&spot(DVec3::new(0.0, 0.0, 1.0), std::f64::consts::PI), &room(-2.0)) > 0.0);
     assert_eq!(axis_length(&spot(DVec3::Z, std::f64::consts::PI), &Bvh::new(Arc::default())), 1.0);
@@ -113,14 +113,14 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
     assert_eq!(fill_in_from_scene(bend(Some(2.0)), &document, &room(-3.0)), bend(Some(2.0)));
     done(&mut document, &command);
     assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -3.0));
-    // One with a range of its own ends there.
+    // A light with a range ends at its range.
     let mut document = sample();
     done(&mut document, &Command::SetLight { light: SPOT, setting: RANGE.to(Some(5.0)) });
     done(&mut document, &bend(Some(3.0)));
     assert_eq!(light_of(&document, SPOT).points()[4].position, DVec3::new(0.0, 0.0, -5.0));
 }
 
-/// A light without a cone takes one of 45 degrees towards the scene's middle, or what is said.
+/// A light without a cone gets one of 45 degrees towards the scene's centre, or the given one.
 ///
 /// Rules: CMD-12
 #[test]

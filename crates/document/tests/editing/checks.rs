@@ -1,4 +1,4 @@
-//! How often a light is checked: once, where a change is made.
+//! Number of checks of a light: one, where a change is made.
 
 use std::sync::Arc;
 
@@ -12,14 +12,14 @@ use crate::support::{
     point_change, sample, spot,
 };
 
-/// How many checks `work` makes.
+/// Counts the checks that `work` makes.
 fn checks<T>(work: impl FnOnce() -> T) -> u64 {
     let before = CheckedLight::check_count();
     work();
     CheckedLight::check_count() - before
 }
 
-/// How many checks a command makes that must be valid.
+/// Counts the checks of a command that must be valid.
 fn checks_of(command: &Command) -> u64 {
     let document = sample();
     checks(|| edit(&document, command).expect("a valid command"))
@@ -53,7 +53,7 @@ fn an_edit_of_a_light_checks_it_once() {
     }
 }
 
-/// What a command or a scene brings was checked where it was read.
+/// Lights of a command or a scene were checked when they were read.
 #[test]
 fn what_is_carried_whole_is_not_checked_again() {
     let added = Command::AddLight(checked(spot()));
@@ -75,7 +75,7 @@ fn what_is_carried_whole_is_not_checked_again() {
     assert_eq!(checks(load), 0);
 }
 
-/// As undo and replay do.
+/// Undo and replay apply changes like these.
 #[test]
 fn changes_check_each_light_once() {
     let several = [
@@ -96,7 +96,7 @@ fn changes_check_each_light_once() {
     assert_eq!(checks(|| document.apply(&removed).expect("valid changes")), 1, "what goes is not checked");
 }
 
-/// The other lights are carried on as they are.
+/// The other lights are shared.
 #[test]
 fn what_is_not_touched_is_shared() {
     let before = sample();
@@ -105,7 +105,7 @@ fn what_is_not_touched_is_shared() {
     assert!(is_shared(BENDY) && !is_shared(SPOT));
 }
 
-/// The count counts, for lights that are refused as well.
+/// Refused lights are counted too.
 #[test]
 fn a_check_by_hand_is_counted() {
     assert_eq!(checks(|| checked(bendy())), 1);

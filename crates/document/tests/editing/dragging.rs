@@ -1,4 +1,4 @@
-//! Control points that are dragged glide along the fold's wall.
+//! Dragged control points slide along the fold limit.
 
 use document::{Change, Command, Document, EditError, describe_changes};
 use glam::DVec3;
@@ -7,7 +7,7 @@ use light::{ControlPoint, LightError};
 
 use crate::support::{BENDY, SPOT, content, done, light_of, refused, sample};
 
-/// Where no control point 3 of the sample's light can be.
+/// Position that control point 3 of the sample's light cannot have.
 const PAST_THE_WALL: DVec3 = DVec3::new(-3.0, 0.0, -1.0);
 
 fn drag(point: usize, position: DVec3, radii_follow: bool) -> Command {
@@ -18,13 +18,13 @@ fn points(document: &Document) -> Vec<ControlPoint> {
     light_of(document, BENDY).points().to_vec()
 }
 
-/// `R kappa` where it is largest; at 1 the tube folds.
+/// Largest `R kappa`. At 1 the tube folds.
 fn fold(document: &Document) -> f64 {
     let segments = document.lights()[&BENDY].light.tube().expect("a BendyLight").r_kappa_max();
     segments.into_iter().fold(0.0, f64::max)
 }
 
-/// Makes the document what it was before `changes`.
+/// Reverts `changes`.
 fn undo(document: &mut Document, changes: &[Change]) {
     let back: Vec<_> = changes.iter().rev().map(Change::inverse).collect();
     document.apply(&back).expect("the changes just made");
@@ -43,7 +43,7 @@ fn a_dragged_point_is_where_it_is_put_if_it_can_be() {
     assert_eq!(done(&mut dragged, &drag(2, position, false)), [], "it is there already");
 }
 
-/// Setting the position there is refused; that is the wall.
+/// Setting that position is refused: it lies past the fold limit.
 ///
 /// Rules: CMD-14, CMD-2, REC-2
 #[test]
@@ -78,7 +78,7 @@ fn radii_follow_and_come_back() {
     assert!(after[3].radius < before[3].radius && fold(&document) < 1.0);
     let said = describe_changes(&changes, &document);
     assert!(said.starts_with("the position of control point 3 of “key” and "), "{said}");
-    // A drag that comes back is worked out from where it began.
+    // A drag is computed from its start, so a drag back restores the points.
     let mut back = sample();
     done(&mut back, &drag(3, before[3].position, true));
     assert_eq!(points(&back), before);
@@ -109,7 +109,7 @@ fn what_cannot_be_dragged_is_refused_as_what_cannot_be_set() {
     assert_eq!(refused(&document, &drag(2, DVec3::X, false)), EditError::NoLight(BENDY));
 }
 
-/// What follows is no more than what folds: a light that is thin keeps its radii.
+/// Only radii that fold shrink. A thin light keeps its radii.
 ///
 /// Rules: CMD-14
 #[test]
@@ -124,7 +124,7 @@ fn radii_that_fold_nothing_stay() {
     assert!(points(&document).iter().zip(&before).all(|(now, was)| now.radius == was.radius));
 }
 
-/// A light that is near to folding and is straightened has nothing to follow, whatever it was when the drag began.
+/// Radii of a light near a fold stay if the light is straightened, whatever it was when the drag began.
 ///
 /// Rules: CMD-14
 #[test]

@@ -1,4 +1,4 @@
-//! Drags of features in the demo scene: what they change, what is refused, what pins do.
+//! Drags of features in the demo scene: their changes, refusals and pins.
 
 use std::sync::{Arc, LazyLock};
 
@@ -29,14 +29,14 @@ static DEMO: LazyLock<Demo> = LazyLock::new(|| {
     Demo { bvh: Bvh::new(scene::pose(demo.scene)), view: Viewport { camera, size: [640, 360] }, light }
 });
 
-/// The demo's light alone in a document.
+/// Document with the demo's light alone.
 fn document() -> Document {
     let mut document = Document::default();
     done(&mut document, &Command::AddLight(Arc::clone(&DEMO.light)));
     document
 }
 
-/// The shadow of the blue vase's neck goes down the table by `down` pixels.
+/// Drag of the shadow of the blue vase's neck down the table by `down` pixels.
 fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
     let from = DVec2::new(430.5, 265.5);
     FeatureDrag {
@@ -60,7 +60,7 @@ fn light_of(document: &Document) -> &Light {
     document.lights()[&LIGHT].light.light()
 }
 
-/// Where light goes that a drag bends: what a pin that is a little way off may notice.
+/// Lit point where a drag bends the light, so that a slightly violated pin is noticed.
 fn a_lit_point(document: &Document) -> DVec3 {
     let light = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
     let origin = DEMO.bvh.posed.origin_in_world;
@@ -104,7 +104,7 @@ fn a_light_that_is_bent_keeps_all_but_the_points_that_take_part() {
     assert_eq!(light_of(&after).transform(), light_of(&before).transform());
 }
 
-/// The result depends on the document and the cursor: dragged on from where a drag has led is something else.
+/// The result depends on the document and the cursor: a drag from the end of another drag gives something else.
 ///
 /// Rules: CMD-15, DRAG-2
 #[test]
@@ -127,7 +127,7 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     let off = FeatureDrag { view: Viewport { camera: sky(), ..off.view.clone() }, ..off };
     assert_eq!(refused(&off), not_dragged(DragRefusal::NothingAtStart));
     assert_eq!(refused(&shadow(Some(vec![0]), 9.0)), not_dragged(DragRefusal::NoSuchPoint));
-    // Those that are chosen, or that none is.
+    // No control point is chosen.
     let nothing_moves = refused(&shadow(Some(vec![]), 9.0));
     assert_eq!(nothing_moves, not_dragged(DragRefusal::NoWeight));
     let said = nothing_moves.to_string();
@@ -136,7 +136,7 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     assert!(matches!(refused(&lit), EditError::DragRefused { .. }));
     let pixelless = FeatureDrag { view: Viewport { size: [0, 9], ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert_eq!(refused(&pixelless), EditError::EmptyViewport);
-    // What a record keeps has limits.
+    // Values that a record keeps have limits.
     let long = scene::Camera { name: "x".repeat(10_000), ..DEMO.view.camera.clone() };
     let named = FeatureDrag { view: Viewport { camera: long, ..DEMO.view.clone() }, ..shadow(None, 9.0) };
     assert!(matches!(refused(&named), EditError::TooLong { field: "name", .. }));
@@ -147,7 +147,7 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     assert!(!matches!(dragged(&before, &listed(MAX_CHOSEN_POINTS)), Err(EditError::TooManyChosen { .. })));
     assert!(refused(&off).to_string().contains("begin on one"), "{}", refused(&off));
 
-    // Without a scene at hand nothing is known, and nothing moves.
+    // Without a scene the drag is refused and nothing moves.
     let command = Command::DragFeature { light: LIGHT, drag: Box::new(shadow(None, 9.0)) };
     let error = execute_command(&before, &command, CommandContext::default()).expect_err("refused");
     assert!(matches!(error, EditError::DragNotSolved(_)));
@@ -158,7 +158,7 @@ fn what_cannot_be_dragged_is_refused_and_says_why() {
     ));
 }
 
-/// What a probe calls unlinked is no place to drag from, whatever stands in the light's way there.
+/// No feature is dragged from a surface that a probe calls unlinked, whatever shadows it.
 ///
 /// Rules: CMD-15, DRAG-4, LINK-2
 #[test]
@@ -175,12 +175,12 @@ fn nothing_is_dragged_from_a_surface_that_links_leave_out() {
         let reason = DragRefusal::OutsideTheLight;
         assert_eq!(error, EditError::DragRefused { light: before.light_name(LIGHT), reason });
         assert!(error.to_string().contains("left out by its links"), "{error}");
-        // The planted fault: it is the table that the shadow lies on.
+        // Planted fault: the shadow lies on the table, not on this vase.
         dragged(&linked_but("orange vase"), &shadow(points, 45.0)).expect("it lands");
     }
 }
 
-/// The demo's camera, turned up.
+/// Demo camera, turned up.
 fn sky() -> scene::Camera {
     let camera = DEMO.view.camera.clone();
     scene::Camera { rotation: DQuat::from_rotation_x(1.5), ..camera }
@@ -193,7 +193,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     let at = a_lit_point(&before);
     let pin = |kind| DragPin { kind, at, caster: None, is_hard: true };
     let add = |kind, light| Command::AddPin(LightPin { light, pin: pin(kind) });
-    // Another light's pins are no matter.
+    // Pins of another light do not matter.
     done(&mut before, &Command::AddLight(Arc::clone(&DEMO.light)));
     done(&mut before, &add(PinKind::Shadow, LightId(2)));
     let free = dragged(&before, &shadow(None, 45.0)).expect("it lands");
@@ -219,7 +219,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
         "{status:?}"
     );
 
-    // One that holds what is not so.
+    // Pin whose condition does not hold.
     done(&mut before, &Command::SetPin { pin: id, is_hard: false });
     done(&mut before, &add(PinKind::Shadowed, LIGHT));
     let (wrong, _) = before.pins_of(LIGHT).last().expect("a pin");

@@ -1,4 +1,4 @@
-//! The document's hash: of everything that counts, of nothing else.
+//! Hash of the document: it covers all content and nothing else.
 
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ use crate::support::{BENDY, EYE, PLAN, ROOM, ROOM_AGAIN, SPOT, checked, done, ey
 
 pub type Hash = fn(&Document) -> DocumentHash;
 
-/// The hash of today, and the one of logs of formats 1 and 2.
+/// Current hash, and that of formats 1 and 2.
 pub const HASHES: [Hash; 2] = [Document::hash, |document| document.hash_of_format(2)];
 
 fn after(command: &Command) -> Document {
@@ -66,7 +66,7 @@ fn light_edits() -> Vec<Command> {
     edits
 }
 
-/// A command for each field of a camera, and for what comes and goes.
+/// A command for each field of a camera, and for additions and removals.
 fn other_edits() -> Vec<Command> {
     let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
     let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, aspect_ratio: None, znear, zfar };
@@ -104,7 +104,7 @@ fn other_edits() -> Vec<Command> {
     edits
 }
 
-/// Sees that no two of `documents`, each named, have one hash, nor one that of `plain`.
+/// Asserts that the hashes of the named `documents` and of `plain` are all different.
 pub fn all_differ(hash: Hash, plain: &Document, documents: &[(String, Document)]) {
     let mut seen = BTreeMap::from([(hash(plain).to_string(), "nothing")]);
     for (what, document) in documents {
@@ -172,13 +172,13 @@ fn labels_and_freed_numbers_leave_the_hash() {
     }
 }
 
-/// The hashes as they were when the first logs of each format were written. Where this fails, those logs no longer replay:
-/// give the walk a new version instead.
+/// Hashes from the time when the first logs of each format were written. If this fails, those logs no longer replay:
+/// give the hash a new version instead.
 ///
 /// Rules: DOC-4
 #[test]
 fn the_hash_is_the_same_for_good() {
-    // Of formats 1 and 2, and of 3; an empty document's first.
+    // Hashes of formats 1 and 2, then of 3; that of an empty document first.
     let walked = [
         "ec407543169a9f67a67aba9433163b0f2eade4e9ec50e57a9ab2e8730dd944bd",
         "c1440d73969f631976e8eef96e229b50d97180b6084c233a8df2444b9262f6d3",

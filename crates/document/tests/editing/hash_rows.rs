@@ -1,4 +1,4 @@
-//! The document's hash and the table of parameters: every row counts, and none that has its default.
+//! Hash of the document and the table of parameters: every row counts, and defaults do not.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::hash::{HASHES, all_differ};
 use crate::support::{BENDY, checked};
 
-/// A light of each shape with all defaults.
+/// Light of each shape with all defaults.
 fn plain_lights() -> [Light; 4] {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.25, 0.0, -2.0)];
     [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375]), Light::directional(), Light::omni()]
@@ -25,7 +25,7 @@ fn document_with(light: Light) -> Document {
     Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), BTreeMap::new(), 0)
 }
 
-/// A value that `parameter` may have, other than `now` and not far from it.
+/// Value that `parameter` may have, different from `now` and close to it.
 fn other_value(parameter: &Parameter, now: &Value) -> Value {
     let candidates: Vec<Value> = match now {
         Value::Number(number) => {
@@ -56,7 +56,7 @@ fn other_value(parameter: &Parameter, now: &Value) -> Value {
     others.next().expect("it may have another value")
 }
 
-/// `light` with each of `rows` in turn at another value: its own ones, and those of each control point where it may move.
+/// Copies of `light`, each with one of `rows` at another value: of the light, and of each control point that may move.
 fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> {
     let mut set = Vec::new();
     for parameter in rows {
@@ -83,7 +83,7 @@ fn each_set(light: &Light, rows: &[&'static Parameter]) -> Vec<(String, Light)> 
     set
 }
 
-/// The next parameter counts without a word here; in the hash of old logs too, in which it may not hide.
+/// A new parameter counts without a change here, in the hash of old logs too, so that it cannot hide in them.
 ///
 /// Rules: DOC-4
 #[test]
@@ -98,7 +98,7 @@ fn every_row_of_the_table_counts() {
                 set.into_iter().map(|(what, light)| (what, document_with(light))).collect();
             all_differ(hash, &document_with(light), &documents);
         }
-        // Each row of a light once for each kind of light, each of a control point for all three; the source stays.
+        // Each row of a light once for each shape, each row of a control point for all three points. The source stays.
         let of_a_point = |of: &ParameterOf| if of.owner == ParameterOwner::Point { 3 } else { 1 };
         let expected: usize = rows.iter().flat_map(|row| row.owners).map(of_a_point).sum();
         assert_eq!(are_set, expected - 1);
@@ -121,8 +121,8 @@ fn a_default_leaves_no_trace() {
     }
 }
 
-/// A light with all defaults is hashed by its shape and what has no default, so that a row that is added to the table
-/// changes no hash of before.
+/// The hash of a light with all defaults covers its shape and the values without defaults, so that a new row changes no
+/// earlier hash.
 ///
 /// Rules: DOC-4
 #[test]

@@ -1,4 +1,4 @@
-//! Numbers: ids and layouts.
+//! Ids and point numberings.
 
 use std::collections::BTreeMap;
 
@@ -73,7 +73,7 @@ fn a_layout_changes_with_the_numbering_and_comes_back_with_it() {
     assert!(![first, second, third].contains(&layout(&document)), "not by its look the same");
 }
 
-/// A log that was made up could claim the largest number there is; counting on must not overflow.
+/// A forged log could use the largest number. Counting on must not overflow.
 ///
 /// Rules: DOC-1, REC-3
 #[test]

@@ -1,4 +1,4 @@
-//! Pins come, go and change; what they hold is for drags to see.
+//! Addition, change and removal of pins. Drags test their conditions.
 
 use document::{Change, Command, Document, EditError, LightPin, MAX_PINS, PinId, describe_changes};
 use drag::{DragPin, PinKind};
@@ -93,7 +93,7 @@ fn pins_go_with_their_light_and_come_back_with_it() {
     assert!(document.pins().is_empty());
 }
 
-/// Where the light's own addition is taken back the pin stays behind, of no light.
+/// The pin stays without a light if the addition of the light is undone.
 ///
 /// Rules: DOC-6
 #[test]

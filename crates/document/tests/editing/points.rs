@@ -106,7 +106,7 @@ fn a_point_past_the_last_goes_as_far_again() {
     assert_eq!((after[5].color, after[5].intensity), (after[4].color, after[4].intensity), "as the last");
 }
 
-/// A radius that shrinks to the end would be negative past it.
+/// A radius that shrinks towards the end would be negative past it.
 ///
 /// Rules: CMD-2
 #[test]

@@ -1,4 +1,4 @@
-//! What holds for every sequence of commands.
+//! Properties of every sequence of commands.
 
 use document::{AssetHash, Change, Command, CommandResult, Document, GroupedCommand, execute_group};
 use light::SceneBounds;
@@ -10,8 +10,8 @@ use crate::support::{ROOM, YARD, content, edit, is_valid, sample};
 
 const SCENES: &[AssetHash] = &[ROOM, YARD];
 
-/// Carries out what is valid of `commands`, and calls `check` with the document before, the changes, and the document
-/// after.
+/// Executes those of `commands` that are valid, and calls `check` with the document before, the changes, and the
+/// document after.
 fn each_step(
     commands: Vec<Command>,
     mut check: impl FnMut(&Document, &[Change], &Document) -> Result<(), TestCaseError>,
@@ -33,7 +33,7 @@ fn each_step(
     Ok(())
 }
 
-/// Those of `commands` that are valid one after the other, and the document that they leave.
+/// Returns those of `commands` that are valid in sequence, and the document after them.
 fn valid(document: &Document, commands: Vec<Command>) -> (Vec<GroupedCommand>, Document) {
     let mut draft = document.clone();
     let mut grouped = Vec::new();
@@ -117,7 +117,7 @@ proptest! {
         let (_, before) = valid(&sample(), first);
         let (group, one_by_one) = valid(&before, group);
         let together = execute_group(&before, &group, SceneBounds::default()).expect("valid one by one");
-        // By hash: to go from 0 to -0 and back is no change.
+        // Compared by hash: a change from 0 to -0 and back is no change.
         prop_assert_eq!(together.document.hash(), one_by_one.hash());
         for (index, change) in together.changes.iter().enumerate() {
             prop_assert!(*change != change.inverse(), "nothing changes to itself");
@@ -133,7 +133,7 @@ proptest! {
     }
 }
 
-/// The properties above say something: most random commands are carried out, of every type.
+/// The properties above are meaningful: most random commands of every type are valid.
 ///
 /// Rules: CMD-1
 #[test]
@@ -156,7 +156,7 @@ fn random_commands_are_mostly_valid() {
         }
     }
     assert_eq!(kinds.len(), 19, "every type of command: {kinds:?}");
-    // Where it leads, only a scene can tell; `features.rs` has one.
+    // Only a scene determines the result; `features.rs` has one.
     assert!(kinds.remove("DragFeature").is_some_and(|count| count.0 == 0 && count.1 >= 20));
     assert!(kinds.values().all(|count| count.0 >= 20), "(done, refused): {kinds:?}");
     assert!(kinds.values().map(|count| count.1).sum::<u32>() >= 200, "some are refused: {kinds:?}");

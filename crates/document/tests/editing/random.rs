@@ -1,4 +1,4 @@
-//! Commands at random: most of them valid in the document that they are aimed at, some not.
+//! Random commands, most of them valid in their document.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::{Camera, Projection};
 
-/// Any command, of light and camera numbers that [`with_existing_ids`] turns into ids. `scenes` are those that can be loaded.
+/// Any command, with light and camera numbers that [`with_existing_ids`] turns into ids. `scenes` can be loaded.
 pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     let light = || (0..8_u64).prop_map(LightId);
     let camera = || (0..8_u64).prop_map(CameraId);
@@ -63,7 +63,7 @@ pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     ]
 }
 
-/// The command with its numbers turned into ids that `document` has, where it has any.
+/// Replaces numbers in the command by ids that `document` has, if it has any.
 pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
     let lights: Vec<LightId> = document.lights().keys().copied().collect();
     let cameras: Vec<CameraId> = document.cameras().keys().copied().collect();
@@ -95,7 +95,7 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
     command
 }
 
-/// A drag of a feature; where it leads is not at hand here, so that a document refuses it.
+/// Drag of a feature. Its solution is not available here, so a document refuses it.
 fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
     let feature = prop_oneof![
         Just(Feature::Shadow),
@@ -133,7 +133,7 @@ fn option<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strategy<
     proptest::option::of(value)
 }
 
-/// Often the same few numbers, so that a command may find its value already there.
+/// Often one of a few numbers, so that a command may set the present value.
 fn real() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(-0.0), Just(1.0), -4.0..4.0]
 }
@@ -167,7 +167,7 @@ fn name() -> impl Strategy<Value = String> {
     "[a-z\"\\\\\u{e9}]{0,6}"
 }
 
-/// A light that can be evaluated: no other can be asked for.
+/// Valid light: commands take no other.
 fn any_light() -> impl Strategy<Value = Arc<CheckedLight>> {
     let bendy = vec((-0.3..0.3, -0.3..0.3, 0.05..0.3), 2..6).prop_map(|steps| {
         let along = |i: usize, (x, y): (f64, f64)| DVec3::new(x, y, -(i as f64 + 1.0));

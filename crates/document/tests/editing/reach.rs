@@ -1,4 +1,4 @@
-//! What no picture can show is not committed; what was committed before still applies.
+//! Lights that no picture can show are not committed. Earlier records with such lights still apply.
 
 use document::{Command, CommandContext, CommandResult, Document, EditError, SceneContents, execute_command};
 use glam::DVec3;
@@ -39,7 +39,7 @@ fn commands_refuse_lights_out_of_reach() {
     }
 }
 
-/// An old log can hold such a light: it applies, and the light can be brought back step by step.
+/// An old log can contain such a light. Its record applies, and the light can be brought back in steps.
 #[test]
 fn records_of_lights_out_of_reach_apply() {
     let mut document = sample();
@@ -53,11 +53,11 @@ fn records_of_lights_out_of_reach_apply() {
     let rename = Command::SetLight { light: SPOT, setting: NAME.to("far away".into()) };
     edit(&document, &rename).expect("it is no farther than before");
     edit(&document, &place(SPOT, 1e20)).expect("nearer than before");
-    // Another light is held to the bound all the same.
+    // Another light still has to be within the bound.
     edit(&document, &place(BENDY, 1e20)).expect_err("no picture can show it");
 }
 
-/// What counts is the distance from the scene's box, which the caller knows.
+/// The distance from the scene's bounds counts, which the caller gives.
 #[test]
 fn lights_are_measured_against_the_scene() {
     let document = sample();
@@ -76,7 +76,7 @@ fn lights_are_measured_against_the_scene() {
     edit(&document, &place(SPOT, -2e14)).expect("near one about the origin");
 }
 
-/// A directional light is everywhere. Its window is not: that may be too far away across the light, or too narrow.
+/// A directional light has no position, but its window has: it may be too far away across the light, or too narrow.
 #[test]
 fn only_a_directional_lights_window_is_out_of_reach() {
     let reach = SceneBounds { center: DVec3::ZERO, half_extent: DVec3::splat(10.0) };
@@ -89,7 +89,7 @@ fn only_a_directional_lights_window_is_out_of_reach() {
     assert!(matches!(check(along.with(WIDTH, Some(1e-20))), Err(UndrawableLight::TooSmall { .. })));
 }
 
-/// A scene brings its lights as they are; a picture leaves out what it cannot show.
+/// A scene brings its lights unchecked. A picture leaves out lights that it cannot show.
 #[test]
 fn scenes_load_with_their_lights() {
     let far = bendy().with(TRANSLATION, DVec3::Z * 1e40);

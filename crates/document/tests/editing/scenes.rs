@@ -1,4 +1,4 @@
-//! Loading a scene.
+//! Loading of scenes.
 
 use document::{AssetHash, Change, Command, EditError};
 use light::MAX_NAME_BYTES;

@@ -1,4 +1,4 @@
-//! A document to edit, and the two things that can come of a command.
+//! Sample document, and helpers for the two results of a command.
 
 use std::sync::Arc;
 
@@ -11,23 +11,23 @@ use light::parameters::NAME;
 use light::{CheckedLight, Light, LightId, ParameterKey, ValueType};
 use scene::{Camera, Projection};
 
-/// A scene with a BendyLight and a camera.
+/// Scene with a BendyLight and a camera.
 pub const ROOM: AssetHash = AssetHash([1; 32]);
-/// A scene with a spotlight, and no camera.
+/// Scene with a spotlight and no camera.
 pub const YARD: AssetHash = AssetHash([2; 32]);
-/// [`ROOM`] in other bytes.
+/// Scene with the content of [`ROOM`] in other bytes.
 pub const ROOM_AGAIN: AssetHash = AssetHash([3; 32]);
 
-/// The BendyLight of [`sample`].
+/// BendyLight of [`sample`].
 pub const BENDY: LightId = LightId(1);
-/// The spotlight of [`sample`].
+/// Spotlight of [`sample`].
 pub const SPOT: LightId = LightId(2);
-/// The camera of [`sample`] with perspective.
+/// Perspective camera of [`sample`].
 pub const EYE: CameraId = CameraId(3);
-/// The orthographic camera of [`sample`].
+/// Orthographic camera of [`sample`].
 pub const PLAN: CameraId = CameraId(4);
 
-/// What the scenes above bring.
+/// Contents of the scenes above.
 pub fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     match asset {
         ROOM | ROOM_AGAIN => Some(SceneContents { lights: vec![checked(bendy())], cameras: vec![eye()] }),
@@ -36,12 +36,12 @@ pub fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     }
 }
 
-/// A light that must be valid, as documents and commands carry it.
+/// Light that must be valid, as documents and commands hold it.
 pub fn checked(light: Light) -> Arc<CheckedLight> {
     Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
-/// Five control points in a gentle bend; no two values alike, so that none can stand for another.
+/// BendyLight with five control points in a gentle bend. All values differ, so that none can replace another.
 pub fn bendy() -> Light {
     let points = vec![
         DVec3::ZERO,
@@ -72,7 +72,7 @@ pub fn plan() -> Camera {
     Camera { name: "plan".into(), projection, ..eye() }
 }
 
-/// A document without a scene, with two lights and two cameras.
+/// Document without a scene, with two lights and two cameras.
 pub fn sample() -> Document {
     let mut document = Document::default();
     done(&mut document, &Command::AddLight(checked(bendy())));
@@ -82,7 +82,7 @@ pub fn sample() -> Document {
     document
 }
 
-/// What comes of a command, with the scenes above at hand and no geometry.
+/// Result of a command, with the scenes above and no geometry.
 pub fn edit(document: &Document, command: &Command) -> Result<CommandResult, EditError> {
     let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
     document::execute_command(
@@ -92,7 +92,7 @@ pub fn edit(document: &Document, command: &Command) -> Result<CommandResult, Edi
     )
 }
 
-/// Carries out a command that must be valid.
+/// Executes a command that must be valid.
 pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
     let CommandResult { changes, document: after, .. } = edit(document, command).expect("a valid command");
     document.apply(&changes).expect("changes just made");
@@ -104,35 +104,35 @@ pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
     changes
 }
 
-/// Why a command is refused.
+/// Error of a command that must be refused.
 pub fn refused(document: &Document, command: &Command) -> EditError {
     edit(document, command).expect_err("a command to refuse")
 }
 
-/// A change of a light's parameter.
+/// Change of a light's parameter.
 pub fn light_change<T: ValueType>(light: LightId, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
     Change::LightParameter { light, parameter: key.row(), old, new }
 }
 
-/// A change of a parameter of one of [`BENDY`]'s control points.
+/// Change of a parameter of one of [`BENDY`]'s control points.
 pub fn point_change<T: ValueType>(layout: u64, point: usize, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
     Change::Point { light: BENDY, layout: PointNumbering(layout), point, parameter: key.row(), old, new }
 }
 
-/// What the document holds, as text: all of it, more than its hash says.
+/// Content of the document as text: all of it, more than its hash covers.
 pub fn content(document: &Document) -> String {
     let lights = document.lights().iter().map(|(id, placed)| (id, placed.layout, placed.light.light()));
     format!("{:?} {:?} {:?}", document.scene(), lights.collect::<Vec<_>>(), document.cameras())
 }
 
-/// A light as it is written down.
+/// Light of a document.
 pub fn light_of(document: &Document, id: LightId) -> &Light {
     document.lights()[&id].light.light()
 }
 
-/// Whether every light can be evaluated, under the names that it is carried with, and every camera makes a picture.
+/// Returns true if every light can be evaluated and has the digests of its values, and every camera makes a picture.
 pub fn is_valid(document: &Document) -> bool {
     let is_checked = |carried: &CheckedLight| {
         CheckedLight::new(carried.light().clone()).is_ok_and(|again| again.revisions() == carried.revisions())

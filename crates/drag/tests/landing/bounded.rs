@@ -1,4 +1,4 @@
-//! Drags that take too much work, and drags that are given up.
+//! Drags that exceed their budget, and drags that are cancelled.
 
 use std::cell::Cell;
 
@@ -11,13 +11,13 @@ use light::CheckedLight;
 
 use crate::support::{self, TestScene, Trial};
 
-/// Steps that such a drag takes at once at most.
+/// Most steps that such a drag spends between two checks of its budget.
 const AT_ONCE: u64 = 100_000;
 
-/// How often each pin is there: so that a drag takes some tens of millions of steps.
+/// Number of copies of each pin, so that a drag takes some tens of millions of steps.
 const TIMES: usize = 7;
 
-/// The demo's drag with pins all over the blue vase, one of them hard.
+/// Makes the demo's drag with pins all over the blue vase, one of them hard.
 fn pinned(scene: &TestScene, count: usize) -> Trial {
     let mut trial = scene.trial_of_the_demo(None);
     let origin = scene.bvh.posed.origin_in_world;
@@ -47,7 +47,7 @@ fn run(scene: &TestScene, trial: &Trial, work: &WorkBudget) -> DragResult {
     drag_budgeted(&scene.bvh, &trial.view, &trial.light, &trial.drag, work)
 }
 
-/// Whether hard pins still have what they held in `from`: the direction from which light arrives.
+/// True if light arrives at hard pins from the same direction as at the start.
 fn hold(trial: &Trial, landing: &DragResult) -> bool {
     let after = CheckedLight::new(landing.light.clone()).expect("a light that can be evaluated");
     let direction = |light: &CheckedLight, pin: &DragPin| {
@@ -59,8 +59,8 @@ fn hold(trial: &Trial, landing: &DragResult) -> bool {
     })
 }
 
-/// However early its work ends a drag has a light that holds what has to hold and brings the feature no farther away, and it takes
-/// no more than the bound, an eighth of it for judging, and what is done at once.
+/// A drag that spends its budget, however small, has a light that holds its hard pins and brings the feature no farther
+/// away. It takes at most the limit, an eighth of it for judging, and the steps between two checks.
 ///
 /// Rules: DRAG-7
 #[test]
@@ -97,13 +97,13 @@ fn past_its_bound_a_drag_is_limited_and_pins_hold() {
             "it is the same each time"
         );
         moved += usize::from(landing.light != *trial.light.light());
-        // The planted fault: without the bound it takes more.
+        // Planted fault: without the limit the drag takes more.
         assert!(share > 12 || all > most + most / 8 + 2 * AT_ONCE);
     }
     assert!(moved > 0, "none goes a part of the way");
 }
 
-/// What nobody waits for ends: it is asked often whether it goes on, and takes hardly a step after it was told not to.
+/// A cancelled drag ends: it checks often if it should continue, and takes hardly a step after the refusal.
 #[test]
 fn a_drag_that_is_given_up_ends() {
     let scene = support::demo();
@@ -118,7 +118,7 @@ fn a_drag_that_is_given_up_ends() {
     assert!(work.is_cancelled());
     assert_eq!(questions.get(), 5, "it is not asked again");
     assert!(work.spent_steps() <= 5 * (STEPS_BETWEEN_CHECKS + AT_ONCE), "{}", work.spent_steps());
-    // The planted fault: nobody asks.
+    // Planted fault: no cancellation.
     let unasked = WorkBudget::new(&|_| true);
     run(&scene, &trial, &unasked);
     assert!(!unasked.is_cancelled() && unasked.spent_steps() > 2 * work.spent_steps());

@@ -1,24 +1,24 @@
-//! A cursor that goes a little moves the light a little.
+//! A small step of the cursor moves the light little.
 
 use drag::{Drag, DragStatus, Feature, drag};
 use glam::DVec3;
 
 use crate::support::{self, TestScene, Trial, trials};
 
-/// Places of a drag's path.
+/// Steps of a cursor path.
 const STEPS: usize = 500;
 
-/// What a path of the cursor makes of a light.
+/// Lights that result from a cursor path.
 struct Path {
-    /// The picked point of each place.
+    /// Picked surface point at each cursor position.
     picked: Vec<DVec3>,
-    /// The direction there along which light is to arrive: the normal, or what a mirror sends to the eye.
+    /// Wanted direction of the light there: the normal, or the mirror direction to the eye.
     wanted: Vec<DVec3>,
     /// Control points in the world.
     points: Vec<Vec<DVec3>>,
 }
 
-/// `None` where some of it is off the surfaces.
+/// Drags along a cursor path. `None` if a part of it is off the surfaces.
 fn path(scene: &TestScene, trial: &Trial) -> Option<Path> {
     let mut path = Path { picked: Vec::new(), wanted: Vec::new(), points: Vec::new() };
     for step in 0..=STEPS {
@@ -54,8 +54,11 @@ fn steps(positions: &[DVec3]) -> Vec<f64> {
 }
 
 impl Path {
-    /// The largest step of a control point in medians of all steps, and how much longer its way is than from end to end, where
-    /// what is picked moves evenly: no step of it, or of the direction that is wanted there, is above 3 of its medians.
+    /// Measures the largest step of a control point in medians of all steps, and the length of its path as a multiple
+    /// of the distance between its ends.
+    ///
+    /// Only cursor steps at which the picked point moves evenly count: neither its step nor that of the wanted
+    /// direction is above 3 of its medians.
     fn largest_step_and_detour(&self, feature: Feature) -> Option<(f64, f64)> {
         let (picks, turns) = (steps(&self.picked), steps(&self.wanted));
         let (pick, turn) = (median(&picks), median(&turns).max(1e-4));
@@ -77,8 +80,9 @@ impl Path {
     }
 }
 
-/// Nearly all paths have no step above 20 medians and are no 8 times as long as from end to end. Those that do have one come to where
-/// the light cannot go on evenly, and the drag lands by a jump for one place of the cursor and glides for the next.
+/// Nearly all paths have no step above 20 medians and are less than 8 times as long as the distance between their ends.
+/// The others reach a point past which the light cannot go on evenly, and the drag jumps for one cursor position and
+/// slides for the next.
 #[test]
 fn a_small_step_of_the_cursor_moves_the_light_little() {
     let (mut smooth, mut rough) = (0, 0);

@@ -1,4 +1,4 @@
-//! Where highlights lie, before anything is dragged.
+//! Position of highlights before a drag.
 
 use drag::{DragStatus, Feature, drag, highlight_near};
 use glam::DVec2;
@@ -7,7 +7,8 @@ use scene::ViewRay;
 
 use crate::support::{TestScene, scenes, trials};
 
-/// How far from the mirror direction light arrives at a pixel, in radians; `None` outside of the light.
+/// Measures the angle between the arriving light and the mirror direction at a pixel, in radians. `None` outside the
+/// light.
 fn off(scene: &TestScene, trial: &crate::support::Trial, light: &CheckedLight, pixel: DVec2) -> Option<f64> {
     let origin = scene.bvh.posed.origin_in_world;
     let ray = ViewRay::new(&trial.view.camera, trial.view.size, pixel, origin);
@@ -16,7 +17,7 @@ fn off(scene: &TestScene, trial: &crate::support::Trial, light: &CheckedLight, p
     Some(to_light.angle_between(seen.mirror_direction()))
 }
 
-/// A highlight that was dragged somewhere is found there again, from a few pixels beside it.
+/// A dragged highlight is found at its new position, from a few pixels beside it.
 ///
 /// Rules: PROBE-6, DRAG-1
 #[test]
@@ -32,7 +33,8 @@ fn a_highlight_is_found_from_beside_it() {
             let light = CheckedLight::new(landing.light).expect("it landed");
             let beside = trial.drag.to + DVec2::new(2.0, -1.0);
             let Some(centre) = highlight_near(&scene.bvh, &trial.view, &light, beside) else { continue };
-            // Newton's steps end at 1e-9 of a radian, or at 1e-9 of a pixel, where a direction turns by less than a radian a pixel.
+            // Newton's steps end at 1e-9 radians, or at 1e-9 pixels where the direction turns by less than a radian per
+            // pixel.
             let off = |pixel| off(&scene, &trial, &light, pixel);
             assert!(off(centre).is_none_or(|off| off < 1e-6), "{}: {:?}", scene.name, off(centre));
             turned_beside += usize::from(off(beside).is_none_or(|off| off > 1e-4));
@@ -40,7 +42,7 @@ fn a_highlight_is_found_from_beside_it() {
         }
     }
     println!("{landed} landed, {found} were found from beside");
-    // Not where two pixels beside it is another facet or another thing: of leaves and spokes nothing is asked.
+    // Two pixels beside it may be another facet or node, such as a leaf or a spoke. Those do not count.
     assert!(landed >= 20 && 3 * found >= 2 * landed, "{found} of {landed}");
     assert!(10 * turned_beside >= 8 * found, "the planted fault: beside it light does not arrive so");
 }

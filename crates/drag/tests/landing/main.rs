@@ -1,11 +1,11 @@
-//! Drags on scenes: what says that it landed did, by ways that share nothing with the solver.
+//! Drags on scenes. Measurements that share nothing with the solver check the results.
 
 mod bounded;
 mod continuity;
-mod sliding;
 mod highlights;
 mod many;
 mod pins;
+mod sliding;
 mod support;
 
 use std::collections::BTreeMap;
@@ -21,9 +21,9 @@ use support::{TestScene, Trial, trials};
 
 const FEATURES: [Feature; 4] = [Feature::Shadow, Feature::Hotspot, Feature::Highlight, Feature::Diffuse];
 
-/// How far the feature lies from the cursor, by the reference's pick, the reference's shadow and the light's own `locate`: in
-/// pixels across the picture for shadow and hotspot, else in degrees. `None` where the place is not in the light, or where
-/// the shadow is none.
+/// Measures the distance of the feature from the cursor by the reference's pick, the reference's shadow and the light's
+/// own `locate`: in pixels across the picture for shadow and hotspot, else in degrees. `None` if the point is not in
+/// the light or not in shadow.
 fn off(reference: &Reference, trial: &Trial, landing: &DragResult) -> Option<f64> {
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
     let to = reference.surface(&view, trial.drag.to)?;
@@ -31,7 +31,7 @@ fn off(reference: &Reference, trial: &Trial, landing: &DragResult) -> Option<f64
     let moved = CheckedLight::new(landing.light.clone()).ok()?;
     let located = |position| moved.tube()?.locate(position).point;
     let there = located(to.position + origin)?;
-    // A pixel at the cursor, in world units.
+    // Size of a pixel at the cursor, in world units.
     let beside = reference.surface(&view, trial.drag.to + glam::DVec2::new(1.0, 0.0));
     let per_pixel =
         beside.map_or(0.01 * to.depth, |beside| beside.position.distance(to.position)).max(1e-4 * to.depth);
@@ -76,12 +76,12 @@ fn converged_drags_have_the_feature_under_the_cursor() {
                     continue;
                 }
                 landed[kind] += 1;
-                // Half a pixel, or a tenth of a degree.
+                // In pixels or degrees.
                 let most = if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { 0.1 };
                 let off = off(&reference, &trial, &landing);
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
                 only_what_was_asked_for(&trial, &landing);
-                // The planted fault: the light as it was is not the answer.
+                // Planted fault: the unmoved light is not a solution.
                 let unmoved = DragResult { light: trial.light.light().clone(), ..landing };
                 let was = self::off(&reference, &trial, &unmoved);
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");
@@ -96,7 +96,7 @@ fn converged_drags_have_the_feature_under_the_cursor() {
     }
 }
 
-/// Where control points take part nothing else changes; a light moved as a whole keeps its shape.
+/// Checks that only the moving control points changed, or that a light moved as a whole keeps its shape.
 fn only_what_was_asked_for(trial: &Trial, landing: &DragResult) {
     let (before, after) = (trial.light.light(), &landing.light);
     let Some(moving) = &trial.drag.points else {
@@ -113,7 +113,7 @@ fn only_what_was_asked_for(trial: &Trial, landing: &DragResult) {
     }
 }
 
-/// A shadow falls on what throws none itself, and lands there.
+/// A shadow can be dragged onto a surface that casts none.
 #[test]
 fn a_shadow_lands_on_what_throws_none() {
     let scene = support::demo();
@@ -126,7 +126,7 @@ fn a_shadow_lands_on_what_throws_none() {
     }
 }
 
-/// Lights without a tube are moved as a whole, and a sun is turned: wherever it stands along its axis.
+/// Lights without a tube move as a whole, and a directional light rotates, wherever it is along its axis.
 #[test]
 fn straight_lights_land_too() {
     let scene = support::demo();
@@ -146,7 +146,7 @@ fn straight_lights_land_too() {
             let drag = Drag { feature, points: None, ..asked.clone() };
             let landing = crate::drag(&scene.bvh, &view, &light, &drag);
             assert_eq!(landing.status, DragStatus::Converged, "{landing:?}");
-            // By the light's own word, in an independent place: M' sees it along the mirror direction or the normal.
+            // The light's own sample at M' arrives along the mirror direction or the normal.
             let moved = ReferenceLight::new(&CheckedLight::new(landing.light).expect("valid"));
             let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
             let to =
@@ -161,7 +161,7 @@ fn straight_lights_land_too() {
     }
 }
 
-/// The same drag has the same bits, whatever was dragged before.
+/// The same drag gives the same bits, whatever was dragged before.
 #[test]
 fn a_drag_depends_on_its_begin_and_its_end_alone() {
     let scene = support::demo();
@@ -173,7 +173,7 @@ fn a_drag_depends_on_its_begin_and_its_end_alone() {
     assert_eq!(forth, back);
 }
 
-/// What cannot be dragged says why, and leaves the light as it was.
+/// A refused drag gives a reason, and leaves the light unchanged.
 #[test]
 fn what_cannot_be_dragged_says_why() {
     use drag::DragRefusal::{NoShadow, NoSuchPoint, NothingAtEnd, NothingAtStart, OutsideTheLight};
@@ -201,7 +201,7 @@ fn what_cannot_be_dragged_says_why() {
     assert_eq!(refusal(&|drag| drag.from = dark), DragStatus::Refused(OutsideTheLight));
 }
 
-/// A light is not dragged to where its links keep it from showing.
+/// A light cannot be dragged onto a surface that its links exclude.
 #[test]
 fn nothing_lands_on_what_a_light_leaves_out() {
     let scene = support::demo();

@@ -7,8 +7,8 @@ use glam::DVec2;
 
 use crate::support;
 
-/// What 256 pins take is near to 8 times what 32 do: what they ask for has at most as many directions as there are unknowns. What is
-/// solved with a row for each of the three that a pin asks for takes some 500 times as long.
+/// With 256 pins a step takes about 8 times as long as with 32: their rows have at most as many independent directions
+/// as there are unknowns. A solver with a row for each of a pin's three equations takes some 500 times as long.
 #[test]
 fn many_pins_take_as_long_as_there_are_many() {
     let scene = support::demo();
@@ -27,7 +27,7 @@ fn many_pins_take_as_long_as_there_are_many() {
         let (few, many) = (fastest(32), fastest(256));
         println!("hard {is_hard}: {few:e} s a step with 32, {many:e} s with 256");
         assert!(many < 24.0 * few, "{few} {many}");
-        // As many as there are at one point are as one.
+        // Many pins at one point act as one.
         let (one, all) = (run(1).1, run(256).1);
         assert_eq!((one.status, all.status), (DragStatus::Converged, DragStatus::Converged), "{all:?}");
         assert_eq!(run(256).1, all);

@@ -1,4 +1,4 @@
-//! Pins: what is to stay does, by ways that share nothing with the solver.
+//! Pins hold. Measurements that share nothing with the solver check them.
 
 use drag::{Drag, DragLimit, DragPin, DragRefusal, DragStatus, Feature, PinKind, RadiusMode, drag};
 use glam::{DVec2, DVec3};
@@ -8,13 +8,14 @@ use scene::View;
 
 use crate::support::{self, Random, TestScene, Trial, trials};
 
-/// A pin, and the pixel that it is seen in.
+/// Pin, and the pixel that shows its point.
 struct VisiblePin {
     pin: DragPin,
     pixel: DVec2,
 }
 
-/// How far a pin is from what it was: in degrees for a direction, in pixels for a shadow, else infinite where it does not hold.
+/// Measures the error of a pin: in degrees for a direction, in pixels for a shadow, else 0, or infinite if it does not
+/// hold.
 fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &CheckedLight) -> f64 {
     let origin = reference.bvh.posed.origin_in_world;
     let view = View::beauty(trial.view.camera.clone(), trial.view.size);
@@ -44,7 +45,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
             }
         }
         PinKind::Shadow => {
-            // The pivot is found here anew: the first that light met on its way.
+            // Finds the pivot anew: the first surface on the light path at the start.
             let tube = trial.light.tube().expect("a BendyLight");
             let path = reference.bvh.bent_path(tube, was.v, was.w);
             let away = 1e-5 * reference.bvh.posed.half_extent.length();
@@ -63,7 +64,7 @@ fn pin_error(reference: &Reference, trial: &Trial, pinned: &VisiblePin, now: &Ch
     }
 }
 
-/// Up to three pins that hold as the drag begins, at points that are seen and in the light.
+/// Makes up to three pins that hold at the start, at visible points in the light.
 fn random_pins(
     scene: &TestScene,
     reference: &Reference,
@@ -77,7 +78,7 @@ fn random_pins(
         let Some((seen, _)) = scene.place(&trial.light, pixel) else { continue };
         let Some(surface) = reference.surface(&view, pixel) else { continue };
         let Some(sample) = reference.sample(&ReferenceLight::new(&trial.light), &surface) else { continue };
-        // Light that grazes a facet or is let through by rounding is nobody's to keep.
+        // Skips light that grazes a facet or passes by rounding.
         if seen.normal.dot(sample.coords.direction) < 0.1
             || seen.geometric_normal.dot(sample.coords.direction) < 0.1
         {
@@ -99,8 +100,8 @@ fn random_pins(
     pins
 }
 
-/// 200 sets of three pins, of lights that move as a whole and of lights that bend: the hard ones hold, and what lands without pins and
-/// not with them names one. How many more a slow solver lands the study of drags says.
+/// In 200 sets of three pins, with lights that move as a whole and lights that bend, the hard pins hold, and a drag
+/// that converges only without pins names one. The study of drags measures how many more a slow solver solves.
 ///
 /// Rules: DRAG-5
 #[test]
@@ -125,7 +126,7 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                         assert!(trial.drag.pins[index].is_hard, "{}", what());
                         by_pin += 1;
                     }
-                    // What holds it back does so without pins too.
+                    // Another limit acts without pins too.
                     _ => {
                         assert_ne!(free.status, DragStatus::Converged, "{}", what());
                         alike += 1;
@@ -140,7 +141,7 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                     let off = pin_error(&reference, &trial, placed, &now);
                     assert!(off < most(placed), "{off} {:?} {}", placed.pin, what());
                 }
-                // The planted fault: without pins something is off.
+                // Planted fault: without pins something is off.
                 was_off += usize::from(
                     hard().any(|placed| pin_error(&reference, &trial, placed, &free) > most(placed)),
                 );
@@ -152,7 +153,7 @@ fn hard_pins_hold_wherever_the_drag_ends() {
     assert!(landed * 2 >= SETS && was_off * 3 > SETS);
 }
 
-/// What cannot be is limited by the pin that keeps it, and a hard pin that does not hold is named.
+/// An infeasible drag is limited by the pin that prevents it, and a hard pin that does not hold at the start is named.
 ///
 /// Rules: DRAG-5
 #[test]
@@ -170,12 +171,12 @@ fn what_is_infeasible_names_the_pin() {
         let other = scene.outside(&trial.light);
         let outside = scene.seen(other).expect("a surface").position + origin;
         let pin = |kind, at| DragPin { kind, at, caster: None, is_hard: true };
-        // The direction at M' is to be another and to stay.
+        // The drag must change the direction at M', and the pin must keep it.
         trial.drag.pins = vec![pin(PinKind::Direction, to.position + origin)];
         let run = |trial: &Trial| drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
         let landing = run(&trial);
         assert_eq!(landing.status, DragStatus::Limited(DragLimit::Pin(0)), "{landing:?}");
-        // A soft one gives way.
+        // A soft pin yields.
         trial.drag.pins[0].is_hard = false;
         let soft = run(&trial);
         assert_ne!(soft.status, DragStatus::Limited(DragLimit::Pin(0)), "{soft:?}");
@@ -188,7 +189,7 @@ fn what_is_infeasible_names_the_pin() {
     assert!(named > 5, "{named}");
 }
 
-/// A source that is to stay outside goes through nothing, and as far as that lets it.
+/// A source that must stay outside goes through no surface, and comes as near as that allows.
 ///
 /// Rules: DRAG-6
 #[test]
@@ -221,8 +222,8 @@ fn the_source_stays_outside() {
     assert!(through > 0 && kept * 2 > through);
 }
 
-/// The shadow of the blue vase moves, and the vase looks as it did where directions are pinned: the same light from the same
-/// direction, to less than a step of 255.
+/// The shadow of the blue vase moves, and the vase keeps its look where directions are pinned: the same irradiance from
+/// the same direction, within a step of 255.
 #[test]
 fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let scene = support::demo();
@@ -258,7 +259,7 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let pinned = drag(&scene.bvh, &trial.view, &trial.light, &pinned);
     assert_eq!((free.status, pinned.status), (DragStatus::Converged, DragStatus::Converged));
     let (without, with) = (differs(&free.light), differs(&pinned.light));
-    // A step of sRGB is the least of what is linear where it is dark, 1 / 12.92 / 255.
+    // The smallest linear difference of a step of sRGB, in the dark, is 1 / 12.92 / 255.
     assert!(with < 1.0 / 12.92 / 255.0, "{with}");
     assert!(without > 1.0 / 255.0, "{without}: nothing had to be held");
 }

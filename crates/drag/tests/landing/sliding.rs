@@ -1,4 +1,4 @@
-//! Control points that go as far as the tube lets them.
+//! Control points that slide as far as the tube allows.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -7,7 +7,6 @@ use drag::{RadiusMode, slide_point};
 use glam::DVec3;
 use light::{CheckedLight, Light};
 
-/// The demo's light.
 fn demo_light() -> CheckedLight {
     let demo = assets::demo("vases").expect("it is one of the demos");
     CheckedLight::new(demo.contents.lights[0].light().clone()).expect("valid")
@@ -19,7 +18,7 @@ fn at(light: &CheckedLight, point: usize, position: DVec3) -> Result<CheckedLigh
     CheckedLight::new(moved)
 }
 
-/// 24 directions, spread over the sphere by the golden angle.
+/// Returns 24 directions, spread over the sphere by the golden angle.
 fn directions() -> impl Iterator<Item = DVec3> {
     (0..24).map(|k| {
         let (y, angle) = (1.0 - 2.0 * (f64::from(k) + 0.5) / 24.0, 2.399_963_229_728_653 * f64::from(k));
@@ -28,13 +27,13 @@ fn directions() -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// The share of the way to `to` that a control point comes nearer.
+/// Computes the share of the distance to `to` that a control point covered.
 fn covered_share(from: DVec3, now: DVec3, to: DVec3) -> f64 {
     1.0 - now.distance(to) / from.distance(to)
 }
 
-/// In 24 directions, each a length of the light long: gliding comes as near as going straight to the wall does, in most
-/// directions much nearer, and with radii that follow it is there.
+/// In 24 directions, each over a length of the light, a slide comes at least as near as a straight line to the limit,
+/// and in most directions much nearer. With radii that follow it reaches the target.
 #[test]
 fn control_points_slide_along_the_fold() {
     let light = demo_light();
@@ -46,7 +45,7 @@ fn control_points_slide_along_the_fold() {
         let from = control.position;
         for direction in directions() {
             let to = from + direction * length;
-            // As it was: the last valid place on the straight way.
+            // Baseline: the last valid point of the straight line.
             let (mut valid, mut folded) = (0.0, 1.0);
             for _ in 0..30 {
                 let middle = f64::midpoint(valid, folded);
@@ -62,7 +61,7 @@ fn control_points_slide_along_the_fold() {
             ];
             writeln!(table, "{point} {direction:.2} {reaches:.3?} {:?}", slid.limit).expect("into text");
             assert_eq!(slid.limit.is_none(), slid.distance_left == 0.0);
-            // The tube's limit for drags is .97 of the fold's.
+            // The limit of a drag is 0.97 of the fold's.
             assert!(reaches[1] > 0.9 * reaches[0] - 0.02, "{table}");
             sums.iter_mut().zip(reaches).for_each(|(sum, reach)| *sum += reach);
         }
@@ -74,7 +73,7 @@ fn control_points_slide_along_the_fold() {
     assert!(means[1] > means[0] && means[2] > 0.99, "{means:?}");
 }
 
-/// Where the light may go the control point is there to the last bit, and a light that comes back is the one that it was.
+/// Within the limits the control point reaches its target to the last bit, and a light that comes back is the original.
 #[test]
 fn a_control_point_comes_back_from_the_wall() {
     let light = demo_light();
@@ -90,8 +89,8 @@ fn a_control_point_comes_back_from_the_wall() {
     assert_eq!(slide_point(&light, 2, DVec3::NAN, RadiusMode::Keep), None);
 }
 
-/// A cursor on a circle through the wall, in 500 steps: no step of the control point is more than 20 of its median steps, and
-/// all add up to no more than 8 times what the cursor went.
+/// On a circle of the cursor through the limit, in 500 steps, no step of the control point exceeds 20 of its median
+/// steps, and all together are at most 8 times as long as the cursor's path.
 #[test]
 fn sliding_on_and_off_a_limit_is_smooth() {
     let light = demo_light();
@@ -120,8 +119,8 @@ fn sliding_on_and_off_a_limit_is_smooth() {
     }
 }
 
-/// What a step at the wall takes, in the times that it takes to prepare the light: a control point that is moved in a picture of 60 a
-/// second is not what makes it slow. Solved with a whole tube at each place that is looked at it took 960.
+/// A slide at the limit takes less than 600 times as long as preparing the light, so a dragged control point does not
+/// slow down a picture at 60 frames a second. It took 960 times as long with a whole tube built at each evaluation.
 #[test]
 fn sliding_is_fast() {
     let light = demo_light();

@@ -1,4 +1,4 @@
-//! Random lights over scenes, and random drags in them.
+//! Random lights over scenes, and random drags of their features.
 
 use std::path::Path;
 
@@ -11,14 +11,14 @@ use scene::ViewRay;
 
 const SIZE: [u32; 2] = [686, 382];
 
-/// A scene and who looks at it.
+/// Scene and view.
 pub struct TestScene {
     pub name: String,
     pub bvh: Bvh,
     pub view: Viewport,
 }
 
-/// A light, and a drag in it.
+/// Light, and a drag of one of its features.
 pub struct Trial {
     pub view: Viewport,
     pub light: CheckedLight,
@@ -26,7 +26,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Whether the drag is so short that the light need not move.
+    /// True if the drag is so short that the light need not move.
     pub fn is_there_already(&self) -> bool {
         self.drag.from.distance(self.drag.to) < 2.0
     }
@@ -40,7 +40,7 @@ impl TestScene {
         Self { name: name.into(), view: Viewport { camera, size: SIZE }, bvh }
     }
 
-    /// The surface in a pixel.
+    /// Finds the surface in a pixel.
     pub fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let origin = self.bvh.posed.origin_in_world;
         self.bvh.visible_point(&ViewRay::new(&self.view.camera, SIZE, pixel, origin))
@@ -52,7 +52,8 @@ impl TestScene {
         Some((seen, point))
     }
 
-    /// The drag of docs/command-line.md: the shadow of the blue vase's neck goes down the table, by three control points of the demo's light.
+    /// Makes the drag of docs/command-line.md: the shadow of the blue vase's neck moves down the table, by three
+    /// control points of the demo's light.
     pub fn trial_of_the_demo(&self, shadow_link: Option<Links>) -> Trial {
         let demo = assets::demo("vases").expect("it is one of the demos");
         let light = demo.contents.lights[0].light().clone().with(SHADOW_LINK, shadow_link);
@@ -69,12 +70,11 @@ impl TestScene {
         Trial { view, light: CheckedLight::new(light).expect("valid"), drag }
     }
 
-    /// Whether the drag lands.
     pub fn converges(&self, trial: &Trial) -> bool {
         drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == DragStatus::Converged
     }
 
-    /// A pixel whose surface the light does not hold.
+    /// Finds a pixel whose surface is outside the light.
     pub fn outside(&self, light: &CheckedLight) -> DVec2 {
         let mut random = Random(3);
         loop {
@@ -86,12 +86,11 @@ impl TestScene {
     }
 }
 
-/// The demo.
 pub fn demo() -> TestScene {
     TestScene::new("demo:vases", assets::demo("vases").expect("it is one of the demos"))
 }
 
-/// The demo, and scenes by others where they are there.
+/// Returns the demo, and other scenes if their files exist.
 pub fn scenes() -> Vec<TestScene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/assets/scenes");
     let mut scenes = vec![demo()];
@@ -106,8 +105,8 @@ pub fn scenes() -> Vec<TestScene> {
     scenes
 }
 
-/// `count` drags of a feature, each in a light of its own: every other one moves it as a whole, every other one bends it; half of
-/// them go a few pixels, half of them anywhere.
+/// Yields `count` drags of a feature, each with its own light. Every other one moves the light as a whole, the rest
+/// bend it. Half of them cover a few pixels, half of them any distance.
 pub fn trials(scene: &TestScene, feature: Feature, count: usize) -> impl Iterator<Item = Trial> + '_ {
     let mut random = Random(11 + feature as u64);
     let mut found = 0;
@@ -144,7 +143,7 @@ fn trial(
     Some(Trial { view: scene.view.clone(), light, drag })
 }
 
-/// A pixel in which the light has that feature, near enough.
+/// Finds a pixel that has the feature, nearly enough.
 fn begin(scene: &TestScene, random: &mut Random, light: &CheckedLight, feature: Feature) -> Option<DVec2> {
     let off = |pixel: DVec2| {
         let (seen, point) = scene.place(light, pixel)?;
@@ -168,7 +167,7 @@ fn begin(scene: &TestScene, random: &mut Random, light: &CheckedLight, feature: 
     (off < 0.06).then_some(pixel)
 }
 
-/// A linear congruential generator (Knuth's MMIX): enough to spread trials.
+/// Linear congruential generator (Knuth's MMIX), random enough for trials.
 pub struct Random(pub u64);
 
 impl Random {
@@ -187,7 +186,7 @@ impl Random {
         if vector.length_squared() <= 1.0 { vector } else { self.vector() }
     }
 
-    /// A light from above on `aim`, about `size` away, of one to four segments, more or less bent.
+    /// Makes a light from above on `aim`, at a distance of about `size`, with one to four segments and a random bend.
     fn light(&mut self, aim: DVec3, size: f64) -> Option<CheckedLight> {
         let vector = self.vector();
         let back = DVec3::new(vector.x, vector.y.abs().max(0.3), vector.z).normalize();

@@ -1,4 +1,4 @@
-//! How often a light is checked: once for a request, for an update of a drag, for a record that is replayed.
+//! Number of checks of a light: one for a request, for an update of a gesture and for a replayed record.
 
 use document::CommandContext;
 use edit::{EditRequest, Session};
@@ -6,7 +6,7 @@ use light::CheckedLight;
 
 use crate::support::{KEY, TestSession, actor, angle, bent_light, insert, position, radius};
 
-/// How many checks `work` makes.
+/// Counts the checks that `work` makes.
 fn checks<T>(work: impl FnOnce() -> T) -> u64 {
     let before = CheckedLight::check_count();
     work();
@@ -20,7 +20,7 @@ fn a_step_checks_its_light_once() {
     for command in [angle(40.0), radius(1, 0.3), insert(2)] {
         assert_eq!(checks(|| studio.edit("ada", command)), 1);
     }
-    // Looking for the step is where it is checked whether it can go back.
+    // The check that a step can be reverted happens in the search for it.
     assert_eq!(checks(|| studio.undo("ada")), 1);
     assert_eq!(checks(|| studio.redo("ada")), 1);
     let mut session = Session::default();

@@ -1,4 +1,4 @@
-//! Drags under way.
+//! Gestures in progress.
 
 use document::{Command, CommandContext, EditError};
 use edit::{Action, EditRefusal, EditRequest, Gesture, LEASE_MS, MAX_GESTURES, UndoScope};
@@ -190,7 +190,7 @@ fn a_drag_without_a_valid_state_says_why_when_it_is_committed() {
     assert_eq!((studio.session.gestures().count(), studio.hash()), (0, before), "the drag is over");
 }
 
-/// Her own undo can renumber the points under her hand; the drag must not move another point then.
+/// An actor's own undo can renumber the points during a drag. The drag must not move another point then.
 ///
 /// Rules: SOCK-5, GEST-1
 #[test]

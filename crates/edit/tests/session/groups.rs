@@ -1,4 +1,4 @@
-//! Commands that are one step.
+//! Groups of commands that are one step.
 
 use document::{Change, Command, LightPin};
 use drag::{DragPin, PinKind};
@@ -33,7 +33,7 @@ fn a_group_is_one_record_and_one_step() {
     assert_eq!((studio.angle(), studio.softness()), (40.0, 0.5));
 }
 
-/// What comes in a group can be changed in it, and goes with it.
+/// A light added in a group can be changed in it, and is removed with it.
 ///
 /// Rules: CMD-17, UNDO-1
 #[test]
@@ -51,7 +51,7 @@ fn a_light_that_comes_in_a_group_goes_as_a_whole() {
     assert_eq!(kinds, [true, false, true], "a light and its pins in a row");
     studio.undo("ada");
     assert_eq!(studio.hash(), before);
-    // Its removal with the pins of two lights goes back too.
+    // The removal of lights with their pins is reverted too.
     studio.redo("ada");
     let with = studio.hash();
     studio.done("ada", group([Command::RemoveLight(KEY), Command::RemoveLight(new)]));
@@ -95,7 +95,7 @@ fn what_another_changed_since_stays_and_the_rest_goes_back() {
     assert_eq!(undo.action.skipped(), ["BEN has changed the cone softness of “key” since"]);
 }
 
-/// The numbering that a group counts in is that of its sender, and then its own.
+/// A group uses the numbering that its sender knew, and then its own.
 ///
 /// Rules: CMD-17, DOC-2
 #[test]

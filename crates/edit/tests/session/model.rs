@@ -1,4 +1,4 @@
-//! Which step undo and redo take, against the rules read out over the whole log: slow, and plain to see.
+//! Targets of undo and redo against the rules evaluated over the whole log: slow, and easy to verify.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ fn target(record: &Record) -> Option<u64> {
     }
 }
 
-/// Whether nothing takes the record back, or what does is itself taken back.
+/// Returns true if nothing reverts the record, or if its revert is itself reverted.
 fn is_in_effect(log: &[Record], record: &Record) -> bool {
     let takers = log.iter().filter(|later| target(later) == Some(record.seq));
     takers.filter(|taker| is_in_effect(log, taker)).count() == 0
@@ -30,7 +30,7 @@ fn is_seen(record: &Record, who: &str, scope: UndoScope) -> bool {
     scope == UndoScope::Session || record.actor.id == who
 }
 
-/// UNDO-7: whether a change of the record's, or those of one light, can be taken back in the document as it is.
+/// UNDO-7: true if a change of the record, or its changes of one light, can be reverted in the present document.
 fn can_revert_something(document: &Document, record: &Record) -> bool {
     let inverses: Vec<_> = record.changes.iter().rev().map(Change::inverse).collect();
     let lights: BTreeSet<_> = inverses.iter().filter_map(Change::light).collect();
@@ -62,7 +62,7 @@ fn redo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope)
     left.next().map(|undo| undo.seq)
 }
 
-/// The target that the session chose.
+/// Target that the session chose.
 fn chosen(answer: Result<Record, EditRefusal>) -> Option<u64> {
     match answer {
         Ok(record) => target(&record),
@@ -92,7 +92,7 @@ proptest! {
     }
 }
 
-/// The comparison above can fail: a log in which a step belongs to somebody else gives other targets.
+/// The comparison above can fail: a log with another actor for a step gives other targets.
 ///
 /// Rules: UNDO-1, UNDO-3
 #[test]

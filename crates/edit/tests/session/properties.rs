@@ -1,4 +1,4 @@
-//! What holds for every sequence of requests.
+//! Properties of every sequence of requests.
 
 use document::{Command, CommandContext, GroupedCommand, execute_command};
 use edit::{EditRequest, GroupedEdit, Session, UndoScope};
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use crate::random::{command, with_existing_ids};
 use crate::support::{SCENES, TestSession};
 
-/// One step of a random session.
+/// Step of a random session.
 #[derive(Clone, Debug)]
 pub enum RandomStep {
     Edit(Box<Command>),
@@ -17,10 +17,10 @@ pub enum RandomStep {
     Redo(UndoScope),
 }
 
-/// Who does what.
+/// Steps with their actors.
 pub type RandomSteps = Vec<(&'static str, RandomStep)>;
 
-/// Steps of any of `actors`; a third of them undo and redo.
+/// Steps of any of `actors`. A third of them are undo and redo.
 pub fn random_steps(actors: &'static [&'static str], steps: usize) -> impl Strategy<Value = RandomSteps> {
     let scope = || prop_oneof![2 => Just(UndoScope::Mine), 1 => Just(UndoScope::Session)];
     let step = prop_oneof![
@@ -32,7 +32,7 @@ pub fn random_steps(actors: &'static [&'static str], steps: usize) -> impl Strat
     vec((proptest::sample::select(actors), step), 1..steps)
 }
 
-/// The request of a step, aimed at what is there.
+/// Makes the request of a step, with ids that exist.
 pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
     match step {
         RandomStep::Edit(command) => EditRequest::Edit {
@@ -44,7 +44,7 @@ pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
             let mut edits = Vec::new();
             for command in commands {
                 let command = with_existing_ids(command, &draft);
-                // A group that is refused for one of them is shown in `groups`.
+                // `groups` has the test of a group with a refused command.
                 let Ok(after) = execute_command(&draft, &command, CommandContext::default()) else {
                     continue;
                 };
@@ -58,7 +58,7 @@ pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
     }
 }
 
-/// A command of a group, which drags no feature.
+/// Command of a group that drags no feature.
 pub fn grouped(command: Command) -> GroupedEdit {
     GroupedEdit { base_seq: None, grouped: GroupedCommand { command, solved: None } }
 }
@@ -66,13 +66,13 @@ pub fn grouped(command: Command) -> GroupedEdit {
 fn played(play: RandomSteps) -> TestSession {
     let mut studio = TestSession::new();
     for (who, step) in play {
-        // Some are refused, which leaves everything as it was; that is shown below.
+        // A refusal leaves everything unchanged, as a test below shows.
         let _ = studio.ask(who, request(step, &studio));
     }
     studio
 }
 
-/// How many of `what` are carried out until there is nothing left, `most` at most.
+/// Repeats `what` until it is refused, at most `limit` times, and returns the number of times it was executed.
 fn repeat(studio: &mut TestSession, who: &str, what: &EditRequest, limit: usize) -> usize {
     (0..limit).take_while(|_| studio.ask(who, what.clone()).is_ok()).count()
 }
@@ -141,13 +141,13 @@ proptest! {
             replayed.session.replay(record).expect("a log just made");
         }
         replayed.log = studio.log[..cut].to_vec();
-        // As from a checkpoint, which replays nothing.
+        // Restored as from a checkpoint, which replays nothing.
         if is_restored {
             let past = replayed.session.session_history();
             replayed.session = Session::restore(replayed.session.document().clone(), cut as u64, &past);
             prop_assert_eq!(replayed.session.session_history(), past);
         }
-        // What comes after a restart is the same too: histories and numbers were rebuilt.
+        // Later requests give the same results too: histories and numbers were rebuilt.
         for record in &studio.log[cut..] {
             let request = match record.action.clone() {
                 edit::Action::Edit { command, .. } | edit::Action::Gesture { command, .. } => {

@@ -1,4 +1,4 @@
-//! Logs that were changed by hand are refused, and the record is named.
+//! Replay refuses logs that were changed by hand and names the record.
 
 use document::{AssetHash, Change, Command, EditError};
 use edit::{Action, EditRefusal, EditRequest, Record, ReplayError, Session, UndoScope};
@@ -28,7 +28,7 @@ fn replayed(log: &[Record]) -> Result<Session, ReplayError> {
     Ok(session)
 }
 
-/// Replays the log with a fault in it.
+/// Replays the log with a fault and returns the error.
 fn with(fault: impl Fn(&mut Vec<Record>)) -> ReplayError {
     let mut log = log();
     replayed(&log).expect("without the fault");
@@ -61,7 +61,7 @@ fn values_that_do_not_follow_are_refused() {
     conflict(with(|log| log[2].changes = parameter(31.0, 40.0)), 3);
     conflict(with(|log| log[1].changes = parameter(25.0, 31.0)), 3);
     conflict(with(|log| log[1].changes.clear()), 3);
-    // Two records that change places with their sequences: each starts from what the other leaves.
+    // Two records that are swapped with their sequences: each starts from the values that the other leaves.
     conflict(
         with(|log| {
             log.swap(1, 2);
@@ -87,7 +87,7 @@ fn undo_of_what_is_not_in_effect_is_refused() {
     assert_eq!(with(|log| log[7].action = undo(6)), ReplayError::TargetNotInEffect { seq: 8, target: 6 });
 }
 
-/// Replay looks at no scene; the document says which one whoever draws it has to have.
+/// Replay needs no scene. The document names the scene that a renderer needs.
 ///
 /// Rules: LOG-3, CMD-6
 #[test]

@@ -1,4 +1,4 @@
-//! A session with a light, and three people who edit it.
+//! Session with a light, and three people who edit it.
 
 use std::sync::Arc;
 
@@ -8,30 +8,30 @@ use glam::DVec3;
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, NAME, POSITION, RADIUS};
 use light::{CheckedLight, Light, LightId};
 
-/// Scenes that can be loaded: one with a light, one with nothing.
+/// Scenes that can be loaded: one with a light, one empty.
 pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
-/// The light of [`TestSession::new`].
+/// Light of [`TestSession::new`].
 pub const KEY: LightId = LightId(1);
 
-/// What the scenes above bring.
+/// Contents of the scenes above.
 fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     let lights = if asset == SCENES[0] { vec![bent_light()] } else { Vec::new() };
     SCENES.contains(&asset).then_some(SceneContents { lights, cameras: Vec::new() })
 }
 
-/// Four control points, two units apart, nearly straight.
+/// BendyLight with four control points, two units apart, nearly straight.
 pub fn bent_light() -> Arc<CheckedLight> {
     let points = (0..4).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, -2.0 * f64::from(i))).collect();
     let light = Light::bendy(points, vec![0.1, 0.4, 0.6, 0.8]).with(NAME, "key".into());
     Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
-/// One of the people: `"ada"`, `"ben"` or `"cyd"`.
+/// Actor with the id `"ada"`, `"ben"` or `"cyd"`.
 pub fn actor(id: &str) -> Actor {
     Actor { id: id.into(), name: id.to_uppercase() }
 }
 
-/// A session under way, with all its records.
+/// Session in progress, with all its records.
 #[derive(Clone, Default)]
 pub struct TestSession {
     pub session: Session,
@@ -39,14 +39,14 @@ pub struct TestSession {
 }
 
 impl TestSession {
-    /// With a light that nobody of the three has added.
+    /// Session with a light that another actor than these three has added.
     pub fn new() -> Self {
         let mut studio = Self::default();
         studio.edit("rig", Command::AddLight(bent_light()));
         studio
     }
 
-    /// What comes of a request under a name of its own.
+    /// Result of a request with an operation name of its own.
     pub fn ask(&mut self, who: &str, request: EditRequest) -> Result<Record, EditRefusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
@@ -62,7 +62,7 @@ impl TestSession {
         Ok(record)
     }
 
-    /// The record of a request that must be carried out, and whether it was rebased.
+    /// Record of a request that must succeed, and true if it was rebased.
     pub fn committed(&mut self, who: &str, request: EditRequest) -> (Record, bool) {
         let record = self.ask(who, request).expect("a valid request");
         let rebased = record.action.rebased();
@@ -126,7 +126,7 @@ pub fn insert(point: usize) -> Command {
     Command::InsertPoint { light: KEY, point, position: None, radius: None, color: None, intensity: None }
 }
 
-/// As [`EditRequest::Edit`], from what the sender knew at record `base_seq`.
+/// Edit as [`EditRequest::Edit`], by a sender who knew record `base_seq`.
 pub fn based(base_seq: u64, command: Command) -> EditRequest {
     EditRequest::Edit { base_seq: Some(base_seq), command }
 }

@@ -115,7 +115,7 @@ fn a_redo_of_which_nothing_is_left_is_no_step() {
     assert_eq!(refused, EditRefusal::NothingToRedo { passed: Some(gone.into()) });
 }
 
-/// Whoever else touched the light is not blamed; where nobody is found nobody is.
+/// Another actor on the same light is not named. If the actor is not found, nobody is named.
 ///
 /// Rules: UNDO-2
 #[test]
@@ -144,7 +144,7 @@ fn who_changed_it_since_is_the_one_who_did() {
     assert!(why(&studio).ends_with("CYD has removed “key” since"), "{}", why(&studio));
 }
 
-/// A command that changes nothing is a record all the same, and undo takes what is before it.
+/// A command without an effect is a record all the same. Undo takes the step before it.
 ///
 /// Rules: UNDO-7, CMD-4
 #[test]
@@ -159,7 +159,7 @@ fn a_step_that_changed_nothing_is_passed_over() {
     assert_eq!(refused.to_string(), "there is nothing to undo: the latest steps changed nothing");
 }
 
-/// The search has an end, however many steps have been overtaken.
+/// The search is bounded, however many steps were overridden.
 ///
 /// Rules: UNDO-7
 #[test]
@@ -202,10 +202,10 @@ fn what_would_leave_a_fold_is_skipped() {
     studio.edit("ada", radius(1, 0.05));
     studio.edit("ada", radius(2, 0.05));
     studio.edit("ben", radius(3, 0.05));
-    // A bend that the thin tube can make and the wide one cannot.
+    // A bend that the thin tube can have and the wide one cannot.
     studio.edit("ben", position(2, 1.2, -2.0));
     let before = studio.hash();
-    // Of her two steps the later one would leave the fold, and so would the other one then.
+    // Of her two steps the later one would leave the fold, and then so would the earlier one.
     let refused = studio.ask("ada", EditRequest::Undo(UndoScope::Mine)).expect_err("a fold");
     let why = refused.to_string();
     let stays = "there is nothing to undo: the radius of control point 2 of “key” cannot go back: ";
@@ -301,8 +301,8 @@ fn a_scripts_batch_takes_nobody_elses_steps() {
     assert_eq!(undone.count(), MAX_UNDO_DEPTH, "its own first step is past the limit");
 }
 
-/// Nine times the history, and no undo takes longer for it. A history that was copied for each undo took 16 times as
-/// long, so that the bound of 4 leaves as much on either side.
+/// With a history nine times as long no undo takes longer. If each undo copied the history, it took 16 times as long,
+/// so the bound of 4 leaves the same factor on either side.
 ///
 /// Rules: UNDO-1
 #[test]
@@ -314,14 +314,14 @@ fn an_undo_costs_no_more_with_a_long_history() {
         }
         let started = Instant::now();
         for _ in 0..500 {
-            // As a server does, which keeps the session before each request.
+            // A server keeps the session before each request, too.
             let before = studio.session.clone();
             studio.undo("ada");
             drop(before);
         }
         started.elapsed().as_secs_f64()
     };
-    // The best of three of each, one after the other: what else the machine does lengthens either.
+    // Best of three of each, in turns: other load on the machine lengthens either.
     let best = |depth| (0..3).map(|_| seconds_of_undos(depth)).fold(f64::INFINITY, f64::min);
     let (short, long) = (best(1_000), best(9_000));
     assert!(long < 4.0 * short, "{short} s with 1,000 steps, {long} s with 9,000");

@@ -1,12 +1,12 @@
-//! The colour of a temperature.
+//! Colour of a black body.
 
 use glam::DVec3;
 
-/// Kelvins from one knot to the next, the first of which is at 1000.
+/// Kelvins between knots. The first knot is at 1000.
 const STEP: f64 = 500.0;
 
-/// Linear Rec. 709 of a black body every [`STEP`] kelvins from 1000 to 10000, its largest channel 1: the numbers that
-/// UsdLux states, computed from the CIE 1931 observer.
+/// Linear Rec. 709 colour of a black body every [`STEP`] kelvins from 1000 to 10000, with a largest channel of 1: the
+/// numbers that UsdLux states, computed from the CIE 1931 observer.
 const KNOTS: [[f64; 3]; 19] = [
     [1.0, 0.027_490, 0.0],
     [1.0, 0.149_664, 0.0],
@@ -29,20 +29,20 @@ const KNOTS: [[f64; 3]; 19] = [
     [0.609_681, 0.695_588, 1.0],
 ];
 
-/// Rec. 709's luminance of linear RGB.
+/// Rec. 709 luminance of linear RGB.
 const LUMINANCE: DVec3 = DVec3::new(0.2126, 0.7152, 0.0722);
 
-/// Linear RGB of a black body at `kelvin`, as bright as white (luminance 1): UsdLux's fit, a Catmull-Rom spline through
-/// knots every 500 K. Held at its ends below 1000 K and above 10000 K. At 6500 K it is not quite white, which is daylight's
-/// colour there and not a black body's.
+/// Computes the linear RGB of a black body at `kelvin`, with luminance 1, as white has: UsdLux's fit, a Catmull-Rom
+/// spline through knots every 500 K. It is constant below 1000 K and above 10000 K. At 6500 K it is not quite white:
+/// white is daylight's colour there, not a black body's.
 ///
-/// Near 1300 K the spline's blue falls below zero and counts as 0, after the luminance is taken.
+/// Near 1300 K the spline's blue is negative and counts as 0, after the luminance is taken.
 pub fn blackbody(kelvin: f64) -> DVec3 {
     let last = KNOTS.len() - 1;
     let x = ((kelvin - 1000.0) / STEP).clamp(0.0, last as f64);
     let segment = (x as usize).min(last - 1);
     let u = x - segment as f64;
-    // The knots at the ends count twice.
+    // The end knots are doubled.
     let knot = |index: usize| DVec3::from_array(KNOTS[index.saturating_sub(1).min(last)]);
     let [k0, k1, k2, k3] = [0, 1, 2, 3].map(|k| knot(segment + k));
     let cubic = (3.0 * (k1 - k2) + k3 - k0) * 0.5;

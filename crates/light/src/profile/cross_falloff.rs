@@ -1,42 +1,41 @@
-//! How light falls off from its axis to its edge.
+//! Falloff from a light's axis to its edge.
 
 use crate::lanes::Lanes;
 use crate::parameters::{CONE_ANGLE, CONE_SOFTNESS, PROFILE, PROFILE_POWER};
 use crate::{Light, ProfileCurve};
 
-/// The profile over `rho = |(v, w)|`: 1 inside, then by its curve to 0 at the light's edge.
+/// Profile over `rho = |(v, w)|`: 1 inside, then along a curve to 0 at the light's edge.
 ///
-/// `rho` stands for the angle `theta = atan(rho tan coneAngle)` of a spotlight. With `inner = outer (1 - coneSoftness)` and
-/// `s = (cos theta - cos outer) / (cos inner - cos outer)`, held to 0 and 1, it is
+/// `rho` stands for the angle `theta = atan(rho tan coneAngle)` of a spotlight. With `inner = outer (1 - coneSoftness)`
+/// and `s = (cos theta - cos outer) / (cos inner - cos outer)`, clamped to 0 and 1, the profile is
 /// - [`ProfileCurve::Smooth`]: the S-curve `s^2 (3 - 2 s)`;
 /// - [`ProfileCurve::Power`]: `s^profilePower` (Real-Time Rendering, eq. 7.18);
 /// - [`ProfileCurve::Linear`]: linear in `rho` from the inner angle's to 1;
 /// - [`ProfileCurve::Cosine`]: `cos(theta)^profilePower`, cut at the edge (eq. 7.17), whatever the softness.
 ///
-/// Computed from `1 - cos`, which does not cancel in a narrow cone, as shares of its value at the edge, which no
-/// cone is too narrow for: with `x = tan^2 theta` and `h = sqrt(1 + x)`, `1 - cos theta = x / (h (1 + h))`. GPUs do inverse
-/// trigonometry badly, and none is needed.
+/// It is computed from `1 - cos` as a share of its value at the edge. `1 - cos` does not cancel in a narrow cone, and
+/// the share works for the narrowest. With `x = tan^2 theta` and `h = sqrt(1 + x)`, `1 - cos theta = x / (h (1 + h))`.
+/// No inverse trigonometry is needed, which is inaccurate on GPUs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CrossFalloff {
-    /// By which of them it falls.
     pub curve: ProfileCurve,
-    /// The exponent of those that have one.
+    /// Exponent of the curves that have one.
     pub power: f64,
-    /// `tan^2 coneAngle`.
     pub tan2_outer: f64,
     /// `h (1 + h)` at the edge.
     pub edge: f64,
-    /// 1 over what `1 - s` rises by from the inner angle to the edge, as a share of its value at the edge: `1 - cos` of
-    /// most curves, `rho` of the linear one. 0 where the angles are equal, which makes the profile a step.
+    /// 1 over the increase of `1 - s` from the inner angle to the edge, as a share of its value at the edge: of
+    /// `1 - cos` for most curves, of `rho` for the linear one. 0 if the angles are equal, which makes the profile a
+    /// step.
     pub inverse_span: f64,
 }
 
 impl CrossFalloff {
-    /// The same everywhere: of lights that have no edge.
+    /// Constant profile of lights without an edge.
     pub const FLAT: Self =
         Self { curve: ProfileCurve::Smooth, power: 1.0, tan2_outer: 0.0, edge: 2.0, inverse_span: 0.0 };
 
-    /// The profile of a checked light that has a cone.
+    /// Profile of a checked light with a cone.
     pub fn of(light: &Light) -> Self {
         let curve = light.get(PROFILE);
         let outer = light.get(CONE_ANGLE).to_radians();
@@ -76,7 +75,7 @@ impl CrossFalloff {
     }
 }
 
-/// `h (1 + h)`, `h = sqrt(1 + tan^2)` the secant.
+/// Computes `h (1 + h)` with the secant `h = sqrt(1 + tan^2)`.
 #[inline(always)]
 fn secants<F: Lanes>(tan2: F) -> F {
     let h = (F::of(1.0) + tan2).sqrt();

@@ -1,30 +1,30 @@
-//! How far out a light reaches around its axis.
+//! Radius of a light's edge around its axis.
 
 use super::own_value;
 use crate::lanes::Lanes;
 use crate::parameters::RADIAL_FALLOFF;
 use crate::{Light, LinearPiece};
 
-/// The share of its way out at which a light has its edge, over the angle around its axis.
+/// Radius of a light's edge over the angle around its axis, as a share of the full radius.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeOutline {
-    /// In order, from before 0 degrees to after 360; none for an edge that is the same all around.
+    /// Pieces in order, from before 0 degrees to after 360; empty if the edge is the same all around.
     pub pieces: Vec<LinearPiece>,
 }
 
 impl EdgeOutline {
-    /// That of a checked light.
+    /// Outline of a checked light.
     pub fn of(light: &Light) -> Self {
         let falloff = own_value(light, RADIAL_FALLOFF).flatten();
         Self { pieces: falloff.map_or_else(Vec::new, |falloff| falloff.pieces()) }
     }
 
-    /// Whether it is 1 all around.
+    /// Returns true if the share is 1 all around.
     pub fn is_uniform(&self) -> bool {
         self.pieces.is_empty()
     }
 
-    /// The share at a place across the light.
+    /// Share in the direction of (v, w).
     #[inline(always)]
     pub fn share<F: Lanes>(&self, v: F, w: F) -> F {
         let (zero, one) = (F::of(0.0), F::of(1.0));
@@ -33,7 +33,7 @@ impl EdgeOutline {
         }
         let degrees = angle_around(v, w);
         let mut share = one;
-        // The last piece that begins before it counts.
+        // The last piece that begins before the angle applies.
         for piece in &self.pieces {
             let [from, to] = piece.values.map(F::of);
             let past = (degrees - F::of(piece.start_degrees)) * F::of(piece.inverse_length);
@@ -44,7 +44,7 @@ impl EdgeOutline {
     }
 }
 
-/// Degrees from V, the left as seen along the light, towards W, its top: 0 to 360.
+/// Angle in degrees from V, the left as seen along the light, towards W, its top: 0 to 360.
 #[inline(always)]
 fn angle_around<F: Lanes>(v: F, w: F) -> F {
     let degrees = w.atan2(v) * F::of(180.0 / std::f64::consts::PI);

@@ -1,5 +1,5 @@
-//! What becomes of light on its way (light model, section 6): functions of the place alone, for lights of every
-//! shape.
+//! Falloff and shadow of light (light model, section 6). They depend on light coordinates alone, so one module serves
+//! lights of every shape.
 
 mod blackbody;
 mod cross_falloff;
@@ -24,38 +24,38 @@ pub use distance_ramps::DistanceRamps;
 pub use edge_outline::EdgeOutline;
 pub use section_outline::SectionOutline;
 
-/// How bright a light is as a whole, how it falls off across and along it, and what its shadows look like.
+/// Brightness of a light as a whole, falloff across and along it, and look of its shadows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightProfile {
-    /// Factor of all that it emits, linear RGB: `color intensity 2^exposure` times the colour of its temperature, or 0 where
-    /// the light is off.
+    /// Factor of all emitted light, linear RGB: `color intensity 2^exposure` times the colour of its temperature, or 0
+    /// if the light is off.
     pub tint: DVec3,
-    /// Factor of what surfaces scatter of it.
+    /// Factor of diffuse reflection.
     pub diffuse: f64,
-    /// Factor of what surfaces mirror of it.
+    /// Factor of specular reflection.
     pub specular: f64,
-    /// Whether anything shadows it.
+    /// True if the light casts shadows.
     pub shadow_enable: bool,
-    /// Share of it that reaches what is in its shadow, linear RGB.
+    /// Share of the light that arrives in its shadow, linear RGB.
     pub shadow_color: DVec3,
-    /// Across the light.
+    /// Falloff across the light.
     pub profile: CrossFalloff,
-    /// What its cross-section looks like.
+    /// Outline of the cross-section.
     pub section: SectionOutline,
-    /// How far out it reaches around its axis.
+    /// Outline of the edge around the axis.
     pub radial: EdgeOutline,
-    /// Along it.
+    /// Falloff along the light.
     pub decay: Decay,
-    /// Where along it light begins and ends.
+    /// Distances at which the light begins and ends.
     pub distance_ramps: DistanceRamps,
-    /// Light falls off no further nearer to its source, in world units: the source itself would be infinitely
-    /// bright.
+    /// Distance from the source, in world units, below which decay does not increase irradiance further: the source
+    /// itself would be infinitely bright.
     pub min_distance: f64,
 }
 
 impl LightProfile {
-    /// What a checked light does to what it emits. It falls off no further than at `min_distance` from its source, in
-    /// world units, wherever its decay starts.
+    /// Profile of a checked light. Its minimum distance is `least_distance`, in world units, or the light's decay start
+    /// if that is larger.
     pub fn of(light: &Light, least_distance: f64) -> Self {
         Self {
             tint: tint(light),
@@ -77,42 +77,42 @@ impl LightProfile {
         .with_min_distance(light, least_distance)
     }
 
-    /// The same where it falls off no further than at `min_distance`, or where the light's decay starts.
+    /// Sets the minimum distance to `least_distance` or the light's decay start, the larger one.
     #[must_use]
     pub fn with_min_distance(mut self, light: &Light, least_distance: f64) -> Self {
         self.min_distance = own_value(light, DECAY_START).unwrap_or(0.0).max(least_distance);
         self
     }
 
-    /// Factors of all that reaches the eye by the light, linear RGB: of what surfaces scatter, and of what they mirror.
+    /// Factors of all the light's radiance towards the eye, linear RGB, of the diffuse and the specular lobe.
     pub fn lobe_weights(&self) -> [DVec3; 2] {
         [self.tint * self.diffuse, self.tint * self.specular]
     }
 
-    /// Whether no picture can show the light.
+    /// Returns true if no picture can show the light.
     pub fn is_dark(&self) -> bool {
         self.tint == DVec3::ZERO || (self.diffuse, self.specular) == (0.0, 0.0)
     }
 
-    /// Whether it matters how far light has come.
+    /// Returns true if irradiance depends on the path length.
     pub fn needs_distance(&self) -> bool {
         self.decay != Decay::None || self.distance_ramps != DistanceRamps::NONE
     }
 
-    /// The share of the light that arrives where `sight` of it is not in the way of anything, 0 to 1.
+    /// Share of the light that arrives at a visibility from 0 to 1, linear RGB.
     pub fn arriving(&self, visibility: f64) -> DVec3 {
         self.shadow_color.lerp(DVec3::ONE, visibility)
     }
 }
 
-/// Irradiance on a surface square to the light, linear RGB, without visibility: `emission tint profile(rho) cut(s)
-/// decay(s)`, `rho` being where the place lies in the cross-section.
+/// Computes the irradiance on a surface perpendicular to the light, linear RGB, without visibility:
+/// `emission tint profile(rho) cut(s) decay(s)`. `rho` follows from the position in the cross-section.
 pub fn irradiance(filter: &LightProfile, emission: DVec3, place: &LightCoords) -> DVec3 {
     emission * filter.tint * filter.attenuation_at(place.v, place.w, place.s)
 }
 
 impl LightProfile {
-    /// What is left of light at (v, w) after a way of length `s` in world units.
+    /// Share of the light that remains at (v, w) after a path of length `s` in world units.
     #[inline(always)]
     pub fn attenuation_at<F: Lanes>(&self, v: F, w: F, s: F) -> F {
         let along = self.distance_ramps.at(s) * self.decay.at(s.most(F::of(self.min_distance)));
@@ -120,7 +120,7 @@ impl LightProfile {
     }
 }
 
-/// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+/// Factor of the position across the light. Light outside an outline is cut if the light does not end there by itself.
 #[inline(always)]
 fn across<F: Lanes>(filter: &LightProfile, v: F, w: F) -> F {
     let share = filter.radial.share(v, w);
@@ -140,7 +140,7 @@ fn tint(light: &Light) -> DVec3 {
     emission::<f64>(color, light.get(INTENSITY)) * libm::exp2(light.get(EXPOSURE))
 }
 
-/// The value of a parameter; `None` where lights of that shape have none.
+/// Value of a parameter; `None` if lights of that shape do not have it.
 fn own_value<T: ValueType>(light: &Light, key: ParameterKey<T>) -> Option<T> {
     light.value(&key).and_then(T::from_value)
 }

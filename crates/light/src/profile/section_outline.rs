@@ -1,27 +1,26 @@
-//! What a light's cross-section looks like.
+//! Outline of a light's cross-section.
 
 use super::own_value;
 use crate::lanes::{Lanes, choose};
 use crate::parameters::{CROSS_SECTION, SECTION_HEIGHT, SECTION_ROUNDNESS, SECTION_WIDTH};
 use crate::{CrossSection, Light};
 
-/// The outline across a light, in radii: how far out a place lies as a share of the way to it.
+/// Outline across a light, in radii.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SectionOutline {
-    /// The circle of radius 1.
+    /// Circle of radius 1.
     Circle,
-    /// The superellipse `(|v| / a)^p + (|w| / b)^p = 1` (Barzel), which lies in that circle: what would reach past it is
-    /// made smaller as a whole, so that a tube that does not fold stays one that does not.
+    /// Superellipse `(|v| / a)^p + (|w| / b)^p = 1` (Barzel) inside that circle. A larger one is scaled down as a
+    /// whole, so that a tube that does not fold still does not fold.
     Superellipse {
-        /// `1 / a` and `1 / b`.
         scale: [f64; 2],
-        /// `p`, 2 or more; infinite for a rectangle.
+        /// Exponent `p`, 2 or more; infinite for a rectangle.
         power: f64,
     },
 }
 
 impl SectionOutline {
-    /// The outline of a checked light.
+    /// Outline of a checked light.
     pub fn of(light: &Light) -> Self {
         match own_value(light, CROSS_SECTION) {
             None | Some(CrossSection::Circle) => Self::Circle,
@@ -34,12 +33,12 @@ impl SectionOutline {
         }
     }
 
-    /// The square of how far out a place lies, 1 on the outline.
+    /// Square of the distance from the axis, as a share of the distance to the outline: 1 on the outline.
     #[inline(always)]
     pub fn rho2<F: Lanes>(&self, v: F, w: F) -> F {
         let Self::Superellipse { scale, power } = *self else { return v * v + w * w };
         let (x, y) = (v.abs() * F::of(scale[0]), w.abs() * F::of(scale[1]));
-        // The larger apart, so that no power leaves the range of numbers.
+        // The larger one is factored out, so that no power overflows.
         let (most, least) = (x.most(y), x.least(y));
         let share = choose!(F, most.gt(F::of(0.0)), least / most, F::of(0.0));
         let rho = most * (F::of(1.0) + share.pow(power)).pow(power.recip());
@@ -47,8 +46,9 @@ impl SectionOutline {
     }
 }
 
-/// How far from its middle the superellipse with those half extents reaches: the greatest of `|a^2 X + b^2 Y|` over
-/// `X^(p/2) + Y^(p/2) = 1`, which Hölder's inequality has as the norm of `(a^2, b^2)` with the exponent `q = p / (p - 2)`.
+/// Maximum distance of the superellipse with those half extents from its centre: the greatest of `|a^2 X + b^2 Y|` over
+/// `X^(p/2) + Y^(p/2) = 1`, which by Hölder's inequality is the norm of `(a^2, b^2)` with the exponent
+/// `q = p / (p - 2)`.
 fn max_extent([a, b]: [f64; 2], power: f64) -> f64 {
     let q = if power.is_infinite() { 1.0 } else { power / (power - 2.0) };
     let (most, least) = (a.max(b), a.min(b));

@@ -1,4 +1,4 @@
-//! Straight rays from a point: a spotlight.
+//! Spotlights: straight rays from a point.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -7,23 +7,22 @@ use crate::parameters::{CONE_ANGLE, RANGE};
 use crate::profile::{LightProfile, irradiance};
 use crate::{Light, LightCoords, LightError};
 
-/// A checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
+/// Checked spotlight, prepared for evaluation (light model, section 6). It shines along its -z.
 #[derive(Clone, Debug)]
 pub struct Cone {
     /// World position of the source.
     pub translation: DVec3,
-    /// World axes from the light's.
+    /// Rotation from light axes to world axes.
     pub rotation: DMat3,
     /// Tangent of the half angle.
     pub tan_outer: f64,
-    /// Axial distance at which the light ends, in world units; `None` never.
+    /// Axial distance at which the light ends, in world units; `None` for no end.
     pub range: Option<f64>,
-    /// What follows from the place.
     pub light_profile: LightProfile,
 }
 
 impl Cone {
-    /// Checks a spotlight and prepares it.
+    /// Checks and prepares a spotlight.
     pub fn new(light: &Light) -> Result<Self, LightError> {
         check_values(light)?;
         let transform = light.transform();
@@ -36,7 +35,7 @@ impl Cone {
         })
     }
 
-    /// Where a point lies, given from the source in world axes; `None` outside the cone.
+    /// Locates a point, given from the source in world axes; `None` outside the cone.
     pub fn locate(&self, from_source: DVec3) -> Option<LightCoords> {
         let position = self.rotation.transpose() * from_source;
         let (depth, s) = (-position.z, position.length());
@@ -45,13 +44,13 @@ impl Cone {
         if !(depth > 0.0 && slope.length() <= self.tan_outer && in_range) {
             return None;
         }
-        // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+        // Axes as of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
         let DVec2 { x: v, y: w } = DVec2::new(-slope.x, slope.y) / self.tan_outer;
         let t = self.range.map_or(0.0, |range| depth / range);
         Some(LightCoords { t, v, w, s, direction: self.rotation * (-position / s) })
     }
 
-    /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
+    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }

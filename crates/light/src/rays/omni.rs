@@ -1,4 +1,4 @@
-//! Straight rays from a point to all sides: an omni light.
+//! Omni lights: straight rays from a point to all sides.
 
 use glam::{DMat3, DVec3};
 
@@ -7,21 +7,20 @@ use crate::parameters::RANGE;
 use crate::profile::{LightProfile, irradiance};
 use crate::{Light, LightCoords, LightError};
 
-/// A checked omni light, prepared for evaluation.
+/// Checked omni light, prepared for evaluation.
 #[derive(Clone, Debug)]
 pub struct Omni {
     /// World position of the source.
     pub translation: DVec3,
-    /// World axes from the light's.
+    /// Rotation from light axes to world axes.
     pub rotation: DMat3,
-    /// Distance at which the light ends, in world units; `None` never.
+    /// Distance at which the light ends, in world units; `None` for no end.
     pub range: Option<f64>,
-    /// What follows from the place.
     pub light_profile: LightProfile,
 }
 
 impl Omni {
-    /// Checks an omni light and prepares it.
+    /// Checks and prepares an omni light.
     pub fn new(light: &Light) -> Result<Self, LightError> {
         check_values(light)?;
         let transform = light.transform();
@@ -33,7 +32,7 @@ impl Omni {
         })
     }
 
-    /// Where a point lies, given from the source in world axes; `None` past the range, and at the source itself.
+    /// Locates a point, given from the source in world axes; `None` past the range, and at the source itself.
     pub fn locate(&self, from_source: DVec3) -> Option<LightCoords> {
         let s = from_source.length();
         if !(s > 0.0 && self.range.is_none_or(|range| s <= range)) {
@@ -44,15 +43,15 @@ impl Omni {
         Some(LightCoords { t, v, w, s, direction: -from_source / s })
     }
 
-    /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
+    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }
 }
 
-/// Where the ray along `way`, not 0, meets the face of a cube from -1 to 1: how far to the left and how far up on it, seen
-/// from within. On the four faces around the light up is its +y; on those above and below, what lies ahead, at -z, is
-/// down and up.
+/// Intersects the ray along the nonzero vector `way` with a cube from -1 to 1. Returns the coordinates on the face, to
+/// the left and upwards, seen from within. On the four faces around the light up is its +y. Ahead, at -z, is down on
+/// the face above and up on the face below.
 pub fn on_cube(way: DVec3) -> [f64; 2] {
     let DVec3 { x, y, z } = way;
     let size = way.abs();

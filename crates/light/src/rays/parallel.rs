@@ -1,4 +1,4 @@
-//! Parallel rays from infinitely far away: a directional light.
+//! Directional lights: parallel rays from infinitely far away.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -7,22 +7,21 @@ use crate::parameters::{HEIGHT, WIDTH};
 use crate::profile::{LightProfile, irradiance};
 use crate::{Light, LightCoords, LightError};
 
-/// A checked directional light, prepared for evaluation. It shines along its -z, through its window where it has one: a
-/// rectangle about its axis, as long as the scene.
+/// Checked directional light, prepared for evaluation. It shines along its -z. A window, if it has one, is a rectangle
+/// about its axis and limits the light across it.
 #[derive(Clone, Debug)]
 pub struct Parallel {
-    /// World position of the window's middle.
+    /// World position of the window's centre.
     pub translation: DVec3,
-    /// World axes from the light's.
+    /// Rotation from light axes to world axes.
     pub rotation: DMat3,
-    /// Half the window's width along x and its height along y, in world units; `None` without end.
+    /// Half the window's width along x and its height along y, in world units; `None` if unbounded.
     pub half_size: [Option<f64>; 2],
-    /// What follows from the place.
     pub light_profile: LightProfile,
 }
 
 impl Parallel {
-    /// Checks a directional light and prepares it.
+    /// Checks and prepares a directional light.
     pub fn new(light: &Light) -> Result<Self, LightError> {
         check_values(light)?;
         let transform = light.transform();
@@ -34,12 +33,12 @@ impl Parallel {
         })
     }
 
-    /// Unit vector in world space to where all of its light comes from.
+    /// Unit vector in world space towards the arriving light.
     pub fn direction(&self) -> DVec3 {
         self.rotation.z_axis
     }
 
-    /// How far a world position lies from the window's middle, along x and y of those sides that the window has.
+    /// Offset of a world position from the window's centre along x and y; 0 along an unbounded side.
     pub fn offset_in_window(&self, position: DVec3) -> DVec2 {
         let way = position - self.translation;
         let along = |axis: DVec3, half: Option<f64>| half.map_or(0.0, |_| axis.dot(way));
@@ -47,17 +46,17 @@ impl Parallel {
         DVec2::new(along(self.rotation.x_axis, width), along(self.rotation.y_axis, height))
     }
 
-    /// Where a world position lies; `None` outside the window. A place along the light and a path's length have no
-    /// meaning: both are 0.
+    /// Locates a world position; `None` outside the window. A coordinate along the light and a path length do not
+    /// exist: both are 0.
     pub fn locate(&self, position: DVec3) -> Option<LightCoords> {
         let beside = self.offset_in_window(position);
         let [x, y] = [0, 1].map(|k| self.half_size[k].map_or(0.0, |half| beside[k] / half));
-        // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+        // Axes as of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
         let place = LightCoords { t: 0.0, v: -x, w: y, s: 0.0, direction: self.direction() };
         (x.abs() <= 1.0 && y.abs() <= 1.0).then_some(place)
     }
 
-    /// Irradiance at a place on a surface square to the light, linear RGB, without visibility.
+    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }

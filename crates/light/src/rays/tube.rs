@@ -1,4 +1,4 @@
-//! The evaluated light: where a point lies in it and where its light comes from.
+//! BendyLights: rays along curves of constant (v, w) in a tube.
 
 use glam::DVec3;
 
@@ -12,32 +12,32 @@ use crate::profile::{LightProfile, irradiance};
 use crate::solve::{Roots, increasing_roots};
 use crate::{ControlPoint, DirectionMode, EndMode, FrameMode, Light, LightCoords, LightError, Real, Segment};
 
-/// A checked BendyLight, prepared for evaluation in `F` (light model, sections 1 to 6).
+/// Checked BendyLight, prepared for evaluation in `F` (light model, sections 1 to 6).
 ///
 /// Everything is prepared in f64 and, for `f32`, rounded once. Geometry is in tube space, see [`Placement`].
 ///
-/// Accuracy: for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 L`, `L = |d0| + |d1|`, the parameter of a point
-/// at offset `r` is within `16 eps cond`, `cond = (|r| + L) / (|P'| (1 - kappa r.N))`, `eps` 2^-52 or 2^-24;
+/// Accuracy: for tubes with `R kappa <= 0.9` and `|P'| >= 0.1 L`, `L = |d0| + |d1|`, the error of the parameter of a
+/// point at offset `r` is at most `16 eps cond`, `cond = (|r| + L) / (|P'| (1 - kappa r.N))`, `eps` 2^-52 or 2^-24,
 /// times `1 + |world offset| / size` for world positions.
 #[derive(Clone, Debug)]
 pub struct Tube<F: Lanes> {
-    /// The segments; with [`EndMode::Extend`] one more, whose parameter has no end.
+    /// Segments. With [`EndMode::Extend`] there is one more, whose parameter has no end.
     pub segments: Vec<Segment<F>>,
-    /// Number of quadratic segments `n`: `t` runs from 0 to `n`, or on where the light is extended.
+    /// Number of quadratic segments `n`: `t` runs from 0 to `n`, or further if the light is extended.
     pub n: usize,
-    /// Tube space in the world.
+    /// Position of tube space in the world.
     pub placement: Placement,
     /// Orientation of the cross-section.
     pub frame: FrameMode,
-    /// Unit vector that orients it where `frame` is [`FrameMode::Up`].
+    /// Unit vector of the light's `up`, used if `frame` is [`FrameMode::Up`].
     pub up: F::Vec3,
-    /// Direction of arrival.
+    /// Mode of the direction of arrival.
     pub direction: DirectionMode,
-    /// What follows from the place. Its least distance is a millionth of the light's length.
+    /// Profile. Its minimum distance is a millionth of the light's length.
     pub light_profile: LightProfile,
 }
 
-/// One way to reach a point from the curve, inside the tube. Lengths in tube space.
+/// Root of a point inside the tube: a parameter whose cross-section contains the point. Lengths are in tube space.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeRoot<F: Lanes> {
     /// Index of the segment; `n` on the extension.
@@ -46,26 +46,22 @@ pub struct TubeRoot<F: Lanes> {
     pub u: F,
     /// `q - P(u)`.
     pub r: F::Vec3,
-    /// `r . v_hat`; never divided by the radius here, which may be zero.
+    /// `r . v_hat`, not divided by the radius, which may be zero.
     pub v_len: F,
     /// `r . w_hat`.
     pub w_len: F,
-    /// Radius of the tube at `u`.
     pub radius: F,
-    /// `v_hat` at `u`.
     pub v_hat: F::Vec3,
-    /// `u_hat` at `u`.
     pub u_hat: F::Vec3,
 }
 
 impl<F: Real> TubeRoot<F> {
-    /// Global parameter `segment + u`.
     pub fn t(&self) -> f64 {
         self.segment as f64 + self.u.f64()
     }
 }
 
-/// A root that lies in the tube, before its frame is known: what a search for the nearest compares.
+/// Root inside the tube, before its frame is computed. A search for the nearest root compares these.
 #[derive(Clone, Copy, Debug)]
 pub struct RootInTube<F: Lanes> {
     /// Index of the segment; `n` on the extension.
@@ -76,11 +72,10 @@ pub struct RootInTube<F: Lanes> {
     pub r: F::Vec3,
     /// `|r|^2`.
     pub r2: F,
-    /// Radius of the tube at `u`.
     pub radius: F,
 }
 
-/// Where a point lies in a light.
+/// Tube coordinates of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TubePoint {
     /// Index of the quadratic segment; `n` past the end of an extended light.
@@ -95,22 +90,22 @@ pub struct TubePoint {
     pub w: f64,
     /// Radius of the tube there, in world units.
     pub radius: f64,
-    /// Unit vector in world space from the surface to where its light comes from.
+    /// Unit vector in world space from the surface towards the arriving light.
     pub direction: DVec3,
 }
 
-/// The answer for one world position.
+/// Location of a world position in a tube.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TubeLocation {
-    /// The point's place, or `None` outside the light. Where distant parts of a tube overlap, the one with
-    /// the smallest `|r| / R`.
+    /// Tube coordinates; `None` outside the light. If distant parts of the tube overlap, those with the smallest
+    /// `|r| / R`.
     pub point: Option<TubePoint>,
-    /// Every in-tube `t`, ascending; one at a joint counted once.
+    /// Global parameter `t` of every root inside the tube, ascending. A root at a joint counts once.
     pub roots: Vec<f64>,
 }
 
 impl Tube<f64> {
-    /// Checks a light and prepares it; refuses folds, degenerate segments and numbers outside their domain.
+    /// Checks and prepares a light. Folds, degenerate segments and numbers outside their domain are errors.
     pub fn new(light: &Light) -> Result<Self, LightError> {
         let (segments, placement) = build::segments(light)?;
         Ok(Self {
@@ -124,8 +119,8 @@ impl Tube<f64> {
         })
     }
 
-    /// What [`Tube::new`] makes of `light`, which this was made of, with other control points: the same bits, without looking at
-    /// all its other values again.
+    /// Prepares `light`, from which this tube was made, with other control points. The result has the same bits as that
+    /// of [`Tube::new`]. The light's other values are not checked again.
     pub fn with_points(&self, light: &Light, points: &[ControlPoint]) -> Result<Self, LightError> {
         let (segments, placement) =
             build::segments_of_points(points, light.transform(), self.up, light.get(END_MODE))?;
@@ -133,18 +128,18 @@ impl Tube<f64> {
         Ok(Self { segments, n: points.len() - 2, placement, light_profile, ..*self })
     }
 
-    /// The largest `R kappa` of each segment, below 1.
+    /// Largest `R kappa` of each segment, below 1.
     pub fn r_kappa_max(&self) -> Vec<f64> {
         self.segments[..self.n].iter().map(|segment| crate::validity::r_kappa_max(&segment.curve)).collect()
     }
 
-    /// The place of a root.
+    /// Light coordinates of a root.
     pub fn place_at(&self, root: &TubeRoot<f64>) -> LightCoords {
         let TubePoint { t, v, w, direction, .. } = self.tube_point(root);
         LightCoords { t, v, w, s: self.path_length(root), direction }
     }
 
-    /// Irradiance at a root on a surface square to the light, linear RGB, without visibility.
+    /// Irradiance at a root on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, root: &TubeRoot<f64>) -> DVec3 {
         irradiance(&self.light_profile, self.segments[root.segment].emission(root.u), &self.place_at(root))
     }
@@ -165,27 +160,27 @@ impl From<&Tube<f64>> for Tube<f32> {
 }
 
 impl<F: Lanes> Tube<F> {
-    /// Whether the light goes on past its last control point.
+    /// End mode of the light, which follows from the segments.
     pub fn end_mode(&self) -> EndMode {
         if self.segments.len() > self.n { EndMode::Extend } else { EndMode::Cut }
     }
 
-    /// `f` at the start of the first segment.
+    /// Value of `f` at the start of the first segment.
     #[inline(always)]
     pub fn first_joint(&self, q: F::Vec3) -> F {
         let first = &self.segments[0].curve;
         -F::dot(q - first.b0, first.d0)
     }
 
-    /// `f` at the end of segment `i`: one value a joint, shared by the segments that meet there.
+    /// Value of `f` at the end of segment `i`. The two segments at a joint share it.
     #[inline(always)]
     pub fn end_joint(&self, i: usize, q: F::Vec3) -> F {
         let curve = &self.segments[i].curve;
         -F::dot(q - curve.b2, curve.d1)
     }
 
-    /// The parameters to test on segment `i`, whose ends have the values `f0` and `f1`; the extension, `i = n`, has
-    /// one without end.
+    /// Candidate roots on segment `i`, whose ends have the values `f0` and `f1`. On the extension, `i = n`, the
+    /// parameter has no upper limit.
     #[inline(always)]
     pub fn candidates(&self, i: usize, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
         let curve = &self.segments[i].curve;
@@ -201,7 +196,7 @@ impl<F: Lanes> Tube<F> {
         Roots { has_left: roots.has_left & is_near, has_right: roots.has_right & is_near, ..roots }
     }
 
-    /// The root at `u` of segment `i`, and whether it lies in the tube: `|r| <= R`.
+    /// Evaluates the root at `u` of segment `i`. The mask is true if the point lies inside the tube: `|r| <= R`.
     #[inline(always)]
     pub fn inside_at(&self, i: usize, q: F::Vec3, u: F) -> (RootInTube<F>, F::Mask) {
         let curve = &self.segments[i].curve;
@@ -211,7 +206,7 @@ impl<F: Lanes> Tube<F> {
         (RootInTube { segment: i, u, r, r2, radius }, is_inside)
     }
 
-    /// All that is known at a root.
+    /// Computes the frame and the cross-section coordinates of a root.
     #[inline(always)]
     pub fn root_at(&self, inside: &RootInTube<F>) -> TubeRoot<F> {
         let RootInTube { segment, u, r, radius, .. } = *inside;
@@ -221,7 +216,7 @@ impl<F: Lanes> Tube<F> {
         TubeRoot { segment, u, r, v_len: F::dot(r, v_hat), w_len: F::dot(r, w_hat), radius, v_hat, u_hat }
     }
 
-    /// `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.
+    /// Computes `(v_hat, w_hat)` across the unit tangent, in the light's frame mode.
     #[inline(always)]
     pub fn cross_section(&self, curve: &Curve<F>, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
         if self.frame == FrameMode::RotationMinimizing {
@@ -231,14 +226,14 @@ impl<F: Lanes> Tube<F> {
         (F::cross(w_hat, u_hat), w_hat)
     }
 
-    /// Unit direction in tube space from the surface to where its light comes from, in the light's mode (light
+    /// Unit direction in tube space from the surface towards the arriving light, in the light's direction mode (light
     /// model, section 3, times R).
     #[inline(always)]
     pub fn direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
         self.direction_by(self.direction, root)
     }
 
-    /// The same by the tangent of the path, whatever the light's mode: the way that visibility follows.
+    /// Unit direction by the tangent of the light path, whatever the light's mode. Visibility follows this path.
     #[inline(always)]
     pub fn path_direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
         self.direction_by(DirectionMode::Path, root)
@@ -262,7 +257,7 @@ impl<F: Lanes> Tube<F> {
         choose_vec!(F, length.lt(F::DIRECTION_FLOOR), -u_hat, tangent * (F::of(-1.0) / length))
     }
 
-    /// `tau`, the frame's rotation about the tangent per unit of u; zero for the rotation-minimising frame.
+    /// Rotation `tau` of the frame about the tangent per unit of u; zero for the rotation-minimising frame.
     #[inline(always)]
     pub fn twist(&self, root: &TubeRoot<F>, u_hat_derivative: F::Vec3) -> F {
         if self.frame == FrameMode::RotationMinimizing {
@@ -273,7 +268,8 @@ impl<F: Lanes> Tube<F> {
         along * F::dot(u_hat_derivative, root.v_hat) / length
     }
 
-    /// Length of the way to a root, `sqrt(s_c^2 + |r|^2)` in world units with `s_c` the arc length along the curve.
+    /// Length of the light path to a root, `sqrt(s_c^2 + |r|^2)` in world units, with `s_c` the arc length along the
+    /// curve.
     #[inline(always)]
     pub fn path_length(&self, root: &TubeRoot<F>) -> F {
         let segment = &self.segments[root.segment];
@@ -283,8 +279,8 @@ impl<F: Lanes> Tube<F> {
 }
 
 impl<F: Real> Tube<F> {
-    /// Calls `found` with every in-tube root of the tube-space point `q`, in ascending t; one at a joint
-    /// comes once.
+    /// Calls `found` with every root inside the tube of the tube-space point `q`, in ascending t. A root at a joint is
+    /// reported once.
     pub fn for_each_root(&self, q: F::Vec3, mut found: impl FnMut(TubeRoot<F>)) {
         self.for_each_root_in_tube(q, |inside| found(self.root_at(&inside)));
     }
@@ -307,7 +303,7 @@ impl<F: Real> Tube<F> {
         }
     }
 
-    /// The root that counts: the one with the smallest `|r| / R` (light model, section 5).
+    /// Returns the root with the smallest `|r| / R`, which is the one that counts (light model, section 5).
     pub fn nearest_root(&self, q: F::Vec3) -> Option<TubeRoot<F>> {
         self.nearest_inside(q).map(|inside| self.root_at(&inside))
     }
@@ -322,7 +318,7 @@ impl<F: Real> Tube<F> {
         best
     }
 
-    /// Where a world position lies in the light.
+    /// Locates a world position in the light.
     pub fn locate(&self, point_in_world: DVec3) -> TubeLocation {
         let q = F::vec(self.placement.tube_from_world(point_in_world));
         let mut roots = Vec::new();
@@ -330,7 +326,7 @@ impl<F: Real> Tube<F> {
         TubeLocation { point: self.nearest_root(q).map(|root| self.tube_point(&root)), roots }
     }
 
-    /// A root in the terms that people and files use.
+    /// Converts a root to tube coordinates, in radii and world units.
     pub fn tube_point(&self, root: &TubeRoot<F>) -> TubePoint {
         let over_radius = |x: F| if root.radius > F::of(0.0) { (x / root.radius).f64() } else { 0.0 };
         TubePoint {
@@ -345,13 +341,13 @@ impl<F: Real> Tube<F> {
     }
 }
 
-/// Whether `a` has the smaller `|r| / R`; asked without dividing, since R may be zero (then r is zero too).
+/// Returns true if `a` has the smaller `|r| / R`. The test avoids a division, since R may be zero (then r is zero too).
 #[inline(always)]
 fn nearer<F: Lanes>(a: &RootInTube<F>, b: &RootInTube<F>) -> F::Mask {
     (a.r2 * b.radius * b.radius).lt(b.r2 * a.radius * a.radius)
 }
 
-/// How near to the source light falls off no further, in world units.
+/// Minimum distance from the source for decay, in world units.
 fn least_distance(placement: &Placement) -> f64 {
     1e-6 * placement.world_per_tube
 }

@@ -1,10 +1,10 @@
-//! Distance travelled: the quadrature against the closed form.
+//! Path length: the quadrature against the closed form.
 
 use glam::DVec3;
 use light::parameters::{CONE_SOFTNESS, DECAY};
 use light::{Decay, Light, Tube};
 
-/// Arc length of the parabola `(2 d x, x^2)`-like segment by its closed form, valid where it is well bent.
+/// Arc length of the parabola `(2 d x, x^2)`-like segment by its closed form, valid if the segment is well bent.
 fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
     let (aa, da) = (a.dot(a), d0.dot(a));
     // |d|^2 = aa (x^2 + c), x = u + da / aa, c = |d0 x a|^2 / aa^2.
@@ -13,14 +13,14 @@ fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
     aa.sqrt() * (part(u + da / aa) - part(da / aa))
 }
 
-/// The distance behind an inverse-square irradiance on the centre curve.
+/// Path length that follows from an inverse-square irradiance on the centre curve.
 fn distance(tube: &Tube<f64>, u: f64) -> f64 {
     let root = tube.nearest_root(tube.segments[0].curve.position(u)).expect("on the curve");
     (1.0 / tube.irradiance(&root).x).sqrt() / tube.placement.world_per_tube
 }
 
-/// Relative error over all hairpins: the legs are `width` apart, so each turns by `atan(2 / width)`. 5e-10 up
-/// to 60 degrees, 5e-8 up to 75, and nowhere above 5.7e-5, the maximum of the eight-point rule's error over
+/// Relative error over all hairpins. The legs are `width` apart, so each turns by `atan(2 / width)`. The error is 5e-10
+/// up to 60 degrees, 5e-8 up to 75, and nowhere above 5.7e-5, the maximum of the eight-point rule's error over
 /// `sqrt(x^2 + c^2)` on `[0, 1]`.
 #[test]
 fn quadrature_meets_the_closed_form() {

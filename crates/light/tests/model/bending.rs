@@ -12,8 +12,8 @@ use light::{
 
 use crate::support::profile;
 
-/// t is the share of the range, the radius that of the cone, the irradiance the spotlight's, for any number
-/// of segments.
+/// For any number of segments, t is the share of the range, the radius is that of the cone, and the irradiance is the
+/// spotlight's.
 #[test]
 fn equal_to_its_spotlight() {
     let transform = Transform {
@@ -47,7 +47,7 @@ fn equal_to_its_spotlight() {
     }
 }
 
-/// Without a range it goes on for ever, still the same cone.
+/// Without a range the light has no end and stays the same cone.
 #[test]
 fn endless_without_range() {
     let spot = Light::spot().with(CONE_ANGLE, 20.0).with(DECAY, Decay::InverseSquare);
@@ -76,10 +76,8 @@ fn profile_falls_from_one_to_zero() {
     assert_eq!(profile(25.0, 0.0).at(0.999), 1.0);
 }
 
-/// Straightened, a bent spotlight is that spotlight to the last bit; one whose control points have moved shines from its
-/// source to its last control point, as wide there as its tube.
-/// A light without a cone keeps, within the one that it is given, what it was: as bright up to its edge, and a directional
-/// light's window where it is aimed.
+/// Within its new cone a light without a cone keeps its brightness up to the edge, and a directional light keeps its
+/// window at the target.
 #[test]
 fn a_cone_takes_nothing_from_what_lies_in_it() {
     let sun = Light::directional().with(INTENSITY, 3.0).with(WIDTH, Some(1.0)).with(HEIGHT, Some(0.5));
@@ -97,7 +95,7 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
     for (x, y) in [(0.51, 0.0), (0.0, 0.26), (-0.6, 0.6)] {
         assert_eq!(lit(x, y), 0.0, "{x} {y}");
     }
-    // The planted fault: a window that is turned.
+    // Planted fault: a turned window.
     assert_eq!(lit(0.24, 0.49), 0.0);
 
     let bulb = Light::omni().with(INTENSITY, 9.0).with(DECAY, Decay::None);
@@ -115,8 +113,8 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
     }
 }
 
-/// Within its cone a bent omni light shines as it did, whatever its range, its cuts and its decay: ends are spheres, not
-/// planes.
+/// Within its cone a bent omni light has the same irradiance as before, whatever its range, cuts and decay. Its ends
+/// are spheres, not planes.
 #[test]
 fn a_bent_omni_light_ends_where_it_ended() {
     let (source, toward) = (DVec3::new(0.3, -0.7, 2.0), DVec3::new(1.0, 0.4, -1.0));
@@ -156,7 +154,7 @@ fn a_bent_omni_light_ends_where_it_ended() {
         }
         assert!(lit > 100 && dark > 50, "{lit} lit, {dark} dark");
     }
-    // The planted fault: a plane at the range, as a spotlight has.
+    // Planted fault: a plane at the range, as of a spotlight.
     let beyond = source + (DVec3::NEG_Z + DVec3::X * 0.4).normalize() * 3.1;
     let omni = Omni::new(&lights[0]).expect("valid");
     assert!(Tube::new(&planar).expect("valid").locate(beyond).point.is_some());
@@ -166,6 +164,8 @@ fn a_bent_omni_light_ends_where_it_ended() {
     assert_eq!(refused, Err(LightError::RangeInFarEdge { range: 2.5, cut_off: 2.0 }));
 }
 
+/// A bent spotlight is the same spotlight when straightened, to the last bit. If its control points have moved, it
+/// shines from its source to its last control point and has the tube's width there.
 #[test]
 fn straightening_takes_bending_back() {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
@@ -195,20 +195,20 @@ fn straightening_takes_bending_back() {
         // `up` stays up: across the axis, the light's own +Y has no part to its side.
         let up = straight.get(ROTATION) * DVec3::Y;
         assert!((up.dot(rotation * DVec3::Y) > 0.9) && (up.dot(aim).abs() < 1e-14));
-        // The planted fault: the light as it was aimed.
+        // Planted fault: the original direction.
         assert!((aim - rotation * DVec3::NEG_Z).length() > 0.1);
     }
     assert_eq!(straighten(&Light::spot()), Err(LightError::NotBent));
 }
 
-/// The spotlight that a light still is, as the renderer has it.
+/// Spotlight that the renderer draws instead of the light.
 fn equivalent_spotlight(light: &Light) -> Option<Light> {
     let checked = CheckedLight::new(light.clone()).expect("valid");
     checked.equivalent_spotlight().map(|spot| spot.light().clone())
 }
 
-/// A BendyLight whose tube is a cone is the spotlight that it was bent from, however its control points are spread, and
-/// none as soon as anything of it is not that cone's.
+/// A BendyLight whose tube is a cone is the spotlight from which it was bent, however its control points are spread. It
+/// is none as soon as any of its values is not that cone's.
 #[test]
 fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
     let rotation = DQuat::from_xyzw(0.1, 0.7, -0.2, 0.68).normalize();
@@ -240,7 +240,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
         is_bent("with up along it", bent.clone().with(UP, DVec3::Z));
     }
 
-    // Points spread unevenly, along another axis than -Z, all of one colour; extended or cut.
+    // Unevenly spread points, along another axis than -Z, all of one colour; extended or cut.
     let axis = DVec3::new(1.0, 2.0, 2.0) / 3.0;
     let at = [0.0, 0.1, 2.0, 2.5, 9.0];
     let slope = 25_f64.to_radians().tan();
@@ -253,7 +253,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
         let spot = equivalent_spotlight(&light).expect("straight");
         assert_eq!((spot.get(RANGE), spot.get(INTENSITY)), (range, 3.0));
         assert_eq!(spot.get(COLOR), DVec3::splat(0.5));
-        // At every point it is that light, to roundings.
+        // Both lights agree at every point, except for roundings.
         let tube = Tube::new(&light).expect("valid");
         let cone = light::Cone::new(&spot).expect("valid");
         for point in [DVec3::new(1.0, 2.0, 2.1), DVec3::new(0.1, 0.2, 0.1), DVec3::new(2.0, 4.9, 5.0)] {
@@ -267,7 +267,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
             assert!((tube.irradiance(&root) - cone.irradiance(&place)).length() < 1e-12);
         }
     }
-    // The planted fault: control points that turn back.
+    // Planted fault: control points that turn back.
     let turning = light.map_points(|k, point| {
         if k == 2 {
             point.position *= 1.5;
@@ -277,8 +277,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
     assert_eq!(CheckedLight::new(turning).ok().and_then(|light| light.equivalent_spotlight().cloned()), None);
 }
 
-/// Prepared from what it was prepared from before, a light with other control points is what it is when all of it is prepared
-/// anew, to the last bit; and what is refused is refused.
+/// `with_points` gives the same bits as a new preparation of the whole light, and the same errors.
 #[test]
 fn other_control_points_are_prepared_alike() {
     let spot = Light::spot().with(RANGE, Some(7.0)).with(CONE_ANGLE, 4.0);

@@ -1,5 +1,5 @@
-//! Where light comes from (light model, section 3). That "tube" does not jump at joints is held by `bendylights-studies
-//! stress`.
+//! Direction of arriving light (light model, section 3). `bendylights-studies stress` tests that "tube" does not jump
+//! at joints.
 
 use std::f64::consts::TAU;
 
@@ -11,9 +11,9 @@ use proptest::prelude::*;
 use crate::lights::{bent, point_at};
 
 proptest! {
-    /// "path" is the tangent of the curve of constant (v, w), in both frames. The central difference over h =
-    /// 1e-6 is good to about h^2 times third derivatives, amplified where the curve of constant (v, w) is
-    /// slow: 1e-6 of an angle where its speed is over a tenth.
+    /// "path" is the tangent of the curve of constant (v, w), in both frames. The central difference over h = 1e-6 has
+    /// an error of about h^2 times third derivatives, amplified where the curve of constant (v, w) is slow: 1e-6 of an
+    /// angle if its speed is over a tenth.
     #[test]
     fn path_is_the_tangent((light, _) in bent(0.7), at in 0.02..0.98_f64, angle in 0.0..TAU, up in any::<bool>()) {
         let frame = if up { FrameMode::Up } else { FrameMode::RotationMinimizing };
@@ -31,7 +31,7 @@ proptest! {
     }
 }
 
-/// On a cone both directions point at the apex, and 50-digit answers could not tell them from it.
+/// On a cone both directions point at the apex. 50-digit results do not differ from it.
 #[test]
 fn cone_points_at_its_apex() {
     let spot = Light::spot().with(CONE_ANGLE, 40.0).with(RANGE, Some(3.0));

@@ -1,7 +1,7 @@
-//! What becomes of light on its way against the formulas as they are printed, in f64.
+//! Profiles against the printed formulas, in f64.
 //!
-//! A value of size 1 that takes some ten roundings, each of half an ulp, is within 1e-14; what divides by the difference
-//! of two cosines, as the printed formulas do, loses as many digits as cancel there, at most two for the angles here.
+//! A value of size 1 after some ten roundings, each of half an ulp, has an error of at most 1e-14. The printed formulas
+//! divide by the difference of two cosines and lose as many digits as cancel there, at most two for the angles here.
 
 use glam::DVec3;
 use light::parameters::{
@@ -21,7 +21,7 @@ fn shares() -> impl Iterator<Item = f64> {
     (0..POINTS).map(|k| (f64::from(k) + 0.5) / f64::from(POINTS))
 }
 
-/// The largest difference of two functions over the angle from the axis to the edge.
+/// Largest difference of two functions over the angle from the axis to the edge.
 fn apart(light: &Light, expected: impl Fn(f64) -> f64) -> f64 {
     let outer = light.get(CONE_ANGLE).to_radians();
     let filter = LightProfile::of(light, 0.0);
@@ -38,7 +38,8 @@ fn spots() -> impl Iterator<Item = Light> {
     [(25.0, 0.2), (60.0, 1.0), (10.0, 0.5), (85.0, 0.7)].into_iter().map(spot)
 }
 
-/// `(cos theta_s - cos theta_u) / (cos theta_p - cos theta_u)` between the angles of penumbra and umbra, 1 within, 0 beyond.
+/// `(cos theta_s - cos theta_u) / (cos theta_p - cos theta_u)` between the angles of penumbra and umbra, 1 within, 0
+/// beyond.
 fn three_zones(light: &Light) -> impl Fn(f64) -> f64 {
     let umbra = light.get(CONE_ANGLE).to_radians();
     let penumbra = umbra * (1.0 - light.get(CONE_SOFTNESS));
@@ -54,7 +55,7 @@ fn the_smooth_profile_is_an_s_curve() {
     for light in spots() {
         let s = three_zones(&light);
         assert!(apart(&light, |angle| s(angle).powi(2) * (3.0 - 2.0 * s(angle))) < ROUNDING);
-        // The planted fault: the three zones themselves.
+        // Planted fault: the three zones themselves.
         assert!(apart(&light, s) > 1e-2);
     }
 }
@@ -65,7 +66,7 @@ fn the_power_profile_is_equation_7_18() {
         for power in [0.25, 1.0, 2.0, 17.5] {
             let light = light.clone().with(PROFILE, ProfileCurve::Power).with(PROFILE_POWER, power);
             let s = three_zones(&light);
-            // Where `s` ends at 0, a root of it makes more of what cancelled.
+            // A root of `s` amplifies the cancellation where `s` ends at 0.
             let tolerance = ROUNDING.powf(power.min(1.0)).max(ROUNDING);
             let off = apart(&light, |angle| s(angle).powf(power));
             assert!(off < tolerance, "{power}: {off:e}");
@@ -81,7 +82,7 @@ fn the_cosine_profile_is_equation_7_17() {
             let light = light.clone().with(PROFILE, ProfileCurve::Cosine).with(PROFILE_POWER, power);
             let off = apart(&light, |angle| angle.cos().powf(power));
             assert!(off < ROUNDING, "{power}: {off:e}");
-            // The planted fault: that of 7.18 from the axis on, which ends at 0.
+            // Planted fault: equation 7.18 from the axis on, which ends at 0.
             let umbra = light.get(CONE_ANGLE).to_radians().cos();
             assert!(apart(&light, |angle| ((angle.cos() - umbra) / (1.0 - umbra)).powf(power)) > 1e-2);
         }
@@ -99,7 +100,7 @@ fn the_linear_profile_falls_evenly_with_the_distance_from_the_axis() {
     }
 }
 
-/// Equal angles are a step, whichever the curve; and a cone narrower than any keeps its shape.
+/// Equal angles are a step for every curve. The narrowest cone keeps its shape.
 #[test]
 fn no_profile_divides_by_nothing() {
     for curve in [ProfileCurve::Smooth, ProfileCurve::Linear, ProfileCurve::Power] {
@@ -128,8 +129,8 @@ fn outline([a, b]: [f64; 2], roundness: f64) -> impl Iterator<Item = (f64, f64)>
     })
 }
 
-/// Where it fits into the circle it is the one of Barzel's formula, and where it does not the same made smaller, its
-/// farthest points on the circle.
+/// A superellipse inside the circle follows Barzel's formula. A larger one is scaled down until its farthest points are
+/// on the circle.
 #[test]
 fn the_superellipse_is_barzels_and_stays_within_the_radius() {
     let mut shrunk = 0;
@@ -145,7 +146,7 @@ fn the_superellipse_is_barzels_and_stays_within_the_radius() {
         let section = section(a, b, roundness);
         let farthest = outline([a, b], roundness).map(|(x, y)| x.hypot(y)).fold(0.0, f64::max);
         shrunk += usize::from(farthest > 1.0);
-        // The outline is walked in steps, between which its corner may lie: that near the circle.
+        // The outline is sampled in steps. Its corner near the circle may lie between two of them.
         let scale = 1.0 / farthest.max(1.0);
         let slack = if farthest > 1.0 { 2e-2 } else { 1e-9 };
         for (x, y) in outline([a, b], roundness) {
@@ -153,13 +154,13 @@ fn the_superellipse_is_barzels_and_stays_within_the_radius() {
             assert!((rho - 1.0).abs() < slack, "{a} {b} {roundness}: {rho} at ({x}, {y})");
             assert!((section.rho2(x * scale * 0.5, y * scale * 0.5).sqrt() / rho - 0.5).abs() < 1e-12);
         }
-        // Nothing of it lies past the radius, and something on it.
+        // The outline touches the circle and does not cross it.
         let reach = |angle: f64| section.rho2(angle.cos(), angle.sin()).sqrt().recip();
         let reach =
             (0..100_000).map(|k| reach(f64::from(k) * 1e-5 * std::f64::consts::TAU)).fold(0.0, f64::max);
         assert!(reach <= 1.0 + 1e-12, "{a} {b} {roundness}: reaches {reach}");
         assert!(farthest < 1.0 || reach > 1.0 - 1e-3, "{a} {b} {roundness}: reaches only {reach}");
-        // The planted fault: an ellipse.
+        // Planted fault: an ellipse.
         let ellipse = |(x, y): (f64, f64)| ((x / a).powi(2) + (y / b).powi(2)).sqrt();
         let off = outline([a, b], roundness).map(|point| (ellipse(point) - 1.0).abs()).fold(0.0, f64::max);
         assert_eq!(off > 1e-2, roundness < 1.0, "{off}");
@@ -167,7 +168,7 @@ fn the_superellipse_is_barzels_and_stays_within_the_radius() {
     assert!((2..6).contains(&shrunk), "{shrunk}");
 }
 
-/// Without roundness it is a rectangle, corners and all.
+/// Without roundness the section is a rectangle with its corners.
 #[test]
 fn a_section_without_roundness_is_a_rectangle() {
     let section = section(0.4, 0.2, 0.0);
@@ -178,7 +179,7 @@ fn a_section_without_roundness_is_a_rectangle() {
     assert!((section.rho2(0.4, 0.2) - 1.0_f64).abs() < 1e-14);
 }
 
-/// The profile's edge is scaled by the share: linear from one angle to the next, and around from the last to the first;
+/// The share scales the profile's edge. It is linear from one angle to the next, and around from the last to the first,
 /// from the light's left over its top.
 ///
 /// Rules: CURVE-1
@@ -213,14 +214,14 @@ fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
             let given = curved.irradiance(&place).x * place.s * place.s;
             let expected = |share: f64| (1.0 - rho / share).max(0.0);
             let off = (given - expected(around(knots, degrees))).abs();
-            // A degree of these is at most 0.7, and an angle is exact to a few ulp of 360.
+            // The profile's slope per degree is at most 0.7, and an angle is exact to a few ulp of 360.
             assert!(off < ROUNDING, "{knots:?} {degrees} {rho}: {off:e}");
-            // The planted fault: the other way around.
+            // Planted fault: the opposite direction around.
             turned_off = turned_off.max((given - expected(around(knots, 360.0 - degrees))).abs());
         }
         assert_eq!(turned_off > 0.1, knots.len() > 2, "{turned_off}");
     }
-    // A step stays one: nothing is left past its edge.
+    // A step stays a step: no light is left past its edge.
     let hard =
         Light::spot().with(CONE_SOFTNESS, 0.0).with(RADIAL_FALLOFF, PeriodicCurve::new(vec![[0.0, 0.5]]));
     let cone = Cone::new(&hard).expect("valid");
@@ -249,7 +250,7 @@ fn light_decays_from_where_its_decay_starts() {
                     (cone.irradiance(&place).x / expected - 1.0).abs() < ROUNDING,
                     "{decay:?} {start} {s}"
                 );
-                // The planted fault: as if it began at the start, at 1.
+                // Planted fault: a decay that begins at the start, at 1.
                 let shifted = (1.0 + (s - start).max(0.0)).powi(-power);
                 assert!(power == 0 || (shifted / expected - 1.0).abs() > 1e-6 || (start - s).abs() > 0.2);
             }
@@ -257,7 +258,7 @@ fn light_decays_from_where_its_decay_starts() {
     }
 }
 
-/// `smoothstep(on - near, on, s) (1 - smoothstep(off, off + far, s))`; without edges, all between the two.
+/// `smoothstep(on - near, on, s) (1 - smoothstep(off, off + far, s))`; without edges, all light between the two.
 #[test]
 fn light_is_cut_on_and_off() {
     let smoothstep = |a: f64, b: f64, s: f64| {
@@ -280,9 +281,9 @@ fn light_is_cut_on_and_off() {
     assert!(differs > 0.9);
 }
 
-/// Planck's law under the CIE 1931 observer by the analytic fit of Wyman, Sloan and Shirley (2013), brought to linear Rec.
-/// 709 and a luminance of 1. The fit is within 1 % of the observer, the knots are 500 K apart, and both are shares of
-/// channels that go to 2 and more: 0.06 holds both from 2000 K up, below which blue lies outside of Rec. 709.
+/// Planck's law under the CIE 1931 observer by the analytic fit of Wyman, Sloan and Shirley (2013), in linear Rec. 709
+/// with a luminance of 1. The fit is within 1 % of the observer, the knots are 500 K apart, and both are shares of
+/// channels that reach 2 and more: 0.06 bounds both from 2000 K up. Below that, blue lies outside of Rec. 709.
 #[test]
 fn color_temperature_is_that_of_a_black_body() {
     fn lobe(x: f64, mean: f64, below: f64, above: f64) -> f64 {
@@ -312,19 +313,19 @@ fn color_temperature_is_that_of_a_black_body() {
         worst = worst.max((blackbody(kelvin) - planck(kelvin)).abs().max_element());
     }
     assert!(worst < 0.06, "{worst}");
-    // The planted fault: 500 K off.
+    // Planted fault: 500 K off.
     assert!((blackbody(3500.0) - planck(3000.0)).abs().max_element() > 0.06);
     for kelvin in [0.0, 999.0, 1000.0, 1300.0, 6500.0, 1e4, 1e9] {
         let rgb = blackbody(kelvin);
         assert!(rgb.is_finite() && rgb.min_element() >= 0.0);
         let luminance = rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722));
-        // Blue below 0 near 1300 K is taken away after that.
+        // Blue is negative near 1300 K and is clamped after the luminance is taken.
         assert!((luminance - 1.0).abs() < 2e-3, "{kelvin}: {luminance}");
     }
     assert_eq!(blackbody(500.0), blackbody(1000.0));
 }
 
-/// One number dims a BendyLight: all of it is multiplied.
+/// One number dims a BendyLight: it multiplies all of the light.
 #[test]
 fn the_whole_light_is_one_factor() {
     let spot =

@@ -1,4 +1,4 @@
-//! The cross-section's frame (light model, section 2). That it is orthonormal is held by `bendylights-studies stress`.
+//! Frame of the cross-section (light model, section 2). `bendylights-studies stress` tests that it is orthonormal.
 
 use glam::DVec3;
 use light::parameters::FRAME;
@@ -8,9 +8,8 @@ use proptest::prelude::*;
 use crate::lights::bent;
 
 proptest! {
-    /// No rotation about the tangent: `v_hat' . w_hat = 0`. A central difference over h = 1e-5 leaves h^2
-    /// times third derivatives and 1e-16 / h of rounding; a frame that twists (the "up" one) shows 1e-3 and
-    /// more.
+    /// The frame does not rotate about the tangent: `v_hat' . w_hat = 0`. A central difference over h = 1e-5 leaves h^2
+    /// times third derivatives and 1e-16 / h of rounding. A frame that twists (the "up" one) shows 1e-3 and more.
     #[test]
     fn rotation_minimizing((light, tube) in bent(1.0), at in 0.01..0.99_f64) {
         let h = 1e-5;
@@ -22,14 +21,13 @@ proptest! {
         prop_assert!(turn(&tube).abs() < 1e-6);
         let twisting = Tube::new(&light.with(FRAME, FrameMode::Up)).expect("the same shape is valid");
         prop_assume!(tube.r_kappa_max()[0] > 0.05);
-        // The planted fault: the comparison would see a frame that follows "up", unless the curve's plane
-        // holds it.
+        // Planted fault: the comparison must notice a frame that follows "up", unless the curve's plane contains it.
         let plane_holds_up = tube.segments[0].curve.n_hat.dot(twisting.up).abs() < 0.1;
         prop_assert!(plane_holds_up || turn(&twisting).abs() > 1e-6 || turn(&twisting) == 0.0);
     }
 }
 
-/// The frame goes on over joints: `v_hat` from both sides agrees.
+/// `v_hat` agrees on both sides of a joint.
 #[test]
 fn carried_over_joints() {
     let points = [(0., 0., 0.), (0., 0., -1.), (1., 0., -2.), (1., 1., -3.), (0., 1., -4.)];
@@ -44,7 +42,7 @@ fn carried_over_joints() {
     }
 }
 
-/// A light whose source looks along "up" starts from another axis instead of failing.
+/// A light that points along "up" starts from another axis instead of an error.
 #[test]
 fn up_along_the_light() {
     let points = (0..3).map(|i| DVec3::new(0.0, -f64::from(i), 0.0)).collect();

@@ -1,5 +1,5 @@
-//! The light model against closed forms, finite differences and brute force. Random lights come from
-//! proptest, which prints the seed and the shrunk case of a failure.
+//! The light model against closed forms, finite differences and brute force. Random lights come from proptest, which
+//! prints the seed and the shrunk case of a failure.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 

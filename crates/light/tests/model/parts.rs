@@ -1,10 +1,10 @@
-//! The part of a light near a place is that light there, and f32 holds it.
+//! The part of a light near a scene is the same light there, and f32 holds it.
 
 use glam::{DQuat, DVec3};
 use light::parameters::{DECAY, END_MODE, FRAME, ROTATION, TRANSLATION};
 use light::{Decay, EndMode, FrameMode, Light, Tube, TubeLocation};
 
-/// Lights `size` units long that pass the origin bent, 3 units wide there: through the middle of a segment, over a joint,
+/// Lights `size` units long that pass the origin bent, 3 units wide there: at the middle of a segment, over a joint,
 /// over their end and past it.
 fn lights(size: f64) -> Vec<Light> {
     let (along, aside) = (DVec3::new(0.6, -0.64, 0.48), DVec3::new(0.8, 0.48, -0.36));
@@ -40,7 +40,7 @@ fn scene() -> Vec<DVec3> {
     (0..125).map(|k| DVec3::new(f64::from(k % 5), f64::from(k / 5 % 5), f64::from(k / 25)) - 2.0).collect()
 }
 
-/// Units of the world between where two locations of a point have it along the light; nothing where one is outside.
+/// Distance in world units, along or across the light, between two locations of a point; `None` if one is outside.
 fn world_distance(tube: &Tube<f64>, a: &TubeLocation, b: &TubeLocation) -> Option<f64> {
     let (a, b) = (a.point.as_ref()?, b.point.as_ref()?);
     let speed = 2.0 * tube.segments[b.segment].curve.d(b.u).length() * tube.placement.world_per_tube;
@@ -87,8 +87,9 @@ fn a_part_is_the_light_there() {
                 let (Some(whole), Some(there)) = (irradiance(&tube), irradiance(&part.tube)) else {
                     continue;
                 };
-                // Arc lengths are exact to 5e-8 (see arc.rs), and decay takes their square. Positions round to 1e-13 of the
-                // size, over which the profile changes by less than ten times that; light comes from 0.2 sizes or more.
+                // Arc lengths are exact to 5e-8 (see arc.rs), and decay takes their square. Positions round to 1e-13 of
+                // the size, over which the profile changes by less than ten times that. Light comes from 0.2 sizes or
+                // more.
                 let bound = 1e-7 * whole.0.length() + 1e-12 * size * 2.0 / (0.2 * size).powi(2);
                 assert!(whole.0.distance(there.0) <= bound, "{whole:?} {there:?}");
                 assert!(whole.1.distance(there.1) < 1e-9, "{whole:?} {there:?}");
@@ -97,8 +98,8 @@ fn a_part_is_the_light_there() {
     }
 }
 
-/// f32 holds places in a scene that is a ten-thousandth or a millionth of the light: to some roundings of the scene and of
-/// the tube's width there.
+/// f32 holds positions in a scene that is a ten-thousandth or a millionth of the light, to a few roundings of the scene
+/// and of the tube's width there.
 #[test]
 fn f32_holds_a_small_scene() {
     for size in [1e3, 1e4, 1e6] {
@@ -112,7 +113,7 @@ fn f32_holds_a_small_scene() {
             after = after.max(max_world_distance(&tube, &points, |point| {
                 part.to_whole_light(&part_f32.locate(point))
             }));
-            // The planted fault: the light as a whole.
+            // Planted fault: the light as a whole.
             for &point in &points {
                 let (found, exact) = (whole.locate(point), tube.locate(point));
                 before = before.max(world_distance(&tube, &found, &exact).unwrap_or(0.0));
@@ -123,13 +124,13 @@ fn f32_holds_a_small_scene() {
             after / 4.0,
             before / 4.0
         );
-        // Sixteen roundings of some ten units: the scene's and the radius's.
+        // Sixteen roundings of some ten units: of the scene and of the radius.
         assert!(after <= 16.0 * 10.0 * 2.0_f64.powi(-24), "{size:e}: {after:e}");
         assert!(before > 10.0 * after, "{size:e}: {before:e}");
     }
 }
 
-/// What is not much longer than the box, or does not come near it, is left as it is.
+/// A light that is not much longer than the box, or does not come near it, stays whole.
 #[test]
 fn an_ordinary_light_is_left_whole() {
     let light =

@@ -1,4 +1,4 @@
-//! Lights of all shapes give a point the same place, and what follows from it is the same function.
+//! Lights of all shapes give a point the same light coordinates, and the same profile follows from them.
 
 use glam::{DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY, HEIGHT, RANGE, ROTATION, TRANSLATION, WIDTH};
@@ -35,7 +35,7 @@ fn a_cone_and_its_tube_give_the_same_place() {
             let bent_as_share = LightCoords { t: bent.t / 3.0, ..bent };
             assert!(apart(&straight, &bent_as_share) < 1e-13, "{cone_angle}: {straight:?} {bent:?}");
             assert!(((straight.v + v).abs() + (straight.w - w).abs()) * tan_outer < 1e-13, "{straight:?}");
-            // The planted fault: t not as a share.
+            // Planted fault: t that is not a share.
             assert!(apart(&straight, &bent) > 1e-3);
             let (one, other) = (cone.irradiance(&straight), tube.irradiance(&root));
             assert!((one - other).length() <= 1e-10 / tan_outer.min(1.0) * one.length(), "{one} {other}");
@@ -43,7 +43,7 @@ fn a_cone_and_its_tube_give_the_same_place() {
     }
 }
 
-/// Each face of the cube about an omni light is the square in a spotlight of 45 degrees that looks the same way.
+/// Each face of the cube about an omni light is the square in a spotlight of 45 degrees with the same direction.
 #[test]
 fn an_omni_lights_faces_are_spotlights_of_45_degrees() {
     use std::f64::consts::{FRAC_PI_2, PI};
@@ -74,7 +74,7 @@ fn an_omni_lights_faces_are_spotlights_of_45_degrees() {
     assert!(omni.locate(DVec3::ZERO).is_none());
 }
 
-/// The sun is a spotlight that is far away, but for how far: its place is theirs.
+/// A directional light has the light coordinates of a spotlight far away, except for the distance.
 #[test]
 fn a_directional_light_is_a_spotlight_far_away() {
     let distance = 1e9;
@@ -91,7 +91,7 @@ fn a_directional_light_is_a_spotlight_far_away() {
         let position = middle + rotation * DVec3::new(x, y, along);
         let one = window.locate(position).expect("inside");
         let other = cone.locate(position - cone.translation).expect("inside");
-        // Rays of the spotlight meet at an angle of 2 / distance; positions of its size round by 1e-7 of a radius.
+        // Rays of the spotlight meet at an angle of 2 / distance. Positions of its size round by 1e-7 of a radius.
         let apart =
             (one.v - other.v).abs() + (one.w - other.w).abs() + one.direction.distance(other.direction);
         assert!(apart < 1e-6, "{one:?} {other:?}");
@@ -100,14 +100,14 @@ fn a_directional_light_is_a_spotlight_far_away() {
     for (x, y, inside) in [(1.99, 1.99, true), (2.01, 0.0, false), (0.0, -2.01, false)] {
         assert_eq!(window.locate(middle + rotation * DVec3::new(x, y, 7.0)).is_some(), inside);
     }
-    // A side without end holds everything, wherever the light stands.
+    // An unbounded side contains everything, wherever the light is.
     let endless = Parallel::new(&sun.with(TRANSLATION, DVec3::splat(1e300))).expect("valid");
     let place = endless.locate(DVec3::new(1e9, -4.0, 1e5)).expect("everywhere");
     assert_eq!((place.v, place.w), (0.0, 0.0));
 }
 
-/// By tangents: with small angles `1 - cos` is half the angle's square, so half way from the inner to the outer square
-/// the curve is at one half, in a cone of any size.
+/// The test is by tangents: with small angles `1 - cos` is half the angle's square. So half-way from the inner to the
+/// outer square the curve is at one half, in a cone of any size.
 #[test]
 fn the_profile_of_a_narrow_cone_is_that_of_any() {
     for cone_angle in [1e-100, 1e-9, 1e-6, 1e-3] {
@@ -115,7 +115,7 @@ fn the_profile_of_a_narrow_cone_is_that_of_any() {
         let half_way = f64::midpoint(0.64, 1.0);
         assert!((narrow.at(half_way) - 0.5).abs() < 1e-9, "{cone_angle}: {}", narrow.at(half_way));
         assert_eq!((narrow.at(0.63), narrow.at(1.0)), (1.0, 0.0));
-        // The planted fault: the cosines themselves, which cancel.
+        // Planted fault: the cosines themselves, which cancel.
         let (outer, inner) = (cone_angle.to_radians().cos(), (0.8 * cone_angle).to_radians().cos());
         let angle = (half_way.sqrt() * cone_angle.to_radians()).cos();
         let cancelled = (angle - outer) / (inner - outer);

@@ -1,4 +1,4 @@
-//! What is refused, and that it says why.
+//! Refused lights and their messages.
 
 use std::ops::Bound;
 
@@ -48,7 +48,7 @@ fn invalid_shapes_are_refused() {
         LightError::OutOfDomain { field, value, .. } => (field, value),
         other => panic!("{other}"),
     };
-    // Three units long.
+    // The light is three units long.
     assert_eq!(too_large(refusal(|l| l.set(SCALE.to(1e308)))), ("transform.scale", 1e308));
     assert_eq!(too_large(refusal(|l| points(l)[3].position.z = -1e308)), ("points", f64::INFINITY));
     let all_equal = refusal(|l| points(l).fill(ControlPoint::new(DVec3::ZERO, 0.1)));
@@ -57,8 +57,8 @@ fn invalid_shapes_are_refused() {
     assert!(matches!(doubled, LightError::Degenerate { .. }), "{doubled}");
 }
 
-/// `R kappa` is exact: a quarter turn of a parabola has its largest curvature in the middle, and one per
-/// mille of radius more or less decides.
+/// `R kappa` is exact: a quarter turn of a parabola has its largest curvature in the middle, and one per mille of
+/// radius decides.
 #[test]
 fn folds_are_refused_at_one() {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(1.0, 0.0, -1.0)];
@@ -134,7 +134,7 @@ fn curves_over_an_angle_are_in_order_and_in_range() {
     assert_eq!(refusal(many), "`radialFalloff` has 17 pairs, at most 16 may be: leave some out");
 }
 
-/// A curl that comes back through its own light is usable, and said.
+/// A curl that comes back through its own light is usable, with a warning.
 #[test]
 fn overlaps_are_reported() {
     let ring = |turn: f64, drop: f64| {
@@ -149,8 +149,8 @@ fn overlaps_are_reported() {
     assert_eq!(Tube::new(&along_z(5)).expect("valid").warnings(), []);
 }
 
-/// Two control points in one place make a corner; the light stays usable and its frame goes on by the
-/// smallest rotation.
+/// Two coincident control points make a corner. The light stays usable, and its frame continues by the smallest
+/// rotation.
 #[test]
 fn corner_of_coincident_points() {
     let points =
@@ -158,7 +158,7 @@ fn corner_of_coincident_points() {
     let tube = Tube::new(&Light::bendy(points, vec![0.1; 4])).expect("valid");
     let (v_hat, _) = tube.cross_section(&tube.segments[1].curve, tube.segments[1].curve.u_hat(0.0));
     assert!((v_hat.length() - 1.0).abs() < 1e-14);
-    // On the inside of the corner both legs of the tube hold the same points.
+    // On the inside of the corner both legs of the tube contain the same points.
     let warnings = tube.warnings();
     assert!(
         matches!(warnings[..], [LightWarning::Corner { t: 1.0 }, LightWarning::Overlap { .. }]),
@@ -167,7 +167,7 @@ fn corner_of_coincident_points() {
     assert!(tube.locate(DVec3::new(0.5, 0.01, -1.0)).point.is_some());
 }
 
-/// Rows say what is refused, and the sentence has the range.
+/// Rows bound the values, and the message has the range.
 #[test]
 fn every_row_refuses_what_lies_outside_its_range() {
     let sentence = |light: Light| CheckedLight::new(light).expect_err("refused").to_string();

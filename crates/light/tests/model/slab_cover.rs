@@ -1,4 +1,4 @@
-//! The slabs that shadow maps are drawn in.
+//! Slabs in which shadow maps are drawn.
 
 use std::f64::consts::TAU;
 
@@ -9,8 +9,8 @@ use proptest::prelude::*;
 use crate::lights::{bent, point_at};
 
 proptest! {
-    /// Every point of the tube lies in the slab of its t: between the end planes and in the box. Slack 1e-12
-    /// for points made on the edge.
+    /// Every point of the tube lies in the slab of its t: between the end planes and in the box. Slack 1e-12 for points
+    /// on the edge.
     #[test]
     fn slabs_cover_the_tube((_, tube) in bent(0.9), share in 0.0..1.0_f64, angle in 0.0..TAU) {
         prop_assume!(tube.r_kappa_max().iter().all(|&k| k < 0.97));
@@ -26,7 +26,7 @@ proptest! {
     }
 }
 
-/// A straight light is one slab a segment, an extended one reaches as far as it is asked to.
+/// A straight light has one slab for each segment. An extended one reaches as far as requested.
 #[test]
 fn straight_and_extended() {
     let tube = Tube::new(&bend(&Light::spot(), 2).expect("valid")).expect("valid");
@@ -36,7 +36,7 @@ fn straight_and_extended() {
     assert!((all[2].t_start + all[2].t_span - 50.0).abs() < 0.5);
 }
 
-/// Slabs overlap, but not past a cusp, where the curve turns back: such a slab would hold all that lies beyond it.
+/// Slabs overlap, but not past a cusp, where the curve turns back: such a slab would contain all that lies beyond it.
 #[test]
 fn no_overlap_past_coincident_points() {
     let points = [0.0, -1.0, -1.0, -2.0].map(|z| DVec3::new(0.0, 0.0, z)).to_vec();

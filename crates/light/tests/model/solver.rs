@@ -1,5 +1,5 @@
-//! Points back into the tube (light model, sections 3 and 5): single places. What holds for all is held by
-//! `bendylights-studies stress`.
+//! Points back into the tube (light model, sections 3 and 5): single points. `bendylights-studies stress` tests the
+//! properties of all points.
 
 use glam::DVec3;
 use light::{Light, Tube};
@@ -14,8 +14,7 @@ fn joints_count_once() {
     assert_eq!(location.point.map(|p| (p.segment, p.u)), Some((0, 1.0)));
 }
 
-/// At a cone's apex the radius is zero: the apex is inside with v = w = 0, its neighbours behind and beside
-/// are not.
+/// The radius is zero at a cone's apex. The apex is inside with v = w = 0; points close behind and beside it are not.
 #[test]
 fn the_apex_lies_in_the_light() {
     let points = (0..3).map(|i| DVec3::new(0.0, 0.0, -f64::from(i))).collect();
@@ -26,8 +25,8 @@ fn the_apex_lies_in_the_light() {
     assert_eq!(tube.locate(DVec3::new(0.0, 0.0, 1e-9)).point, None);
 }
 
-/// Where control points coincide, `P'` is zero, and a point's root lies close to where `f` turns back: the points of
-/// the curve are found all the same, to the position that f32 can tell.
+/// `P'` is zero where control points coincide, and a point's root lies close to a sign change of `f'`. Points of the
+/// curve are found to the position that f32 resolves.
 #[test]
 fn near_a_cusp() {
     let along = DVec3::new(0.0, 0.31, -1.02);
@@ -37,7 +36,7 @@ fn near_a_cusp() {
         let u = 1.0 - f64::from(k) * 1e-3;
         let q = tube.segments[0].curve.position(u);
         let (exact, rounded) = (tube.nearest_root(q), single.nearest_root(q.as_vec3()));
-        // P'(u) = 2 d1' (1 - u): a position off by 16 eps of the light's length, 2 d0 here, is off by this in u.
+        // P'(u) = 2 d1' (1 - u): a position error of 16 eps of the light's length, 2 d0 here, is this error in u.
         let bound = |eps: f64| 16.0 * eps / (1.0 - u);
         assert!((exact.expect("on the curve").u - u).abs() < bound(f64::EPSILON), "{u}");
         let off = (f64::from(rounded.expect("on the curve").u) - u).abs();

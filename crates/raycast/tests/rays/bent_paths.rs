@@ -1,4 +1,4 @@
-//! Bent paths: chords that stay within their bound, and hits that a slow walk finds too.
+//! Bent paths: chords that stay within their bound, and hits that a slow march finds too.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use raycast::{Aabb64, BentHit, BentPath, Bvh};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
-/// Loose triangles in the world.
+/// Scene of separate triangles in world space.
 fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
     let positions: Vec<Vec3> = triangles.iter().flatten().map(|corner| corner.as_vec3()).collect();
     let count = positions.len();
@@ -36,7 +36,7 @@ fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     [-size..size, -size..size, -size..size].prop_map(DVec3::from)
 }
 
-/// Lights of one to four segments, from gentle to hairpins, in both frames; folds are refused by the model.
+/// Lights of one to four segments, from gentle bends to hairpins, in both frames. The model refuses folds.
 fn tubes() -> impl Strategy<Value = Tube<f64>> {
     let bends = prop::collection::vec((vector(1.2), 0.0..0.5), 2..5);
     (bends, any::<bool>(), any::<bool>()).prop_filter_map("folds", |(bends, up, extend)| {
@@ -55,7 +55,7 @@ fn across() -> impl Strategy<Value = (f64, f64)> {
     (0.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(rho, angle)| (rho * angle.cos(), rho * angle.sin()))
 }
 
-/// Largest distance between a path and its chords, at equal u, as a share of the bound.
+/// Largest distance between a path and its chords at equal u, as a share of the bound.
 fn worst_chord_error(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     let scene = Scene::default();
     let path = Bvh::new(scene::pose(scene.clone())).bent_path(tube, v, w);
@@ -74,8 +74,8 @@ fn worst_chord_error(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     worst
 }
 
-/// Largest distance of a path's points from its polyline; the length of the path, walked in small steps, and what that may be
-/// off by.
+/// Largest distance of a path's points from its polyline, the length of the path, measured in small steps, and the
+/// error of that length.
 fn polyline_errors(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
     let at = |t: f64| {
         let segment = (t as usize).min(path.tube.segments.len() - 1);
@@ -96,12 +96,13 @@ fn polyline_errors(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64
         let steps = points.windows(stride + 1).step_by(stride);
         steps.map(|step| step[0].distance(step[stride])).sum::<f64>()
     };
-    // Halving the steps takes three quarters off the error, and less where the frame flips about the curve.
+    // Halving the steps removes three quarters of the error, and less if the frame flips about the curve.
     let [fine, coarse] = [walked(1), walked(2)];
     (worst, (4.0 * fine - coarse) / 3.0, (fine - coarse).abs())
 }
 
-/// The path as a polyline of 1,000 steps a segment against every triangle: slow, and shares nothing with the crate.
+/// Tests the path as a polyline of 1,000 steps a segment against every triangle. It is slow and shares nothing with the
+/// crate.
 fn march(path: &BentPath, triangles: &[[DVec3; 3]], t_end: f64) -> Option<(f64, usize)> {
     let steps = (1000.0 * t_end).ceil() as usize;
     let at = |t: f64| {
@@ -139,7 +140,7 @@ proptest! {
         prop_assert!(worst_chord_error(&tube, vw) <= 1.0);
     }
 
-    /// A polyline strays as little as it says, which is little enough wherever there are points enough.
+    /// A polyline stays within its stated error, which is small enough unless the number of points is limited.
     #[test]
     fn polylines_stay_beside_their_path(tube in tubes(), vw in across(), share in 0.1..1.0_f64) {
         let path = BentPath::new(&tube, vw.0, vw.1, DVec3::ZERO);
@@ -148,7 +149,7 @@ proptest! {
         let (stray, walked, unsure) = polyline_errors(&path, t_end, &fine.points);
         prop_assert!(stray <= fine.max_error + 1e-14 && fine.points.len() <= 256);
         prop_assert!(fine.points.len() == 256 || fine.max_error <= fine.length / 4096.0);
-        // Where the frame "up" flips about the curve, in next to no time, steps hop over the way that it takes.
+        // If the "up" frame flips about the curve within a tiny range, steps skip the length of the flip.
         let may_flip = tube.frame == FrameMode::Up && fine.length > walked;
         prop_assert!(may_flip || (fine.length - walked).abs() < 1e-6 * walked + unsure, "{} {walked}", fine.length);
     }
@@ -159,18 +160,18 @@ proptest! {
         vw in across(),
         triangles in prop::collection::vec((vector(1.5), vector(1.0), vector(1.0)), 1..40),
     ) {
-        // Rounded to f32 as the scene holds them, all along the light.
+        // Rounded to f32 as in the scene, all along the light.
         let triangles: Vec<_> = triangles.iter().enumerate().map(|(i, (a, b, c))| {
             let middle = DVec3::NEG_Z * (i % 4) as f64 + *a;
             [middle, middle + *b, middle + *c].map(|corner| corner.as_vec3().as_dvec3())
         }).collect();
         let nothing = Scene::default();
-        // An empty scene has its origin at the world's: a path in the world.
+        // The origin of an empty scene is that of the world, so the path is in world space.
         let path = Bvh::new(scene::pose(nothing.clone())).bent_path(&tube, vw.0, vw.1);
         let found = first(&tube, vw, &triangles);
         let walked = march(&path, &triangles, tube.n as f64);
-        // A polyline of steps h strays by |C''| h^2 / 8, here below 1e-5: near an edge, or where path and
-        // plane are nearly parallel, the two may honestly differ.
+        // The error of a polyline with steps h is |C''| h^2 / 8, here below 1e-5. Near an edge, or if path and plane
+        // are nearly parallel, the two results may rightly differ.
         let agree = match (&found, &walked) {
             (Some(hit), Some((t, index))) => hit.triangle == *index && (hit.t - t).abs() < 1e-3,
             (None, None) => true,
@@ -181,7 +182,7 @@ proptest! {
     }
 }
 
-/// Whether the first hit of the two differs by a path that passes an edge, or touches a plane, within 1e-4.
+/// Returns true if the two first hits differ because a path passes an edge, or touches a plane, within 1e-4.
 fn is_a_near_miss(
     path: &BentPath,
     triangles: &[[DVec3; 3]],
@@ -207,14 +208,14 @@ fn is_a_near_miss(
 
 #[test]
 fn the_bound_on_chords_is_not_slack() {
-    // A quarter circle's worth of bend: the bound would be useless if it were ten times what happens.
+    // A quarter circle of bend. The bound would be useless at ten times the error.
     let light = Light::bendy(vec![DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -1.0)], vec![0.2; 3]);
     let tube = Tube::new(&light).unwrap();
     let worst = worst_chord_error(&tube, (0.5, 0.5));
     assert!((0.2..=1.0).contains(&worst), "{worst}");
 }
 
-/// The planted fault for polylines: with too few points one strays, and says so.
+/// Planted fault: a polyline with too few points has a large error and reports it.
 #[test]
 fn a_polyline_of_few_points_strays() {
     let points = [DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)];
@@ -236,7 +237,7 @@ fn a_wrong_sign_across_the_tube_is_seen() {
     let triangle = [DVec3::new(-0.05, -0.05, 0.0), DVec3::new(0.05, -0.05, 0.0), DVec3::new(0.0, 0.05, 0.0)]
         .map(|corner| (on_path + corner).as_vec3().as_dvec3());
     let hit = first(&tube, (v, w), &[triangle]).expect("the triangle lies on the path");
-    // The triangle is flat and rounded to f32: t is within that of the middle.
+    // The triangle is flat and rounded to f32, so t is near that of its middle.
     assert!((hit.t - 0.5).abs() < 1e-6, "{hit:?}");
     assert!(first(&tube, (v, -w), &[triangle]).is_none());
 }
@@ -256,7 +257,7 @@ fn a_straight_cone_has_straight_rays() {
         let away = path.position_at(2, 1.0) - path.position_at(0, 0.0);
         let straight = bvh.first_hit(path.position_at(0, 0.0), away, [0.0, 1.0], |_| true).unwrap();
         let position = path.position_at(0, 0.0) + away * straight.distance;
-        // Coordinates below 4 and a wall that is nearly square to the light: a few ulps.
+        // Coordinates are below 4 and the wall is nearly perpendicular to the light: a few ulps.
         assert!(bent.position.distance(position) < 1e-14, "{bent:?} {position}");
     }
 }
@@ -290,8 +291,8 @@ fn light_past_the_end_goes_straight_on() {
     assert!((hit.position + bvh.posed.origin_in_world).distance(end) < 1e-5, "{hit:?}");
 }
 
-/// A path in a triangle's plane does not cross it, and is not looked at for ever: where rounding alone says on which
-/// side it is, there are 1e8 places to look.
+/// A path in a triangle's plane does not cross it, and the search ends. Rounding alone decides the side of the plane,
+/// so there would be 1e8 points to test.
 #[test]
 fn a_path_in_a_triangles_plane_passes_it() {
     let rotation = DQuat::from_xyzw(-0.44, -0.18, 0.36, 0.8).normalize();

@@ -1,4 +1,4 @@
-//! Straight rays: what a search of every triangle finds, and no cracks.
+//! Straight rays: the results of a search over every triangle, and no cracks.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
@@ -23,7 +23,7 @@ fn scene_of(positions: Vec<Vec3>, indices: Vec<u32>, world_from_local: DAffine3)
     }
 }
 
-/// A bumpy sheet of `n` by `n` squares from -1 to 1 around y = 0.
+/// Bumpy sheet of `n` by `n` squares from -1 to 1 around y = 0.
 fn sheet(n: u32, world_from_local: DAffine3) -> Scene {
     let side = n + 1;
     let at = |k: u32| {
@@ -35,7 +35,7 @@ fn sheet(n: u32, world_from_local: DAffine3) -> Scene {
     scene_of((0..side * side).map(at).collect(), indices, world_from_local)
 }
 
-/// The nearest hit by asking every triangle.
+/// Finds the nearest hit by a test of every triangle.
 fn search(bvh: &Bvh, origin: DVec3, direction: DVec3) -> Option<(f64, usize)> {
     let hits = bvh.triangles.iter().enumerate().filter_map(|(index, triangle)| {
         let normal = triangle.normal();
@@ -70,7 +70,7 @@ proptest! {
 
 #[test]
 fn no_ray_slips_between_neighbours() {
-    // Aimed at every vertex and every edge's middle of a sheet that is turned, scaled and far away.
+    // Rays aim at every vertex and every edge's middle of a sheet that is rotated, scaled and far away.
     let place = DAffine3::from_rotation_y(0.7)
         * DAffine3::from_rotation_x(0.3)
         * DAffine3::from_scale(DVec3::splat(3.3));

@@ -1,4 +1,4 @@
-//! Parameters that have no effect because of another, as the table says.
+//! Tests that parameters have no effect if the table says so.
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{CUT_OFF, CUT_ON, NAME, parameters_of};
@@ -7,7 +7,7 @@ use scene::{Aov, Scene};
 
 use crate::support::{floor, render, scene_of, sphere, spot, view};
 
-/// A floor with a ball over it, which throws a shadow.
+/// Builds a floor with a ball over it that casts a shadow.
 fn stage() -> Scene {
     let ball = DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y);
     let mut scene = scene_of([floor(3.0), (sphere(12), ball)]);
@@ -17,7 +17,7 @@ fn stage() -> Scene {
     scene
 }
 
-/// A light of each shape, all of which shine on the ball.
+/// Returns a light of each shape. All shine on the ball.
 fn lights() -> [Light; 4] {
     let (source, target) = (DVec3::new(1.0, 3.0, 0.5), DVec3::Y);
     let spot = spot(source, target);
@@ -26,7 +26,7 @@ fn lights() -> [Light; 4] {
     [placed(Light::omni()), placed(Light::directional()), spot.clone(), bent]
 }
 
-/// A value that is not the row's default.
+/// Returns a value other than the row's default.
 fn another(row: &Parameter) -> Value {
     match row.kind {
         ParameterKind::Number(number) => Value::Number(match number.unit {
@@ -40,12 +40,12 @@ fn another(row: &Parameter) -> Value {
     }
 }
 
-/// Values of the parameter that another hangs on.
+/// Returns values of a parameter that another one depends on.
 fn all_of(row: &Parameter) -> Vec<Value> {
     match row.kind {
         ParameterKind::Flag => vec![Value::Flag(false), Value::Flag(true)],
         ParameterKind::Choice(choices) => choices.iter().map(|choice| Value::Choice(choice.name)).collect(),
-        // Within the way of the light to the floor.
+        // Within the light path to the floor.
         ParameterKind::Number(_) if row.name == CUT_ON.name => vec![Value::Absent, Value::Number(3.2)],
         ParameterKind::Number(_) if row.name == CUT_OFF.name => vec![Value::Absent, Value::Number(1.8)],
         _ => panic!("{row:?}: say what it can be"),
@@ -58,7 +58,7 @@ fn set(light: &Light, parameter: &'static Parameter, value: Value) -> Light {
     light
 }
 
-/// Whether the picture of a light changes with the parameter.
+/// Returns true if the picture of a light changes with the parameter.
 fn has_effect(light: &Light, row: &'static Parameter) -> bool {
     let (scene, view) = (stage(), view(DVec3::new(0.5, 4.0, 3.0), DVec3::ZERO, Aov::Beauty));
     let picture = |light: Light| render(&scene, &view, &[light]).pixels;
@@ -82,7 +82,7 @@ fn what_needs_another_has_an_effect_with_it_and_none_without() {
     }
 }
 
-/// A spotlight's scale is for when it is bent.
+/// A spotlight keeps its scale only for bending it later.
 #[test]
 fn what_is_idle_of_an_owner_has_no_effect_there() {
     for light in lights() {

@@ -1,4 +1,4 @@
-//! What the reference says of light and shadow, against closed forms and against itself.
+//! Tests of light and shadow in the reference, against closed forms and against itself.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 use light::parameters::{CONE_ANGLE, CONE_SOFTNESS, DECAY, DIRECTION, EXPOSURE, RANGE, TRANSLATION};
@@ -12,7 +12,7 @@ fn source_of(light: Light) -> ReferenceLight {
     ReferenceLight::new(&CheckedLight::new(light).expect("a light"))
 }
 
-/// A scene with a shadow in it.
+/// Builds a scene with a shadow.
 fn table() -> Scene {
     scene_of([
         floor(3.0),
@@ -20,8 +20,8 @@ fn table() -> Scene {
     ])
 }
 
-/// Irradiance under a cone, as the light model has it in section 6: `E = I 2^exposure profile decay cos / pi` seen by a white Lambert
-/// surface, for every decay and both kinds of straight light.
+/// Irradiance under a cone follows section 6 of the light model: `E = I 2^exposure profile decay cos / pi` on a
+/// white Lambert surface, for every decay, for a spotlight and a straight BendyLight.
 #[test]
 fn a_plane_under_a_cone_has_the_closed_form() {
     let scene = scene_of([floor(3.0)]);
@@ -56,7 +56,7 @@ fn a_plane_under_a_cone_has_the_closed_form() {
                     lit += 1;
                     light.irradiance.x * surface.normal.dot(light.coords.direction)
                 });
-                // Some ulps of everything in it; the issue asks for 1e-6. At the edge itself the profile is
+                // The tolerance is some ulps of all terms; the issue requires 1e-6. At the edge the profile is
                 // flat zero.
                 assert!(
                     (found - expected).abs() <= 1e-12 * 10.0 * exposure.exp2(),
@@ -79,13 +79,14 @@ fn a_straight_bendy_light_is_the_spotlight() {
             let straight = render(&scene, &view, std::slice::from_ref(&spot));
             let tube = render(&scene, &view, std::slice::from_ref(&bent));
             for (a, b) in straight.pixels.iter().zip(&tube.pixels) {
-                // Some ulps of ten, the largest value; a shadow's edge through a pixel's centre would show.
+                // The tolerance is some ulps of ten, the largest value. An edge of a shadow through a pixel's
+                // centre would exceed it.
                 assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-11), "{aov:?} {a:?} {b:?}");
             }
             assert!(straight.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() > 100);
         }
     }
-    // The planted fault: a light that is bent by a hundredth is not the spotlight.
+    // Planted fault: a light that is bent by a hundredth differs from the spotlight.
     let aside = |i| if i == 3 { DVec3::X * 0.01 } else { DVec3::ZERO };
     let bent = light::bend(&spot, 3).unwrap().map_points(|i, point| point.position += aside(i));
     let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Direction);
@@ -121,8 +122,8 @@ fn the_terminator_of_a_sphere_is_where_n_l_is_zero() {
                 if there == at_dark { dark = middle } else { bright = middle }
             }
             let (_, position) = lit(dark, y).unwrap();
-            // Normals between the vertices of facets of 1.9 degrees are within a half of their angle squared,
-            // 5e-4, of the sphere's own, and the facets as near to it.
+            // Facets have 1.9 degrees. Interpolated normals deviate from the sphere's by at most half the
+            // square of that angle, 5e-4, and positions by as much.
             let (normal, to_light) = (position.normalize(), (source - position).normalize());
             assert!(normal.dot(to_light).abs() < 5e-4, "{position}: {}", normal.dot(to_light));
             found += 1;
@@ -149,7 +150,7 @@ fn moving_the_world_moves_nothing_in_the_picture() {
         render(&scene, &view, &bent(offset))
     };
     let (here, there) = (frame(DVec3::ZERO), frame(DVec3::new(1e6, -5e5, 2e6)));
-    // Positions of size 2e6 are rounded to 2e-10; radiance of size one changes by about as much over a unit.
+    // Positions of size 2e6 are rounded to 2e-10. Radiance of about one changes by about as much.
     let differ = here.pixels.iter().zip(&there.pixels).filter(|(a, b)| (a[0] - b[0]).abs() > 1e-8).count();
     assert_eq!(differ, 0);
     let lit = here.pixels.iter().filter(|pixel| pixel[0] > 0.0).count();
@@ -189,7 +190,7 @@ fn what_cannot_be_shown_is_refused() {
     assert!(why(&broken).contains("translation is not finite"));
 }
 
-/// A sheet lit from below shows no light above, on either kind of light; from above it does.
+/// A sheet that is lit from below shows no light above, for both kinds of light. A sheet lit from above does.
 #[test]
 fn light_from_behind_meets_the_other_side() {
     let scene = scene_of([floor(3.0)]);

@@ -1,4 +1,4 @@
-//! Pictures of the reference.
+//! Tests of the reference's pictures.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 

@@ -1,4 +1,4 @@
-//! What the reference says of materials: textures, holes, sides.
+//! Tests of materials in the reference: textures, holes and sides.
 
 use glam::{DAffine3, DVec2, DVec3, Vec2};
 use reference::Reference;
@@ -6,7 +6,7 @@ use scene::{Aov, Image, Material, Projection, Sampler, Scene, TextureRef, Wrap};
 
 use crate::support::{floor, render, scene_of, spot, square, view};
 
-/// A square of `half` the size with a picture on it, once across.
+/// Builds a square of half extent `half`, with a picture that covers it once.
 fn pictured(half: f64, image: Image, sampler: Sampler, change: impl Fn(&mut Material)) -> Scene {
     let (mut primitive, place) = floor(half);
     primitive.uvs = [(0.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, 0.0)].map(Vec2::from).into();
@@ -25,7 +25,7 @@ fn linear(shade: u8) -> f64 {
     ((f64::from(shade) / 255.0 + 0.055) / 1.055).powf(2.4)
 }
 
-/// What the middle of a picture from straight above, one unit high, shows of `scene` at `x`, `z`.
+/// Returns the base color of `scene` at `x`, `z`, in the middle of a picture from one unit above.
 fn base_color_at(scene: &Scene, x: f64, z: f64) -> f64 {
     let mut view = view(DVec3::new(x, 1.0, z), DVec3::new(x, 0.0, z), Aov::Beauty);
     view.camera.projection =
@@ -43,7 +43,8 @@ fn texels_are_blended_between_their_centres() {
     let smooth = Sampler { wrap_u: Wrap::ClampToEdge, ..Sampler::default() };
     let scene = pictured(1.0, gray(2, 1, &[60, 200]), smooth, |_| {});
     let [dark, bright] = [60, 200].map(linear);
-    // Texel centres lie at uv 1/4 and 3/4: x -1/2 and 1/2. The view covers 1e-4 of a texel: no mip level.
+    // Texel centres lie at uv 1/4 and 3/4, that is at x -1/2 and 1/2. The view covers 1e-4 of a texel, so mip
+    // levels have no effect.
     for (x, share) in [(-0.5, 0.0), (-0.25, 0.25), (0.0, 0.5), (0.5, 1.0), (0.9, 1.0), (-0.9, 0.0)] {
         let expected = dark + (bright - dark) * share;
         assert!((base_color_at(&scene, x, 0.3) - expected).abs() < 1e-12, "{x}");
@@ -63,18 +64,18 @@ fn far_pictures_are_their_mean_in_linear_light() {
     let shades: Vec<u8> =
         (0..size * size).map(|k| if (k + k / size).is_multiple_of(2) { 30 } else { 220 }).collect();
     let scene = pictured(1.0, gray(size, size, &shades), Sampler::default(), |_| {});
-    // From 2,000 units up a pixel covers far more than the square.
+    // From 2,000 units above, a pixel covers far more than the square.
     let mut view = view(DVec3::Y * 2000.0, DVec3::ZERO, Aov::Beauty);
     view.width = 1;
     view.height = 1;
     let surface = Reference::new(scene::pose(scene.clone())).surface(&view, DVec2::splat(0.5)).unwrap();
     let mean = f64::midpoint(linear(30), linear(220));
     assert!((surface.base_color.x - mean).abs() < 1e-12, "{} {mean}", surface.base_color.x);
-    // The planted fault: the mean of the bytes.
+    // Planted fault: the mean of the bytes.
     assert!((linear(125) - mean).abs() > 0.1);
 }
 
-/// A screen whose left half is transparent, over a floor.
+/// Builds a screen over a floor. The left half of the screen is transparent.
 fn cut_out(alpha_cutoff: Option<f32>) -> Scene {
     let image = Image { width: 2, height: 1, rgba8: vec![255, 255, 255, 0, 255, 255, 255, 255] };
     let sampler = Sampler { nearest: true, wrap_u: Wrap::ClampToEdge, wrap_v: Wrap::ClampToEdge };
@@ -98,7 +99,7 @@ fn light_passes_through_holes() {
             frame.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] == 0.0).count()
         };
         let (whole, half) = (shadowed(None), shadowed(Some(0.5)));
-        // The hole is half of the screen; a pixel's row more or less at its edges.
+        // The hole is half of the screen, give or take a row of pixels at its edges.
         assert!(whole > 60 && half.abs_diff(whole / 2) < whole / 8, "{whole} {half}");
     }
 }
@@ -110,7 +111,7 @@ fn back_faces_are_seen_where_the_material_says_so() {
     let seen = |scene: &Scene| render(scene, &from_below, &[]).pixels[48 * 16 + 24];
     assert_eq!(seen(&scene), [0.0; 4]);
     scene.materials[0].double_sided = true;
-    // Towards the viewer, who is below.
+    // The normal faces the viewer, who is below.
     assert_eq!(seen(&scene), [0.0, -1.0, 0.0, 1.0]);
 }
 
@@ -121,7 +122,8 @@ fn orthographic_cameras_see_parallel() {
     above.camera.projection =
         Projection::Orthographic { ymag: 2.0, aspect_ratio: None, znear: 0.0, zfar: 10.0 };
     let frame = render(&scene, &above, &[]);
-    // Two of four units are covered in each direction: half of 32 rows, and of the 48 columns the same pixels.
+    // The square covers two of four units in each direction: half of the 32 rows, and as many of the 48
+    // columns.
     let seen: Vec<_> = frame.pixels.iter().filter(|pixel| pixel[3] == 1.0).collect();
     assert_eq!(seen.len(), 16 * 16);
     assert!(seen.iter().all(|pixel| (pixel[0] - 3.0).abs() < 1e-12), "one distance everywhere");

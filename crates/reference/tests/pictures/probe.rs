@@ -1,4 +1,5 @@
-//! Why a pixel is lit or not: against closed forms, against pictures, and every reason with what takes it away.
+//! Tests of probes, against closed forms and against pictures. Each state has a test with and without its
+//! cause.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -15,7 +16,7 @@ use scene::{Aov, Image, Sampler, Scene, TextureRef, View, Wrap};
 
 use crate::support::{floor, instances, looking, render, scene_of, sphere, spot, view};
 
-/// A ball over the middle of a floor.
+/// Builds a ball over the middle of a floor.
 fn ball_over_floor() -> Scene {
     let ball = DAffine3::from_scale_rotation_translation(DVec3::splat(0.4), DQuat::IDENTITY, DVec3::Y);
     let mut scene = scene_of([floor(3.0), (sphere(12), ball)]);
@@ -29,7 +30,7 @@ fn for_points(scene: &Scene) -> Reference {
     Reference::for_point_queries(Arc::new(Bvh::new(scene::pose(scene.clone()))))
 }
 
-/// What the middle of a picture shows: the middle of the floor, under the ball.
+/// Probes the middle of a picture, which shows the middle of the floor under the ball.
 fn under_the_ball(light: &Light) -> LightProbe {
     let view = view(DVec3::new(3.0, 1.5, 0.0), DVec3::ZERO, Aov::Beauty);
     let lights = instances(std::slice::from_ref(light));
@@ -41,7 +42,7 @@ fn under_the_ball(light: &Light) -> LightProbe {
     lights.pop().expect("the light")
 }
 
-/// Lights of every shape from straight above.
+/// Returns a light of each shape, from straight above.
 fn from_above() -> [Light; 4] {
     let above = DVec3::new(0.0, 3.0, 0.0);
     let lamp = spot(above, DVec3::ZERO).with(RANGE, None);
@@ -58,13 +59,13 @@ fn from_above() -> [Light; 4] {
     ]
 }
 
-/// Each reason is there where its cause is, and the light is lit without the cause.
+/// Each state occurs with its cause. Without the cause the light is lit.
 ///
 /// Rules: PROBE-2
 #[test]
 fn each_state_has_its_cause_and_goes_with_it() {
     for shadowed in from_above() {
-        // The ball's top is what light meets first; the facets' pole lies there exactly.
+        // The first occluder is the top of the ball, where a vertex of the mesh lies exactly.
         let LightState::Shadowed(ProbedCaster { node, position }) = under_the_ball(&shadowed).state else {
             panic!("{shadowed:?}")
         };
@@ -81,12 +82,12 @@ fn each_state_has_its_cause_and_goes_with_it() {
         }
         let unlinked = under_the_ball(&lit.clone().with(LIGHT_LINK, exclude("floor")));
         assert_eq!(unlinked.state, LightState::Unlinked);
-        // Where they lie in it is known of those that do not shine too, but not what they give.
+        // A light that does not shine has coordinates too, but no irradiance.
         for probe in [off, unlinked] {
             assert!(probe.place.is_some() && probe.path.len() >= 2);
             assert_eq!((probe.irradiance, probe.radiance, probe.share), (DVec3::ZERO, DVec3::ZERO, 0.0));
         }
-        // From below it comes through the floor.
+        // From below, the light would pass through the floor.
         let below =
             lit.clone().with(TRANSLATION, DVec3::Y * -3.0).with(ROTATION, looking(DVec3::NEG_Y, DVec3::ZERO));
         let facing = under_the_ball(&below);
@@ -106,7 +107,7 @@ fn each_state_has_its_cause_and_goes_with_it() {
     assert_ne!(under_the_ball(&faded.with(CUT_OFF, Some(2.9))).state, LightState::Faded);
 }
 
-/// A straight light by its geometry, whatever shape says it.
+/// Coordinates of straight lights follow from geometry, whatever their shape.
 ///
 /// Rules: PROBE-3, PROBE-4
 #[test]
@@ -122,7 +123,7 @@ fn a_straight_light_has_the_closed_form() {
     let axis = -source.normalize();
     let depth = -way.dot(axis);
     let radius = depth * 25.0_f64.to_radians().tan();
-    // Some ulps of lengths of about 4.
+    // The tolerance is some ulps of lengths of about 4.
     let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
     for (index, light) in probe.lights.iter().enumerate() {
         let place = light.place.expect("inside");
@@ -131,7 +132,7 @@ fn a_straight_light_has_the_closed_form() {
         assert!(place.coords.direction.distance(way.normalize()) < 1e-12, "{index}");
         let [first, .., last] = light.path[..] else { panic!("a line") };
         assert!(first.distance(source) < 1e-12 && last.distance(point) < 1e-12, "{index}: {:?}", light.path);
-        // All in between lies on the line.
+        // All points in between lie on the line.
         let off = |at: &DVec3| (*at - source).cross(way).length() / way.length();
         assert!(light.path.iter().all(|at| off(at) < 1e-12));
         match place.radius {
@@ -143,14 +144,14 @@ fn a_straight_light_has_the_closed_form() {
             None => assert_eq!(index, 2, "only an omni light has none"),
         }
     }
-    // The planted fault: a light a thousandth aside is none of that.
+    // Planted fault: the light is moved sideways by a thousandth.
     let aside = instances(&[lamp.with(TRANSLATION, source + DVec3::X * 1e-3)]);
     let moved = reference.probe(&view, DVec2::new(24.0, 16.0), &aside, &BTreeSet::new()).expect("a pixel");
     let length = moved.lights[0].place.and_then(|place| place.path_length).expect("inside");
     assert!(!near(length, way.length()));
 }
 
-/// A bent light's way: on its curve, from the source to the surface, past what is in it.
+/// The path of a bent light lies on its curve, from the source to the surface, and meets its occluder.
 ///
 /// Rules: PROBE-2, PROBE-4
 #[test]
@@ -176,7 +177,7 @@ fn the_way_of_a_bent_light_is_drawn_and_measured() {
         (0..steps).map(|k| place(k).distance(place(k + 1))).sum()
     };
     let length = place.path_length.expect("from somewhere");
-    // Of the walk: (h kappa)^2 / 24 of each of 1e5 steps.
+    // The sum of chords has a relative error of (h kappa)^2 / 24 with 1e5 steps.
     assert!((length / walked - 1.0).abs() < 1e-8, "{length} {walked}");
     assert!(probe.path.len() <= 256 && probe.path[0].distance(at(0.0)) < 1e-12);
     assert!(probe.path.last().expect("an end").length() < 1e-12);
@@ -191,19 +192,19 @@ fn the_way_of_a_bent_light_is_drawn_and_measured() {
     for k in 0..=1000 {
         assert!(off_path(at(t * f64::from(k) / 1000.0)) < length / 4096.0, "{k}");
     }
-    // The floor is flat, so what shadows it lies on the way itself.
+    // The floor is flat, so the occluder lies on the light path itself.
     match probe.state {
         LightState::Shadowed(ProbedCaster { node: 1, position }) => {
             assert!(off_path(position) < length / 4096.0);
         }
         state => panic!("{state:?}"),
     }
-    // The planted faults: the straight line is not the way, nor is it as long.
+    // Planted faults: the straight line is not the light path, and has another length.
     assert!(off_path(above.lerp(DVec3::ZERO, 0.5)) > length / 100.0);
     assert!(above.length() < 0.99 * length);
 }
 
-/// A floor with a picture that is minified far away and has odd sides, and a ball.
+/// Builds a ball over a floor. The floor's picture has odd sides and is minified far away.
 fn textured() -> Scene {
     let mut scene = ball_over_floor();
     let texel = |k: u32| [k.wrapping_mul(2_654_435_761) >> 24, k.wrapping_mul(40_503) >> 8, k * 7, 255];
@@ -218,7 +219,7 @@ fn textured() -> Scene {
     scene
 }
 
-/// What all lights add, and the fill, is the pixel of the reference's own picture; the shares are shares of it.
+/// All contributions and the fill add up to the pixel of the reference's own picture, and the shares to 1.
 ///
 /// Rules: PROBE-3
 #[test]
@@ -249,7 +250,7 @@ fn the_parts_add_up_to_the_picture() {
         };
         let sum = found.iter().map(|light| light.radiance).sum::<DVec3>() + seen.fill;
         let expected = DVec3::new(expected[0], expected[1], expected[2]);
-        // The same terms; textures are summed up in another order, some hundred terms of at most 1.
+        // The terms are equal, but textures are summed in another order: some hundred terms of at most 1.
         assert!(
             (sum - expected).abs().max_element() <= 1e-12 * (1.0 + expected.max_element()),
             "{pixel}: {sum} {expected}"
@@ -259,7 +260,7 @@ fn the_parts_add_up_to_the_picture() {
         assert!(if is_lit { (shares - 1.0).abs() < 1e-14 } else { shares == 0.0 }, "{pixel}: {shares}");
         lit += usize::from(is_lit);
         partly += usize::from(found.iter().any(|light| light.share > 0.01 && light.share < 0.99));
-        // The planted fault: a muted light is missed.
+        // Planted fault: a muted light is missing.
         let muted = BTreeSet::from([LightId(3)]);
         let fewer = reference.probe(&view, pixel, &lights, &muted).expect("a pixel").lights;
         assert_eq!(fewer[3].state, LightState::Disabled(DisabledBy::Muted));

@@ -1,4 +1,4 @@
-//! Scenes small enough to know everything about.
+//! Small test scenes.
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 use light::parameters::{INTENSITY, RANGE};
@@ -6,7 +6,7 @@ use light::{Light, LightInstance, Transform};
 use reference::{Reference, ReferencePicture};
 use scene::{Aov, Camera, Material, Mesh, Node, Primitive, Projection, Scene, View};
 
-/// A square from -1 to 1 in the plane y = 0 that faces up.
+/// Returns a square from -1 to 1 in the plane y = 0, facing up.
 pub fn square() -> Primitive {
     Primitive {
         positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -18,7 +18,7 @@ pub fn square() -> Primitive {
     }
 }
 
-/// A sphere of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+/// Returns a sphere of radius 1 with exact normals, `n` facets from pole to pole and twice as many around.
 pub fn sphere(n: u32) -> Primitive {
     let around = 2 * n;
     let at = |k: u32| {
@@ -51,7 +51,7 @@ pub fn floor(half: f64) -> (Primitive, DAffine3) {
     (square(), DAffine3::from_scale(DVec3::splat(half)))
 }
 
-/// From `eye` to `target`, -z forward.
+/// Returns the rotation that looks from `eye` to `target` along -z.
 pub fn looking(eye: DVec3, target: DVec3) -> DQuat {
     let back = (eye - target).normalize();
     let right =
@@ -74,7 +74,7 @@ pub fn spot(source: DVec3, target: DVec3) -> Light {
     Light::spot().with_transform(transform).with(INTENSITY, 10.0).with(RANGE, Some(6.0))
 }
 
-/// The lights as the reference takes them: checked, and numbered from 0.
+/// Returns the lights checked, and numbered from 0.
 pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
     LightInstance::numbered(lights.to_vec()).expect("lights")
 }

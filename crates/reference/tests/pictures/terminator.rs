@@ -1,4 +1,4 @@
-//! Where light grazes a smooth mesh of few facets.
+//! Tests of grazing light on smooth meshes with few facets.
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3};
 use light::parameters::DIRECTION;
@@ -12,7 +12,7 @@ fn at(scale: DVec3, place: DVec3) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(scale, DQuat::IDENTITY, place)
 }
 
-/// From the side, seen from the front: half of what is seen is lit.
+/// Returns a light from the side. Seen from the front, half of a ball is lit.
 fn key() -> Light {
     spot(DVec3::new(5.0, 2.0, 0.5), DVec3::ZERO)
 }
@@ -22,13 +22,13 @@ fn front(target: DVec3) -> View {
     View { width: 144, height: 96, ..view }
 }
 
-/// The same light of both kinds.
+/// Returns the same light as a spotlight and as a BendyLight.
 fn kinds() -> [CheckedLight; 2] {
     let bent = light::bend(&key(), 3).unwrap().with(DIRECTION, light::DirectionMode::Path);
     [key(), bent].map(|light| CheckedLight::new(light).expect("a light"))
 }
 
-/// Every point that the view sees in the light.
+/// Returns every point inside the light that the view sees.
 fn samples_in_view(scene: &Scene, view: &View, kind: &CheckedLight) -> Vec<(ShadedPoint, LightSample)> {
     let (reference, source) = (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(kind));
     let centre = |k: u32| DVec2::new(f64::from(k % view.width) + 0.5, f64::from(k / view.width) + 0.5);
@@ -51,7 +51,7 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             let wrong = seen.iter().filter(|(s, light)| light.is_visible != (facing(s, light) > 0.0)).count();
             assert!(seen.len() > 2000);
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
-            // The planted fault, and how it was: facets that face away are dark, and shadow those behind them.
+            // Planted fault, the former behavior: facets that face away are dark and shadow those behind them.
             let (reference, source) =
                 (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
             let flat = seen.iter().filter(|(surface, light)| {
@@ -65,7 +65,8 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
     }
 }
 
-/// A wall of two triangles whose normals all lean by 60 degrees, as those of leaves do, lets no light through from behind.
+/// A wall of two triangles, whose normals all lean by 60 degrees as those of leaves do, lets no light through
+/// from behind.
 #[test]
 fn light_from_behind_stays_there() {
     let leaning = Vec3::new(0.0, 0.5, 0.866);
@@ -89,7 +90,7 @@ fn light_from_behind_stays_there() {
     }
 }
 
-/// The shadow of a post on a coarse ball begins at its foot: no farther from it than the surface is moved.
+/// The shadow of a post on a coarse ball begins at its foot, no farther away than the terminator offset.
 #[test]
 fn shadows_stay_attached() {
     let post = (floor(1.0).0, DAffine3::from_rotation_z(std::f64::consts::FRAC_PI_2));
@@ -101,7 +102,7 @@ fn shadows_stay_attached() {
         let ball = || seen.iter().filter(|(surface, _)| surface.node == 0);
         let largest = ball().map(|(surface, _)| surface.terminator_offset).fold(0.0, f64::max);
         assert!(largest > 0.01 && largest < 0.035, "{largest}");
-        // Behind the post, from the light: it stands in the plane x = 0.
+        // The post stands in the plane x = 0, and this range lies behind it as seen from the light.
         let beside = |low: f64, high: f64| {
             let within = move |(surface, _): &&(ShadedPoint, LightSample)| {
                 surface.position.z.abs() < 0.3 && (low..high).contains(&-surface.position.x)
@@ -111,7 +112,7 @@ fn shadows_stay_attached() {
         };
         let (lit, count) = beside(3.0 * largest, 0.2);
         assert!(lit == 0 && count > 50, "{lit} of {count}");
-        // What the check is for: light there without the post.
+        // Control: the light reaches the same range on the other side of the post.
         let (lit, count) = beside(-0.2, -3.0 * largest);
         assert!(lit == count && count > 50, "{lit} of {count}");
     }

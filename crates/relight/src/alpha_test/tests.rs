@@ -1,4 +1,4 @@
-//! Pictures whose alpha is known everywhere.
+//! Alpha of textures whose values are known everywhere.
 
 use glam::{Vec2, Vec3};
 
@@ -13,7 +13,7 @@ const TEST: AlphaTest = AlphaTest {
 };
 /// Alpha grows along u and v, by 10 and 40 a texel.
 const RAMP: [u8; 16] = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90, 100, 110, 120, 130, 140, 150];
-/// Sums of four products in f32, each rounded a few times, and uv with a rounding of up to 8 texels.
+/// Sums of four products in f32, each rounded a few times, and uv with a rounding error for up to 8 texels.
 const TOLERANCE: f32 = 1e-5;
 
 fn at(test: &AlphaTest, texels: &[u8], u: f32, v: f32) -> f32 {
@@ -27,7 +27,7 @@ fn between_texels_alpha_is_linear_either_way() {
         let expected = 10.0 * (4.0 * u - 0.5) + 40.0 * (4.0 * v - 0.5);
         assert!((at(&TEST, &RAMP, u, v) - expected).abs() < 255.0 * TOLERANCE, "{u}, {v}");
     }
-    // Rows taken for columns are caught.
+    // Detects swapped rows and columns.
     assert!((at(&TEST, &RAMP, 0.2, 0.3) - at(&TEST, &RAMP, 0.3, 0.2)).abs() > 1.0);
 }
 
@@ -47,7 +47,7 @@ fn beyond_its_edges_a_picture_goes_on_as_its_wrap_says() {
         close(at(&edge, &RAMP, u, 0.4), at(&edge, &RAMP, u.clamp(0.0, 1.0), 0.4));
         close(at(&edge, &RAMP, 0.4, u), at(&edge, &RAMP, 0.4, u.clamp(0.0, 1.0)));
     }
-    // Where a picture begins again, its last texel is next to its first: half of each.
+    // At a repeat the last texel is next to the first, and each counts half.
     assert!((at(&with(TexelWrap::Repeat), &RAMP, 0.0, 0.125) - 15.0).abs() < 255.0 * TOLERANCE);
     assert!((at(&with(TexelWrap::MirroredRepeat), &RAMP, 0.0, 0.125) - 0.0).abs() < 255.0 * TOLERANCE);
 }
@@ -66,9 +66,9 @@ fn a_triangle_has_holes_where_the_product_is_below_its_tests_cutoff() {
     let texels: Vec<u8> = RAMP.into_iter().chain([255]).collect();
     let solid = AlphaTest { offset: 16, width: 1, height: 1, ..TEST };
     let tests = [
-        // Of triangles 0 to 2: what is below 50 / 255 on the ramp.
+        // Triangles 0 to 2: holes below 50 / 255 on the ramp.
         AlphaTest { cutoff: 50.0 / 255.0, ..TEST },
-        // Of 3: nothing; of 4 and 5: where the corners' alpha is less than 0.8.
+        // Triangle 3: no holes. Triangles 4 and 5: holes where the corners' alpha is below 0.8.
         AlphaTest { first_triangle: 3, first_index: 0, cutoff: 0.5, ..solid },
         AlphaTest { first_triangle: 4, first_index: 0, factor: 0.5, cutoff: 0.4, ..solid },
     ];

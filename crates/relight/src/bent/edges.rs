@@ -1,23 +1,23 @@
-//! Which edges are straight in a bent map, and which triangles show in it: the twin of what `bent_map.wgsl` has of that, for
-//! one edge and for sixteen.
+//! Tests for edges that are straight in a bent map and for triangles that show in it, like `bent_map.wgsl`. Each works
+//! on one edge and on sixteen.
 
 use light::{Curve, Lanes, Mask};
 
 use super::casters::{BentFace, BentMap};
 use super::slab::TubePosition;
 
-/// Surfaces without an alpha test. Of a closed one light meets only the side that faces it.
+/// Open surface without an alpha test. Of a closed surface light meets only the front.
 pub(super) const OPEN: u32 = u32::MAX;
-/// A closed surface whose triangles face outwards is `OPEN - 1`; this one's face inwards.
+/// Closed surface whose triangles face inwards. `OPEN - 1` is one whose triangles face outwards.
 pub(super) const INSIDE_OUT: u32 = u32::MAX - 2;
-/// Corners may be moved by so many of the finest texels where a triangle is drawn: to a grid of 1/16 texel, the coarsest that
-/// Vulkan lets a rasteriser have, of texels that are up to four times as wide the other way. Finer here, but both ways of
-/// drawing are to leave out the same.
+/// Largest shift of a corner by rasterization, in the finest texels: to a grid of 1/16 texel, the coarsest that Vulkan
+/// allows, of texels that are up to four times as wide in the other direction. The grid of this crate is finer, but
+/// both backends must drop the same triangles.
 const SNAP_TEXELS: f64 = 0.25;
 /// Four roundings of a position of size 1, the length of the light.
 const POSITION_ROUNDING: f64 = 1.0 / 4_194_304.0;
 
-/// An edge: its ends in tube space, and where they lie in the tube.
+/// Edge: its ends in tube space, and their tube coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge<F: Lanes> {
     pub qa: F::Vec3,
@@ -27,7 +27,8 @@ pub(super) struct Edge<F: Lanes> {
 }
 
 impl<F: Lanes> Edge<F> {
-    /// Whether no bend of its slab shows in it: it is short, or lies nearly square to the light. `reach` are the slab's.
+    /// True if the bend of the slab does not show in the edge: it is short, or nearly orthogonal to the light. `bounds`
+    /// are the slab's.
     #[inline(always)]
     pub fn is_safe(&self, bounds: [F; 4]) -> F::Mask {
         let dt = (self.b.t - self.a.t).abs();
@@ -37,7 +38,8 @@ impl<F: Lanes> Edge<F> {
     }
 }
 
-/// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
+/// Number of texels per unit of v and w at a point. The texels of a cube are as wide as angles, so fewer far from its
+/// axis.
 #[inline(always)]
 fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
     let texels = F::of(f64::from(map.texels_per_vw));
@@ -47,15 +49,16 @@ fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
     }
 }
 
-/// Whether light meets the triangle from within what it is of: something else of that lies before it then. Not where moving
-/// its corners might turn it round. `turned` is 1 of what is inside out, -1 of others.
+/// True if light meets the back of a triangle of a closed surface, whose front then shadows it. False where the
+/// rounding of corners might turn the triangle round. `turned` is 1 for an inside-out surface, else -1.
 #[inline(always)]
 pub(super) fn faces_away<F: Lanes>(map: &BentMap, [a, b, c]: [&TubePosition<F>; 3], turned: F) -> F::Mask {
     let has_width = a.r.least(b.r.least(c.r)).gt(F::of(0.0));
     let (v, w) = (a.v / a.r, a.w / a.r);
     let ab = [b.v / b.r - v, b.w / b.r - w];
     let ac = [c.v / c.r - v, c.w / c.r - w];
-    // Looking along light's way, v to w turns clockwise, so what turns from v to w shows its front to the source no more.
+    // Seen along the light, the rotation from v to w is clockwise. A triangle that turns from v to w faces away from
+    // the source.
     let area = turned * (ab[0] * ac[1] - ab[1] * ac[0]);
     let around = length2(ab) + length2(ac) + length2([ac[0] - ab[0], ac[1] - ab[1]]);
     has_width & area.lt(-(around * F::of(SNAP_TEXELS) / texels_at(map, v, w)))
@@ -66,9 +69,9 @@ fn length2<F: Lanes>([x, y]: [F; 2]) -> F {
     (x * x + y * y).sqrt()
 }
 
-/// Whether a triangle's image lies beyond one side of what is drawn of each face. `bow` is the most by which (V, W, R) strays
-/// from the straight edges, as a length in tube space. Between its edges a triangle strays by at most 4/3 of what the middles
-/// of its edges do, were it quadratic: twice leaves room for more.
+/// True if a triangle's image lies beyond one side of the drawn part of each face. `bow` is the largest deviation of
+/// (V, W, R) from the straight edges, as a length in tube space. Inside, a quadratic triangle deviates by at most 4/3
+/// of the deviation at the middles of its edges; a factor of 2 leaves room for more.
 #[inline(always)]
 pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&TubePosition<F>; 3], bow: F) -> F::Mask {
     let mut off = F::Mask::of(true);
@@ -104,32 +107,32 @@ fn off_face<F: Lanes>(face: &BentFace, [a, b, c]: [&TubePosition<F>; 3], bow: F)
         )
 }
 
-/// A clip coordinate.
+/// Computes a clip coordinate.
 #[inline(always)]
 fn clip_coordinate<F: Lanes>(row: glam::Vec3, at: &TubePosition<F>) -> F {
     F::of(f64::from(row.x)) * at.v + F::of(f64::from(row.y)) * at.w + F::of(f64::from(row.z)) * at.r
 }
 
-/// How far a clip coordinate may stray.
+/// Largest deviation of a clip coordinate.
 #[inline(always)]
 fn across<F: Lanes>(row: glam::Vec3, bow: F) -> F {
     bow * F::of(f64::from(row.abs().element_sum()))
 }
 
-/// Whether all three lie past one of the two sides.
+/// True if all three points lie past one of the two sides.
 #[inline(always)]
 fn beyond<F: Lanes>(x: [F; 3], outer: [F; 3], margin: F) -> F::Mask {
     let (a, b, c) = (outer[0] + margin, outer[1] + margin, outer[2] + margin);
     (x[0].gt(a) & x[1].gt(b) & x[2].gt(c)) | (x[0].lt(-a) & x[1].lt(-b) & x[2].lt(-c))
 }
 
-/// How far (V, W, R) strays from a straight edge, as a length in tube space.
+/// Deviation of (V, W, R) from a straight edge, as a length in tube space.
 #[inline(always)]
 pub(super) fn edge_error<F: Lanes>(mapped: &TubePosition<F>, straight: &TubePosition<F>) -> F {
     length2([mapped.v - straight.v, mapped.w - straight.w]) + (mapped.r - straight.r).abs()
 }
 
-/// How much faster than the centre a path at (v, w) runs on a cube; 1 else.
+/// Speed of a light path at (v, w) on a cube, as a multiple of the center's; else 1.
 #[inline(always)]
 fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
     if map.cube_slope.is_none() {
@@ -141,8 +144,8 @@ fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
     length2([F::of(1.0), spread])
 }
 
-/// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along the light
-/// as the length it is in the scene. `t_span` is the slab's.
+/// True if a point's image deviates too far from the straight edge, in texels: across the map, and along the light as
+/// its length in the scene. `t_span` is the slab's.
 #[inline(always)]
 pub(super) fn exceeds_tolerance<F: Lanes>(
     map: &BentMap,
@@ -158,8 +161,8 @@ pub(super) fn exceeds_tolerance<F: Lanes>(
     let across = length2([(mapped.v / mapped.r - v) * scale, (mapped.w / mapped.r - w) * scale]);
     let speed = F::of(2.0) * F::length(curve.d(F::of(0.5))) * stretch * scale / straight.r;
     let along = (mapped.t - straight.t) / t_span * speed;
-    // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting for it
-    // would not end.
+    // In a very thin tube a texel is smaller than the rounding error of a position. Bends below that error are noise,
+    // and splitting for them would not end.
     let rounding = F::of(POSITION_ROUNDING) * (F::of(1.0) + F::length(q)) * stretch * scale / straight.r;
     let most = F::of(f64::from(map.tolerance_texels)).most(rounding);
     has_width & across.most(along.abs()).gt(most)

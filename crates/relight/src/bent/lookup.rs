@@ -1,5 +1,6 @@
-//! Where a receiver lies on the faces of a bent map: the twin of `bent_lookup.wgsl`. The front of a cube, +V, -V, +W and -W
-//! in that order, on which (V, W, R / slope) are as positions are on a straight cone; else one face, even in v and w.
+//! Position of a receiver on the faces of a bent map, like `bent_lookup.wgsl`. The faces of a cube are its front, +V,
+//! -V, +W and -W, in that order. (V, W, R / slope) are on it like positions on a straight cone. A map without a cube
+//! has one face, linear in v and w.
 
 use light::Lanes;
 
@@ -7,29 +8,28 @@ use super::BentMapParams;
 use crate::lanes::{F32s, Masks, U32s};
 use crate::visibility::{fit_of, texel_at};
 
-/// Two numbers a lane.
 pub(super) type Pair = [F32s; 2];
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MapTexel {
     pub face: U32s,
     pub texel: Pair,
-    /// How (v, w) change from texel to texel, to the right and downwards.
+    /// Change of (v, w) from texel to texel, to the right and downwards.
     pub right: Pair,
     pub down: Pair,
-    /// A face's depth is t times this, on a straight cone the way along the face's own axis; and how it changes from texel to
-    /// texel downwards.
+    /// Depth of a face per unit of t: on a straight cone the distance along the face's own axis. And its change from
+    /// texel to texel downwards.
     pub gain: F32s,
     pub gain_down: F32s,
-    /// The depth that 1 stands for.
+    /// Depth that a stored 1 stands for.
     pub far: F32s,
 }
 
-/// The place of (V, W) where the tube is `radius` wide, on a map of `side` texels.
+/// Computes the texel of (V, W) where the tube has this `radius`, on a map of `side` texels.
 #[inline(always)]
 pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, radius: F32s) -> MapTexel {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
-    // At the very source nothing lies aside.
+    // At the source the radius is 0, and so are V and W.
     let radius = F32s::select(radius.gt(zero), radius, one);
     let resolution = F32s::splat(side);
     let Some(slope) = map.slope else {
@@ -77,7 +77,7 @@ pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, ra
     }
 }
 
-/// A step on a side of +-V as it is, on one of +-W with v and w exchanged.
+/// Returns a step on a side of +-V unchanged, and on a side of +-W with v and w exchanged.
 #[inline(always)]
 fn turned_back(along_v: Masks, [a, b]: Pair) -> Pair {
     [F32s::select(along_v, a, b), F32s::select(along_v, b, a)]

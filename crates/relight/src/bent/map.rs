@@ -1,8 +1,9 @@
-//! A bent shadow map: casters mapped into tube space, cut and split until their edges are straight there, and drawn.
-//! ARCHITECTURE, "Shadows", has why; `bent_map.wgsl` and its passes do the same on a device.
+//! Drawing of bent shadow maps: maps casters into tube space, clips and splits them until their edges are straight
+//! there, and rasterizes them.
 //!
-//! Whoever calls goes from stage to stage, so that each can be measured: [`BentMapBuilder::map_vertices`],
-//! [`BentMapBuilder::map_triangles`], [`BentMapBuilder::needs_split`], [`BentMapBuilder::draw`].
+//! `docs/decisions/29-bent-shadow-maps.md` has the reasons. `bent_map.wgsl` and its passes do the same on a GPU. The
+//! caller runs the stages one by one, so that each can be measured: [`BentMapBuilder::map_vertices`],
+//! [`BentMapBuilder::map_triangles`], [`BentMapBuilder::split`], [`BentMapBuilder::draw`].
 
 use glam::Vec3;
 use light::{Lanes, Mask};
@@ -20,16 +21,16 @@ use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
 const VERTICES_PER_BLOCK: usize = 64;
-/// Leaves of casters that a thread lists at once.
+/// Leaves of casters that a worker sorts at once.
 const LEAVES_PER_CHUNK: usize = 32;
-/// Triangles that a thread cuts and splits at once.
+/// Triangles that a worker clips and splits at once.
 const SPLITS_PER_CHUNK: usize = 64;
-/// A vertex in no slab.
+/// Vertex in no slab.
 const NO_SLAB: u32 = u32::MAX;
-/// In slabs of distant parts of the tube that overlap there.
+/// Vertex in slabs of distant parts of the tube, which overlap there.
 const SEVERAL_SLABS: u32 = u32::MAX - 1;
 
-/// Memory of making bent maps, kept from one to the next.
+/// Memory for drawing bent maps, kept from one map to the next.
 #[derive(Debug, Default)]
 pub struct BentMapBuilder {
     slabs: Vec<SlabLanes>,
@@ -62,7 +63,7 @@ impl BentMapBuilder {
         });
     }
 
-    /// Sorts out the triangles near the light: dropped, used as they are, or to be cut or split.
+    /// Sorts the triangles near the light into those to drop, to draw as they are, to clip and to split.
     pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, listed, .. } = self;
         let turns = casters.leaves.len().div_ceil(LEAVES_PER_CHUNK);
@@ -76,7 +77,8 @@ impl BentMapBuilder {
         });
     }
 
-    /// Cuts what reaches over several slabs, and splits what is not straight. Returns how many triangles were looked at for it.
+    /// Clips triangles in several slabs, and splits triangles that are not straight. Returns the number of triangles
+    /// that it examined.
     pub fn split(
         &mut self,
         workers: &Workers,
@@ -112,7 +114,7 @@ impl BentMapBuilder {
         Ok(count as u64)
     }
 
-    /// Draws what was mapped onto each face. Returns how many triangles that were.
+    /// Draws the mapped triangles onto each face, and returns their number.
     pub fn draw(
         &mut self,
         workers: &Workers,
@@ -131,7 +133,15 @@ impl BentMapBuilder {
             let (whole, chunks) =
                 if face.has_casters { (&whole[..], &alpha_tested[..]) } else { (&[][..], &[][..]) };
             let alpha_tested = AlphaTestedTriangles { chunks, tests: casters.alpha_tests };
-            draw_face_with_alpha_tests(&drawn, whole, &alpha_tested, workers, scratch, into.face_mut(index), side)?;
+            draw_face_with_alpha_tests(
+                &drawn,
+                whole,
+                &alpha_tested,
+                workers,
+                scratch,
+                into.face_mut(index),
+                side,
+            )?;
         }
         let count = |drawn: &SplitTriangles| drawn.opaque.len() + drawn.alpha_tested.len();
         let split = split.iter().map(count).sum::<usize>();
@@ -177,7 +187,7 @@ impl SimdTask for MapVertices<'_> {
     }
 }
 
-/// The first slab that holds each point.
+/// Returns the first slab that holds each point.
 #[inline(always)]
 fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
     let [low, high] = map.bounds.map(|corner| Vec3s::splat(corner.to_array()));
@@ -194,7 +204,7 @@ fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
             continue;
         }
         let is_first = holds & found.equals(none);
-        // The next slab shares a margin with this one; any later one is another part of the tube.
+        // The next slab shares a margin with this one. A later slab is another part of the tube.
         let is_next = found.equals(U32s::splat((index as u32).wrapping_sub(1))) | is_first;
         found = U32s::select(holds & !is_next, U32s::splat(SEVERAL_SLABS), found);
         found = U32s::select(is_first, U32s::splat(index as u32), found);

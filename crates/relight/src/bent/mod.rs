@@ -1,5 +1,5 @@
-//! A BendyLight: where surfaces lie in it, and what its bent map says of them. The twin of `bendy.wgsl`, on the light model
-//! that `light` has for one lane and for many.
+//! BendyLights: coordinates of surfaces in the tube, and their shadows by a bent map. Like `bendy.wgsl`, on the generic
+//! light model that `light` has for one lane and for many.
 
 mod casters;
 mod edges;
@@ -24,46 +24,45 @@ pub use casters::{BentCasters, BentFace, BentMap};
 pub use map::BentMapBuilder;
 pub use slab::{MapSlab, TubeSpace};
 
-/// Largest colour and intensity, so that their product is still finite.
+/// Largest color and intensity with a finite product.
 const MAX_INTENSITY: f32 = 1e15;
-/// Largest irradiance that stays finite through the BRDF: emission, and what is left of it, held by themselves.
+/// Largest irradiance that stays finite through the BRDF. It limits the emission and its attenuation separately.
 const MAX_EMISSION: f32 = 1e15;
 
-/// A BendyLight as it is drawn, or a part of one.
+/// BendyLight, or a part of one, as it is drawn.
 #[derive(Debug)]
 pub struct RelitBent {
     tube: Tube<F32s>,
-    /// Columns, and the translation.
+    /// Columns of the matrix, and the translation.
     tube_from_scene: [Vec3s; 4],
-    /// Columns.
+    /// Columns of the matrix.
     world_from_tube: [Vec3s; 3],
     world_per_tube: f32,
     map: BentMapParams,
 }
 
-/// What a bent map's depths and faces stand for; see `tube.wgsl`.
+/// Depths and faces of a bent map; see `tube.wgsl`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BentMapParams {
-    /// Depths count from this t, ...
+    /// The t of depth 0.
     pub t_base: f32,
-    /// ... and 1 is so much later.
+    /// Difference in t between the depths 0 and 1.
     pub t_span: f32,
-    /// Nothing casts shadows beyond.
+    /// Largest t at which anything casts shadows.
     pub t_last: f32,
-    /// Radius over the depth of the map's cube; `None` where the map has one face, even in v and w.
+    /// Radius over the depth of the map's cube; `None` for a map with one face, linear in v and w.
     pub slope: Option<f32>,
-    /// How far a receiver may lie behind the map's depth and be lit, in texels.
+    /// Distance behind the map's depth up to which a receiver is lit, in texels.
     pub tolerance_texels: f32,
-    /// How far what casts shadows may stray from the surface, in tube space.
+    /// Largest deviation of the casters from the surface, in tube space.
     pub mesh_error: f32,
-    /// Middle and 1 / half size of what is drawn of each face, as slopes.
+    /// Center and 1 / half size of the drawn part of each face, as slopes.
     pub fits: [[f32; 4]; 5],
-    /// How texels are blended.
     pub filter: ShadowFilter,
 }
 
 impl RelitBent {
-    /// `tube_from_scene` takes scene space to tube space.
+    /// Makes a light that is ready to draw. `tube_from_scene` takes scene space to tube space.
     pub fn new(tube: &Tube<f64>, tube_from_scene: Mat4, map: BentMapParams) -> Self {
         Self {
             tube: splat_tube(tube),
@@ -74,7 +73,7 @@ impl RelitBent {
         }
     }
 
-    /// A position in the scene, in tube space.
+    /// Transforms a position in the scene to tube space.
     #[inline(always)]
     fn tube_position(&self, position: Vec3s) -> Vec3s {
         let columns = &self.tube_from_scene;
@@ -116,7 +115,7 @@ impl RelitShape for RelitBent {
             irradiance: nothing,
             visibility: zero,
         };
-        // Sixteen pixels that lie together mostly lie in one segment.
+        // Sixteen neighbouring pixels mostly lie in one segment.
         for segment in 0..self.tube.segments.len() {
             let here = nearest.found & nearest.segment.equals(F32s::splat(segment as f32));
             if here.any() {
@@ -131,7 +130,7 @@ impl RelitShape for RelitBent {
 }
 
 impl RelitBent {
-    /// What surfaces at roots of one segment get.
+    /// Samples the light at the roots of one segment.
     #[inline(always)]
     fn sample_segment(
         &self,
@@ -153,7 +152,7 @@ impl RelitBent {
         let [r, g, b] = F32s::coordinates(self.tube.segments[segment].emission(root.u));
         let emission = F32s::vec3([r.least(most), g.least(most), b.least(most)]);
         let share = filter.attenuation_at(v, w, s);
-        // At the source itself light would be infinitely strong.
+        // At the source the irradiance would be infinite.
         let share = F32s::select(share.le(most), share, most);
         let visibility = match map {
             Some(map) => self.visibility(scene, map, surface, (&root, v, w), here),
@@ -168,7 +167,7 @@ impl RelitBent {
     }
 }
 
-/// The light with each of its numbers in every lane.
+/// Copies each number of a light into all lanes.
 pub(crate) fn splat_tube(tube: &Tube<f64>) -> Tube<F32s> {
     let of_tube = Tube::<f32>::from(tube);
     let bound = |x: f32| F32s::splat(x.clamp(-MAX_INTENSITY, MAX_INTENSITY));
@@ -193,7 +192,7 @@ fn in_lanes_vec(v: Vec3) -> Vec3s {
     Vec3s::splat(v.to_array())
 }
 
-/// A curve with each of its numbers in every lane.
+/// Copies each number of a curve into all lanes.
 pub(crate) fn splat_curve(curve: &Curve<f32>) -> Curve<F32s> {
     let bounds = &curve.bounds;
     Curve {

@@ -1,24 +1,24 @@
-//! Which of the roots of sixteen points counts.
+//! Selection of the root that counts, for sixteen points.
 
 use light::{Lanes, Mask, Tube};
 
 use crate::lanes::{F32s, Masks, Vec3s};
 
-/// The root of each point with the smallest |r| / R.
+/// Root of each point with the smallest |r| / R.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
-    /// Which points lie in the tube.
+    /// Lanes whose points lie in the tube.
     pub found: Masks,
-    /// In which of its segments.
+    /// Index of the segment.
     pub segment: F32s,
-    /// The parameter there.
+    /// Curve parameter in the segment.
     pub u: F32s,
     r2: F32s,
     radius: F32s,
 }
 
-/// Those of the points `q` in tube space that are `asked` for. At a joint the same root comes from both sides, equal but for
-/// rounding; either will do.
+/// Finds the roots of the points `q` in tube space, for the `asked` lanes. At a joint both segments give the same root
+/// up to rounding, and either will do.
 #[inline(always)]
 pub(crate) fn nearest(tube: &Tube<F32s>, q: Vec3s, asked: Masks) -> Nearest {
     let zero = F32s::splat(0.0);

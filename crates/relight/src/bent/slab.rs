@@ -1,4 +1,4 @@
-//! Points mapped into tube space, slab by slab: the twin of `map_to_slab` of `bent_map.wgsl`.
+//! Mapping of points into tube space, slab by slab, like `map_to_slab` of `bent_map.wgsl`.
 
 use glam::{Mat4, Vec3};
 use light::{Curve, FrameMode, Lanes, Mask, increasing_roots};
@@ -6,34 +6,33 @@ use light::{Curve, FrameMode, Lanes, Mask, increasing_roots};
 use super::splat_curve;
 use crate::lanes::{F32s, LANES, Masks, Vec3s};
 
-/// A piece of the tube between two planes square to its curve; inside it and its box the map is one to one.
+/// Piece of the tube between two planes orthogonal to its curve. Within the piece and its box the map is one to one.
 #[derive(Clone, Copy, Debug)]
 pub struct MapSlab {
-    /// Position, radius and frame.
     pub curve: Curve<f32>,
-    /// The map's t where it starts.
+    /// Map's t at the start of the slab.
     pub t_start: f32,
-    /// The map's t per unit of the curve's parameter.
+    /// Map's t per unit of the curve's parameter.
     pub t_span: f32,
-    /// n.q + w of the planes around, ends first; zero or more inside.
+    /// Bounding planes n.q + w, ends first; zero or more inside.
     pub planes: [[f32; 4]; 6],
-    /// Which edges are surely straight: `[p, q, r, s]`, where `(p dt + q e) dt` is at most the smaller radius of the ends
-    /// and `r dt + s e` at most 1, of an edge of length e between parameters that differ by dt.
+    /// Bounds `[p, q, r, s]` under which an edge is surely straight: `(p dt + q e) dt` is at most the smaller radius of
+    /// its ends and `r dt + s e` at most 1, for an edge of length e between parameters that differ by dt.
     pub edge_bounds: [f32; 4],
 }
 
-/// How scene space and a light's frame lie in its tube space.
+/// Tube space of a light, relative to scene space.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeSpace {
-    /// From scene space.
+    /// Transform from scene space.
     pub from_scene: Mat4,
     /// Orientation of the cross-section.
     pub frame: FrameMode,
-    /// Unit vector that orients it where that is [`FrameMode::Up`].
+    /// Unit vector that orients the cross-section with [`FrameMode::Up`].
     pub up: Vec3,
 }
 
-/// A slab with each of its numbers in every lane.
+/// Slab with each of its numbers in all lanes.
 #[derive(Debug)]
 pub(super) struct SlabLanes {
     pub curve: Curve<F32s>,
@@ -42,7 +41,7 @@ pub(super) struct SlabLanes {
     planes: [(Vec3s, F32s); 6],
 }
 
-/// (V, W, R, t) of a point, or of one a lane.
+/// Coordinates (V, W, R, t) of one point, or of one point per lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TubePosition<F> {
     pub v: F,
@@ -52,7 +51,7 @@ pub(super) struct TubePosition<F> {
 }
 
 impl TubeSpace {
-    /// A position of the scene in tube space.
+    /// Transforms a position in the scene to tube space.
     #[inline(always)]
     pub(super) fn position(&self, [x, y, z]: [f32; 3]) -> Vec3 {
         let m = &self.from_scene;
@@ -71,14 +70,14 @@ impl SlabLanes {
         }
     }
 
-    /// Signed distance from one of the planes around; inside where all six are zero or more.
+    /// Signed distance from a bounding plane. A point is inside if all six are zero or more.
     #[inline(always)]
     pub fn distance(&self, plane: usize, q: Vec3s) -> F32s {
         let (normal, offset) = self.planes[plane];
         F32s::dot(normal, q) + offset
     }
 
-    /// Which points lie in the slab.
+    /// Returns the lanes whose points lie in the slab.
     #[inline(always)]
     pub fn holds(&self, q: Vec3s) -> Masks {
         let ends = self.distance(0, q).least(self.distance(1, q));
@@ -91,8 +90,8 @@ impl SlabLanes {
         inside & across.least(along_normal).ge(F32s::splat(0.0))
     }
 
-    /// Where points of the slab lie in the tube. The signs at the ends are known; rounding at a clipping plane must not lose
-    /// the root.
+    /// Computes the tube coordinates of points in the slab. The signs at the ends are known, so that rounding at a
+    /// clipping plane cannot lose the root.
     #[inline(always)]
     pub fn to_tube_position(&self, space: &TubeSpace, q: Vec3s) -> TubePosition<F32s> {
         let (zero, curve) = (F32s::splat(0.0), &self.curve);
@@ -127,7 +126,7 @@ impl SlabLanes {
 }
 
 impl TubePosition<F32s> {
-    /// One lane's.
+    /// Coordinates of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> TubePosition<f32> {
         TubePosition { v: self.v.0[lane], w: self.w.0[lane], r: self.r.0[lane], t: self.t.0[lane] }
@@ -135,14 +134,14 @@ impl TubePosition<F32s> {
 }
 
 impl TubePosition<f32> {
-    /// A place of a vertex, and the value that is drawn.
+    /// Homogeneous position and value of a vertex for the rasterizer.
     #[inline(always)]
     pub fn corner(self) -> [f32; 4] {
         [self.v, self.w, self.r, self.t]
     }
 }
 
-/// Points side by side; where there are fewer than lanes the last one is repeated. Some there have to be.
+/// Puts points into lanes, and repeats the last one in the lanes that remain. `points` must not be empty.
 #[inline(always)]
 pub(super) fn lanes_from_points(points: &[Vec3]) -> Vec3s {
     let mut lanes = Vec3s::splat([0.0; 3]);

@@ -1,5 +1,6 @@
-//! Triangles cut to slabs, and split until their edges are as good as straight in the map: the twin of `bent_map_clip.wgsl` and
-//! `bent_map_split.wgsl`. Whether an edge is split depends on that edge alone, so neighbours agree and no cracks open.
+//! Clipping of triangles to slabs, and splitting until their edges are nearly straight in the map, like
+//! `bent_map_clip.wgsl` and `bent_map_split.wgsl`. The split of an edge depends on that edge alone, so neighbours agree
+//! and no cracks open.
 
 use super::casters::{BentCasters, BentMap};
 use super::edges::{Edge, INSIDE_OUT, OPEN, edge_error, exceeds_tolerance, faces_away, off_map};
@@ -9,59 +10,59 @@ use crate::raster::{AlphaTestedTriangle, RasterTriangle};
 use crate::scene::weights_at;
 use glam::Vec3;
 
-/// How often a patch may be split; what comes of it then is drawn as it is.
+/// Most levels of splitting. Patches of the last level are drawn as they are.
 const MAX_LEVELS: usize = 10;
 /// Three corners, and one more for each of the six planes.
 const MAX_CORNERS: usize = 9;
 
-/// What comes of some triangles that were cut and split.
+/// Triangles that result from clipping and splitting.
 #[derive(Debug, Default)]
 pub(super) struct SplitTriangles {
     pub opaque: Vec<RasterTriangle>,
     pub alpha_tested: Vec<AlphaTestedTriangle>,
 }
 
-/// A triangle in a slab that it may touch.
+/// Triangle, and a slab that it may touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ToClip {
     pub triangle: u32,
     pub slab: u32,
-    /// As in a patch.
+    /// Same as `Patch::caster`.
     pub caster: u32,
 }
 
-/// A triangle in a slab.
+/// Triangle in a slab.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     /// Corners in tube space.
     pub q: [Vec3; 3],
-    /// Where they lie in the tube.
+    /// Tube coordinates of the corners.
     pub mapped: [TubePosition<f32>; 3],
     pub slab: u32,
-    /// Which triangle of those with an alpha test it is of, or what surface.
+    /// Index of the triangle among those with an alpha test, or kind of the surface.
     pub caster: u32,
 }
 
-/// Whether an edge needs a point between its ends, and that point.
+/// Middle of an edge, with the decision to split it there.
 #[derive(Clone, Copy, Debug)]
 struct Middle {
     needs_split: bool,
-    /// How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
+    /// Deviation of (V, W, R) from the straight edge, as a length in tube space; 0 if too small to see.
     edge_error: f32,
     q: Vec3,
     mapped: TubePosition<f32>,
 }
 
-/// Memory of one turn.
+/// Memory for one chunk of work.
 #[derive(Default)]
 struct SplitMemory {
     points: Vec<Vec3>,
     mapped: Vec<TubePosition<f32>>,
-    /// Where the points of each patch's edges begin; those of safe ones have none.
+    /// Index of the first point of each patch's edges; `None` for safe edges, which need no points.
     edges: Vec<[Option<usize>; 3]>,
 }
 
-/// Cuts `to_clip`, then splits what came of that, and `patches`; both are sorted by slab. Adds what is to be drawn.
+/// Clips `to_clip`, and splits the result and `patches`, both sorted by slab. Adds the triangles to draw.
 #[inline(always)]
 pub(super) fn split(
     (map, slabs): (&BentMap, &[SlabLanes]),
@@ -103,7 +104,7 @@ fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut
     }
 }
 
-/// Cuts triangles to their slab in the scene, and adds them as fans of patches.
+/// Clips triangles to their slab in the scene, and adds the results as fans of patches.
 #[inline(always)]
 fn clip(
     (map, slab): (&BentMap, &SlabLanes),
@@ -140,7 +141,7 @@ fn clip(
     }
 }
 
-/// A triangle cut by planes: its corners, and how many they are.
+/// Clips a triangle by planes. Returns its corners and their number.
 #[inline(always)]
 fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS], usize) {
     let mut polygon = [Vec3::ZERO; MAX_CORNERS];
@@ -156,7 +157,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS],
         let mut before_distance = normal.dot(before) + w;
         for &here in &polygon[..count] {
             let distance = normal.dot(here) + w;
-            // Always from the outer end, so that the triangles on both sides of the edge agree bit for bit.
+            // Interpolates from the outer end always, so the triangles on both sides of the edge agree bit for bit.
             let crossing = if before_distance < 0.0 && distance >= 0.0 {
                 Some(before + (here - before) * (before_distance / (before_distance - distance)))
             } else if before_distance >= 0.0 && distance < 0.0 {
@@ -178,7 +179,7 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS],
     (polygon, count)
 }
 
-/// Lists and maps the points that tell which edges of `patches`, all of one slab, are straight.
+/// Lists and maps the points that decide if the edges of `patches`, all of one slab, are straight.
 #[inline(always)]
 fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut SplitMemory) {
     memory.points.clear();
@@ -191,7 +192,7 @@ fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut 
             if !ends.is_safe(bounds) {
                 *edge = Some(memory.points.len());
                 let middle = (ends.qa + ends.qb) * 0.5;
-                // Made from both ends alike, so that the edge's other triangle finds the same bits.
+                // The formula is symmetric in both ends, so the edge's other triangle computes the same bits.
                 memory.points.extend([middle, (ends.qa + middle) * 0.5, (ends.qb + middle) * 0.5]);
             }
         }
@@ -201,7 +202,7 @@ fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut 
 }
 
 impl Patch {
-    /// The edge from a corner to the next.
+    /// Returns the edge from a corner to the next.
     #[inline(always)]
     fn edge(&self, k: usize) -> Edge<f32> {
         let next = (k + 1) % 3;
@@ -209,8 +210,10 @@ impl Patch {
     }
 }
 
-/// Compares the image of each edge's middle with the middle of the images, and so the quarters: an S crosses its chord in the
-/// middle. The middle of homogeneous (V, W, R) is what is drawn; on a straight cone both agree.
+/// Compares the image of each edge's middle with the middle of the images, and likewise at the quarters, since an S
+/// crosses its chord in the middle.
+///
+/// The rasterizer draws the middle of the homogeneous (V, W, R). On a straight cone both agree.
 #[inline(always)]
 fn middles_of(
     map: &BentMap,
@@ -241,8 +244,8 @@ fn halfway(a: &TubePosition<f32>, b: &TubePosition<f32>) -> TubePosition<f32> {
     TubePosition { v: (a.v + b.v) * 0.5, w: (a.w + b.w) * 0.5, r: (a.r + b.r) * 0.5, t: (a.t + b.t) * 0.5 }
 }
 
-/// A patch of a triangle with an alpha test. A vertex that clipping and splitting made has no uv: where it lies in its triangle
-/// tells that, for both are flat in the scene.
+/// Makes a drawable triangle of a patch with an alpha test. A vertex that clipping or splitting made has no uv. Its
+/// position in the original triangle gives it, since both are flat in the scene.
 fn alpha_tested_triangle(map: &BentMap, casters: &BentCasters, patch: &Patch) -> AlphaTestedTriangle {
     let (scene, tests) = (casters.scene, &casters.alpha_tests);
     let triangle = tests.scene_triangle(patch.caster);
@@ -256,8 +259,8 @@ fn alpha_tested_triangle(map: &BentMap, casters: &BentCasters, patch: &Patch) ->
     AlphaTestedTriangle { corners, uv_alpha, test: tests.test_of(patch.caster) as u32 }
 }
 
-/// Drops a patch that lies off the map, draws one that is straight or the last, and splits others at the middles of those edges
-/// that are not.
+/// Drops a patch that lies off the map, draws one that is straight or of the last level, and splits others at the
+/// middles of their bent edges.
 #[inline(always)]
 fn divide(
     map: &BentMap,
@@ -296,7 +299,7 @@ fn divide(
         pass_on([middle(0), middle(1), middle(2)]);
         return;
     }
-    // From where a split edge comes first and, of two, the second next.
+    // Starts at a split edge that follows an unsplit one; with two split edges the second follows it.
     let first = (0..3).find(|&k| middles[k].needs_split && !middles[(k + 2) % 3].needs_split).unwrap_or(0);
     if splits == 1 {
         pass_on([corner(first), middle(first), corner(first + 2)]);

@@ -1,5 +1,5 @@
-//! Every triangle near a bent light once: dropped, used as it is, passed on as a patch where it lies in one slab and may be bent,
-//! or else listed with each slab that it may touch. The twin of `bent_map_triangles.wgsl`.
+//! Sorting of every triangle near a bent light, once. A triangle is dropped, drawn as it is, kept as a patch if it lies
+//! in one slab and may be bent, or else listed with each slab that it may touch. Like `bent_map_triangles.wgsl`.
 
 use glam::Vec3;
 use light::{Lanes, Mask};
@@ -12,28 +12,28 @@ use crate::lanes::{F32s, LANES, Masks, U32s, Vec3s};
 use crate::raster::RasterTriangle;
 use crate::simd::{self, SimdTask};
 
-/// A vertex of casters.
+/// Vertex of a caster.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Vertex {
     /// In tube space.
     pub q: Vec3,
-    /// The first slab that holds it.
+    /// First slab that holds the vertex.
     pub slab: u32,
-    /// Where it lies in that.
+    /// Tube coordinates in that slab.
     pub mapped: TubePosition<f32>,
 }
 
-/// What became of some of the triangles.
+/// Sorted triangles of a chunk of leaves.
 #[derive(Debug, Default)]
 pub(super) struct SortedTriangles {
-    /// To be drawn as they are.
+    /// Triangles to draw as they are.
     pub unsplit: Vec<RasterTriangle>,
     pub patches: Vec<Patch>,
     pub to_clip: Vec<ToClip>,
 }
 
 impl SortedTriangles {
-    /// Lists what is in `leaves` anew.
+    /// Sorts the triangles of `leaves`, and discards the former content.
     pub fn sort(
         &mut self,
         (map, slabs): (&BentMap, &[SlabLanes]),
@@ -79,12 +79,12 @@ struct Corners {
     q: [Vec3s; 3],
     mapped: [TubePosition<F32s>; 3],
     slab: [U32s; 3],
-    /// The bounds of the first corner's slab.
+    /// Edge bounds of the first corner's slab.
     bounds: [F32s; 4],
 }
 
 impl SortTriangles<'_> {
-    /// Lists up to sixteen triangles of a leaf.
+    /// Sorts up to sixteen triangles of a leaf.
     #[inline(always)]
     fn sort_sixteen(&mut self, first: u32, count: usize, shell: u32) {
         let corners = self.corners(first, count);
@@ -128,7 +128,7 @@ impl SortTriangles<'_> {
         corners
     }
 
-    /// Which surface a triangle is of, or which of those with an alpha test it is.
+    /// Returns the kind of a triangle's surface, or its index among the triangles with an alpha test.
     #[inline(always)]
     fn caster_of(&self, triangle: u32, shell: u32) -> u32 {
         let opaque = self.casters.opaque_triangles;
@@ -139,7 +139,7 @@ impl SortTriangles<'_> {
     fn sort_in_one_slab(&mut self, corners: &Corners, here: Masks, (first, count, shell): (u32, usize, u32)) {
         let [qa, qb, qc] = corners.q;
         let [a, b, c] = &corners.mapped;
-        // Nearly all are. Looking closer here would cost every triangle nine solves.
+        // Nearly all edges are safe. A closer look here would cost nine solves for every triangle.
         let bounds = corners.bounds;
         let safe = Edge { qa, a: *a, qb, b: *b }.is_safe(bounds)
             & Edge { qa: qb, a: *b, qb: qc, b: *c }.is_safe(bounds)
@@ -162,7 +162,7 @@ impl SortTriangles<'_> {
             }
             let caster = self.caster_of(first + i as u32, shell);
             let mapped = [a.lane(i), b.lane(i), c.lane(i)];
-            // Patches know their triangle, and by it their holes.
+            // Patches know their triangle, and so its alpha test.
             if safe.lane(i) && caster >= INSIDE_OUT {
                 self.listed.unsplit.push([mapped[0].corner(), mapped[1].corner(), mapped[2].corner()]);
             } else {
@@ -199,7 +199,7 @@ impl SortTriangles<'_> {
     }
 }
 
-/// Which of some numbers are below another.
+/// Returns the lanes below a limit.
 #[inline(always)]
 fn below(numbers: U32s, limit: usize) -> Masks {
     let mut below = Masks::of(false);
@@ -209,7 +209,7 @@ fn below(numbers: U32s, limit: usize) -> Masks {
     below
 }
 
-/// Which triangles have a box that touches another.
+/// Returns the lanes whose triangles have a box that touches another.
 #[inline(always)]
 fn near_all([low, high]: [Vec3; 2], [a, b, c]: &[Vec3s; 3]) -> Masks {
     let x = axis_near([low.x, high.x], [a.x, b.x, c.x]);
@@ -222,7 +222,7 @@ fn axis_near([low, high]: [f32; 2], [a, b, c]: [F32s; 3]) -> Masks {
     a.most(b).most(c).ge(F32s::splat(low)) & a.least(b).least(c).le(F32s::splat(high))
 }
 
-/// Which triangles lie on the outer side of none of the slab's planes.
+/// Returns the lanes whose triangles lie beyond none of the slab's planes.
 #[inline(always)]
 fn may_touch(slab: &SlabLanes, [a, b, c]: &[Vec3s; 3]) -> Masks {
     let mut may = Masks::of(true);

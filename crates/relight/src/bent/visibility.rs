@@ -1,4 +1,4 @@
-//! How much of a bent light nothing is in the way of: the twin of `bent_visibility` of `bendy.wgsl`.
+//! Visibility of a bent light, like `bent_visibility` of `bendy.wgsl`.
 
 use light::{Lanes, Mask, TubeRoot};
 
@@ -13,41 +13,43 @@ use crate::visibility::{
     Facing, LitTexels, Receiver, facing, filter_visibility, gathered, needs_exact_trace, resolve_visibility,
 };
 
-/// Lengths along the light, in a texel's widths. From texel to texel the receiver's plane runs along the light so far: more
-/// than this, and what the map cannot tell the scene is asked; ...
+/// Run of the receiver's plane along the light from texel to texel above which the scene decides if the map cannot, in
+/// texel widths.
 const GRAZING_TEXELS: f32 = 1.0;
-/// ... more than this, and the scene is asked whatever the map tells; ...
+/// Run above which the scene decides whatever the map says, in texel widths.
 const EDGE_ON: f32 = 256.0;
-/// ... the map is believed as if it were this at most; ...
+/// Largest run that adds to the tolerance of the map, in texel widths.
 const MAX_RUN_TEXELS: f32 = 4.0;
-/// ... casters stray from the surface as if it were this at most; ...
+/// Largest run that adds to the tolerance for casters that deviate from the surface, in texel widths.
 const MAX_CASTER_RUN_TEXELS: f32 = 32.0;
-/// ... and seen edge on it runs so far.
+/// Run of a plane seen edge on, in texel widths.
 const EDGE_ON_RUN_TEXELS: f32 = 4096.0;
-/// What is nearer than that, where light grazes ...
+/// Distance along the light within which the scene decides on casters where light grazes, in texel widths.
 const REACH_TEXELS: f32 = 48.0;
-/// ... and else, ...
+/// Distance along the light within which the scene decides on casters elsewhere, in texel widths.
 const NEAR_REACH_TEXELS: f32 = 8.0;
-/// ... or than the plane runs to the farthest of the texels around, so many steps away, is left to the scene.
+/// Steps from the receiver to the farthest of the texels around. The scene also decides on casters within the run of
+/// the plane over so many steps.
 const STEPS_AROUND: f32 = 1.5;
-/// A path is followed in pieces, each as long as all that are nearer to the surface: a chord strays by less the nearer it is. The
-/// first has so many widths of a texel at most, from which its chord strays by some hundredths of one, ...
+/// Longest first piece of a traced path, in texel widths. Each further piece is as long as all that are nearer to the
+/// surface, since a chord deviates less the nearer it is. The chord of the first deviates by some hundredths of a
+/// texel.
 const FIRST_PIECE: f32 = 16.0;
-/// ... or there are as many as this.
+/// Most pieces of a traced path. With all of them the first piece may be longer.
 const MAX_PIECES: usize = 12;
 
-/// A receiver's place on the map, and what its own plane looks like there.
+/// Position of a receiver on the map, and its own plane there.
 struct BentReceiver {
     face: U32s,
     texel: Pair,
-    /// As the face stores it, and how it changes along the receiver's plane from texel to texel.
+    /// Depth as the face stores it, and its change along the receiver's plane from texel to texel.
     depth: F32s,
     step: Pair,
-    /// How much deeper than the map says it may lie and be lit: by all that the map can tell, and if what is near is left to
-    /// the scene.
+    /// Distances behind the map's depth up to which the receiver is lit: by the map alone, and if the scene decides on
+    /// near casters.
     tolerance: F32s,
     reach: F32s,
-    /// The depth that 1 stands for.
+    /// Depth that a stored 1 stands for.
     far: F32s,
 }
 
@@ -60,8 +62,8 @@ impl Receiver for BentReceiver {
     #[inline(always)]
     fn lit_texels(&self, map: &DepthMap, corner: Pair) -> LitTexels {
         let (zero, side) = (F32s::splat(0.0), map.side() as f32);
-        // Where the tube's rim touches the map's, what lies beyond is looked up a texel further in. Farther out nothing throws
-        // shadows, though what may throw none is drawn up to the map's border.
+        // Where the tube's rim touches the map's, a lookup beyond it reads one texel further in. Farther out nothing
+        // casts shadows, though surfaces that cast none are drawn up to the map's border.
         let (low, high) = (F32s::splat(-1.5), F32s::splat(side + 0.5));
         let beyond =
             self.texel[0].lt(low) | self.texel[1].lt(low) | self.texel[0].gt(high) | self.texel[1].gt(high);
@@ -70,7 +72,7 @@ impl Receiver for BentReceiver {
         let [dx, dy] = self.step;
         let start = self.depth + (dx * (first[0] - self.texel[0]) + dy * (first[1] - self.texel[1]));
         let expected = [start, start + dx, start + dy, start + (dx + dy)];
-        // A texel that nothing was drawn to holds the last depth, and a plane may run on past it.
+        // A texel without a triangle holds the last depth, and a receiver's plane may run past that.
         let latest = self.far * F32s::splat(1.0 - 1.0 / 4_194_304.0);
         let stored = gathered(map, self.face, first);
         let mut lit = LitTexels { resolved: [beyond; 4], deferred: [beyond; 4] };
@@ -83,23 +85,23 @@ impl Receiver for BentReceiver {
     }
 }
 
-/// What is known of a path at a root.
+/// Derivatives and frame of a light path at a root.
 struct PathFrame {
     v_hat: Vec3s,
     w_hat: Vec3s,
-    /// Half the derivatives of position, first and second.
+    /// Half the first and half the second derivative of position.
     d: Vec3s,
     a: Vec3s,
     u_hat_derivative: Vec3s,
     radius_derivative: F32s,
-    /// Derivative of position by t along the curve of constant (v, w): the way light takes.
+    /// Derivative of position by t along the light path, the curve of constant (v, w).
     tangent: Vec3s,
-    /// The frame's rotation about the tangent per unit of u.
+    /// Rotation of the frame about the tangent per unit of u.
     twist: F32s,
     center_speed: F32s,
 }
 
-/// Where a point beside a root's lies in the tube, or past its rim.
+/// Tube coordinates of a point next to a root's, which may be outside the tube.
 struct OffsetPoint {
     dt: F32s,
     vw_len: Pair,
@@ -132,7 +134,8 @@ impl RelitBent {
         }
     }
 
-    /// The place beside a root, to second order in `lift`, which is short. `sigma` is `|P'| - r . u_hat'`.
+    /// Computes the coordinates of a point next to a root, to second order in the short `lift`. `sigma` is `|P'| - r .
+    /// u_hat'`.
     #[inline(always)]
     fn offset_point(
         &self,
@@ -142,7 +145,7 @@ impl RelitBent {
     ) -> OffsetPoint {
         let (zero, one, two) = (F32s::splat(0.0), F32s::splat(1.0), F32s::splat(2.0));
         let curve = &self.tube.segments[root.segment].curve;
-        // grad t = u_hat / sigma, and a step of Newton's method on r . P' from there.
+        // grad t = u_hat / sigma, and from there a step of Newton's method on r . P'.
         let rough = F32s::dot(lift, root.u_hat) / sigma.most(F32s::splat(1e-20));
         let d = path.d + path.a * rough;
         let r = root.r + lift - (path.d * two + path.a * rough) * rough;
@@ -151,7 +154,7 @@ impl RelitBent {
         let r_there = root.r + lift - (path.d * two + path.a * dt) * dt;
         let d_there = path.d + path.a * dt;
         let u_hat = d_there * (one / F32s::dot(d_there, d_there).most(F32s::splat(1e-37)).sqrt());
-        // The frame turns with the tangent, and where it leans towards `up` about it.
+        // The frame turns with the tangent. A frame that leans towards `up` also turns about it.
         let turn = F32s::dot(root.v_hat, u_hat) / (one + F32s::dot(root.u_hat, u_hat));
         let v_hat = root.v_hat - (root.u_hat + u_hat) * turn;
         let v_len = F32s::dot(r_there, v_hat);
@@ -165,11 +168,11 @@ impl RelitBent {
         }
     }
 
-    /// How much of the arriving light nothing is in the way of, where it is `asked`.
+    /// Computes the share of the light that no caster blocks, for the `asked` lanes.
     ///
-    /// Each texel is compared with the t that the receiver's own plane has at that texel's centre, so that a plane cannot
-    /// shadow itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and n.e = 0
-    /// gives `dt = -R (n_v dv + n_w dw) / n.T`.
+    /// The receiver's own plane has a t at each texel's center, and that t is compared with the texel, so that a plane
+    /// cannot shadow itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and
+    /// n.e = 0 gives `dt = -R (n_v dv + n_w dw) / n.T`.
     #[inline(always)]
     pub(super) fn visibility(
         &self,
@@ -202,7 +205,7 @@ impl RelitBent {
         let is_deferred = needs_exact_trace(shares, grazes) | shares.resolved.lt(shares.deferred);
         let is_edge_on = run.gt(F32s::splat(EDGE_ON) * width) & shares.deferred.gt(zero);
         let asks = asked & (is_deferred | is_edge_on);
-        // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach.
+        // A steep caster beside the receiver may be nearer than at it, so the ray test covers twice the reach.
         let two = F32s::splat(2.0);
         let back =
             F32s::select(is_deferred, two * receiver.reach + run, two * F32s::splat(REACH_TEXELS) * width);
@@ -225,7 +228,8 @@ impl RelitBent {
         F32s::select(asked, visibility, zero)
     }
 
-    /// The receiver with its plane's `normal` in tube space, a texel's width as a depth, and where light grazes.
+    /// Makes the receiver of a plane with this `normal` in tube space. Returns a texel's width as a depth too, and the
+    /// lanes that light grazes.
     #[inline(always)]
     fn receiver(
         &self,
@@ -238,10 +242,10 @@ impl RelitBent {
         let place = &self.map;
         let t = F32s::splat(root.segment as f32) + root.u + lifted.dt - F32s::splat(place.t_base);
         let leaning = [F32s::dot(normal, path.v_hat), F32s::dot(normal, path.w_hat)];
-        // One texel's width in the scene, as a step in t; at most that by the speed in which the map's own error is measured.
+        // Texel width in the scene as a step in t, at most that at the speed by which the map's own error is measured.
         let speed = F32s::length(path.tangent).least(map_speed(place, path, v, w)).most(F32s::splat(1e-20));
         let footprint = texel_width(place, on_map, (lifted.radius, path)) / speed;
-        // Seen edge on, the plane runs off along the light within a texel: the way it leans.
+        // A plane seen edge on runs off along the light within a texel, in the direction in which it leans.
         let edge_on = length2(leaning) * speed;
         let facing = (-F32s::dot(normal, path.tangent)).most(edge_on * F32s::splat(1.0 / EDGE_ON_RUN_TEXELS));
         let caster_facing = facing.most(edge_on * F32s::splat(1.0 / MAX_CASTER_RUN_TEXELS));
@@ -250,8 +254,8 @@ impl RelitBent {
             rise * dot2(leaning, on_map.right) * on_map.gain,
             rise * dot2(leaning, on_map.down) * on_map.gain + t * on_map.gain_down,
         ];
-        // The depth is rounded to some ulps of the largest. And the receiver's own caster may stray by e towards the light: a
-        // plane moved so far along its normal is met e / (n . T) earlier.
+        // Rounding changes the depth by some ulps of the largest. The receiver's own caster may deviate by e towards
+        // the light: a plane moved so far along its normal is met e / (n . T) earlier.
         let width = footprint * on_map.gain;
         let run = length2(step);
         let grazes = !faces_light | run.gt(F32s::splat(GRAZING_TEXELS) * width);
@@ -275,7 +279,7 @@ impl RelitBent {
 }
 
 impl RelitBent {
-    /// The points of the paths of constant (v, w) at `t`, in tube space.
+    /// Computes the points at `t` on the paths of constant (v, w), in tube space.
     #[inline(always)]
     fn path_points(&self, t: F32s, v: F32s, w: F32s) -> Vec3s {
         let mut points = Vec3s::splat([0.0; 3]);
@@ -294,8 +298,8 @@ impl RelitBent {
         points
     }
 
-    /// Whether something lies on the path of constant (v, w) that ends at a surface, at `t`, from `back` before there, in so many
-    /// pieces.
+    /// True if a caster lies on the last part of the path of constant (v, w) to a surface: from `t - back` to `t`,
+    /// traced in `pieces` chords.
     fn is_path_occluded(
         &self,
         scene: &CasterScene,
@@ -303,7 +307,7 @@ impl RelitBent {
         ([t, v, w], back, pieces): ([f32; 3], f32, usize),
         faces_light: bool,
     ) -> bool {
-        // A piece's far end a lane, and the path's end in the next.
+        // Each piece's far end takes a lane, and the end of the path the next.
         let mut ends = F32s::splat(t);
         for piece in 0..pieces {
             let share = 1.0 / (1 << (pieces - 1 - piece)) as f32;
@@ -313,7 +317,7 @@ impl RelitBent {
         let from_end = points - Vec3s::splat(points.lane(pieces).to_array());
         let ways = self.world_vector(from_end) * F32s::splat(self.world_per_tube);
         let end = surface.shadow_position();
-        // Light that bends may have come through the surface's own triangle before.
+        // Bent light may already have passed through the surface's own triangle.
         if faces_light && nearby::crosses_own_triangle(scene, surface, end + ways.lane(0)) {
             return true;
         }
@@ -329,8 +333,8 @@ impl RelitBent {
     }
 }
 
-/// The speed by which a map's error along the light is measured, of a path at (v, w): on a wide cone far from that of the
-/// centre.
+/// Speed of a light path at (v, w) by which the map's error along the light is measured. On a wide cone it differs much
+/// from the center's.
 #[inline(always)]
 fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s {
     if place.slope.is_none() {
@@ -339,13 +343,13 @@ fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s 
     length2([path.center_speed, path.radius_derivative * length2([v, w])])
 }
 
-/// How wide the steps of (v, w) from texel to texel are for a path.
+/// Width of the steps of (v, w) from texel to texel, orthogonal to the path.
 #[inline(always)]
 fn texel_width(place: &BentMapParams, texel: &MapTexel, (radius, path): (F32s, &PathFrame)) -> F32s {
     if place.slope.is_none() {
         return radius * length2(texel.right).most(length2(texel.down));
     }
-    // Far off the axis of a wide cone, what is across the tube is almost along the path.
+    // Far from the axis of a wide cone, directions across the tube are almost along the path.
     let along = path.tangent * (F32s::splat(1.0) / F32s::length(path.tangent));
     let right = path.v_hat * texel.right[0] + path.w_hat * texel.right[1];
     let down = path.v_hat * texel.down[0] + path.w_hat * texel.down[1];

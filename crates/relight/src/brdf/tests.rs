@@ -1,5 +1,5 @@
-//! What surfaces reflect, against glTF 2.0 appendix B in f64 as its sources write it: of the highlight the distribution of
-//! normals, masking and shadowing by Smith's Lambda, Schlick's Fresnel term and the cosine, each a factor of its own.
+//! BRDF against glTF 2.0 appendix B in f64, as its sources write it. The specular lobe has the distribution of normals,
+//! masking and shadowing by Smith's Lambda, Schlick's Fresnel term and the cosine as separate factors.
 
 use std::f64::consts::PI;
 
@@ -8,12 +8,12 @@ use glam::DVec3;
 use super::{F32s, SurfaceLanes, Vec3s, evaluate_brdf};
 use crate::lanes::{LANES, Masks, U32s};
 
-/// Largest error, as a share. Directions are unit to an ulp of 2^-24, and what a highlight is narrow by, `tan^2 / alpha^2`,
-/// changes by `2 / alpha` times that; alpha is at least 0.09 here, and the lobe falls with the square: some 60 roundings,
-/// and as many again of factors and sums.
+/// Largest relative error. Directions are unit to an ulp of 2^-24. The narrowness of the highlight, `tan^2 / alpha^2`,
+/// changes by `2 / alpha` times that. Alpha is at least 0.09 here, and the lobe falls with the square: some 60
+/// roundings, and as many again of factors and sums.
 const TOLERANCE: f64 = 120.0 / 16_777_216.0;
 
-/// A surface that faces `normal`, seen from `to_eye`.
+/// Surface with a `normal`, seen from `to_eye`.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     normal: DVec3,
@@ -24,7 +24,7 @@ struct Case {
     roughness: f64,
 }
 
-/// What is mirrored is the product of these, and colour.
+/// Factor of the specular lobe, beside color.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Factor {
     Distribution,
@@ -36,7 +36,7 @@ enum Factor {
 const FACTORS: [Factor; 4] = [Factor::Distribution, Factor::Masking, Factor::Fresnel, Factor::Cosine];
 
 impl Case {
-    /// What is scattered and what is mirrored; of the latter without a factor where a fault is to be planted.
+    /// Computes the diffuse and the specular lobe, the latter without the `dropped` factor of a planted fault.
     fn expected(&self, dropped: Option<Factor>) -> [DVec3; 2] {
         let Self { normal: n, to_eye: v, to_light: l, base_color, metallic, .. } = *self;
         let h = (v + l).normalize();
@@ -62,7 +62,7 @@ impl Case {
     }
 }
 
-/// Cases without order, sixteen of each: numbers of one sequence, by the plastic number's powers.
+/// Makes groups of sixteen unordered cases, from one sequence of powers of the plastic number.
 fn cases() -> Vec<[Case; LANES]> {
     let number = |k: usize, factor: f64| (k as f64 * factor).fract();
     let direction = |k: usize, normal: DVec3| {
@@ -107,7 +107,7 @@ fn in_lanes(cases: &[Case; LANES]) -> (SurfaceLanes, Vec3s) {
     (surface, vectors(|case| case.to_light))
 }
 
-/// In how many cases what is reflected is off by more than the tolerance.
+/// Counts the cases whose reflection is off by more than the tolerance.
 fn off(dropped: Option<Factor>) -> usize {
     let mut off = 0;
     for cases in cases() {

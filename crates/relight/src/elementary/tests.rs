@@ -48,7 +48,7 @@ fn angles_are_as_near_as_they_say() {
         let (sin, cos) = libm::sincosf(k as f32 * std::f32::consts::TAU / 3600.0);
         let exact = libm::atan2(f64::from(sin), f64::from(cos));
         let found = both(sin, 1.0, cos).1;
-        // At the seam both ends are the same.
+        // Both ends of the seam are the same angle.
         worst = worst.max((found - exact).abs().min((found - exact + std::f64::consts::TAU).abs()));
     }
     assert!(worst < 4e-7, "{worst:e}");

@@ -1,4 +1,4 @@
-//! Sixteen lanes have the bits of one: what `f32` finds in a light, they find too.
+//! Sixteen lanes find the same bits in a light as `f32` does.
 
 use light::parameters::{DIRECTION, END_MODE, FRAME, PROFILE};
 use light::{DirectionMode, EndMode, FrameMode, Light, ProfileCurve, Tube, TubeRoot};
@@ -7,7 +7,7 @@ use super::*;
 use crate::bent::splat_tube;
 use crate::simd::{self, SimdTask};
 
-/// Numbers from 0 to 1 that are the same everywhere: a linear congruence.
+/// Linear congruential generator of numbers from 0 to 1, the same everywhere.
 struct RandomNumbers(u32);
 
 impl RandomNumbers {
@@ -17,7 +17,7 @@ impl RandomNumbers {
     }
 }
 
-/// Lights in all ways to orient and to end, of several shapes.
+/// Makes lights of several shapes with all frames, directions and ends.
 fn lights() -> Vec<Light> {
     let bent = |points: &[[f64; 3]], radii: &[f64]| {
         Light::bendy(points.iter().map(|point| DVec3::from_array(*point)).collect(), radii.to_vec())
@@ -39,8 +39,8 @@ fn lights() -> Vec<Light> {
     all
 }
 
-/// What is found at the roots of sixteen points on one segment, a number each: u, V, W, R, the direction, and how far light
-/// came.
+/// Finds the roots of sixteen points on one segment, as eight numbers each: u, V, W, R, the direction and the path
+/// length.
 struct OnSegment<'a> {
     tube: &'a Tube<F32s>,
     segment: usize,
@@ -89,7 +89,7 @@ fn sixteen_lanes_find_what_one_finds() {
         for _ in 0..200 {
             let mut q = Vec3s::splat([0.0; 3]);
             for i in 0..LANES {
-                // Around the curve, and a little beside the tube.
+                // Points around the curve, and a little outside the tube.
                 let segment = &one.segments[(spread.next() * one.n as f32) as usize].curve;
                 let middle = segment.position(spread.next());
                 let beside = [0; 3].map(|_| (spread.next() - 0.5) * 1.2);
@@ -107,7 +107,7 @@ fn sixteen_lanes_find_what_one_finds() {
                         (0..2).any(|k| has[k].lane(i) && values[k].map(|x| x.0[i].to_bits()) == expected);
                     assert!(same, "{root:?} is not what {found:?} have in lane {i}");
                     compared += 1;
-                    // The planted fault: another lane's answer.
+                    // Planted fault: another lane's answer.
                     let other = (i + 1) % LANES;
                     assert!((0..2).all(|k| values[k].map(|x| x.0[other].to_bits()) != expected));
                 });
@@ -117,7 +117,7 @@ fn sixteen_lanes_find_what_one_finds() {
     assert!(compared > 3_000, "{compared} roots were compared");
 }
 
-/// What becomes of light on its way, a share each.
+/// Attenuation of light, one share per lane.
 struct Shares<'a>(&'a light::LightProfile, [F32s; 3]);
 
 impl SimdTask for Shares<'_> {
@@ -130,7 +130,7 @@ impl SimdTask for Shares<'_> {
     }
 }
 
-/// Powers and angles are computed otherwise in lanes: within what `elementary` says of them, times what follows.
+/// Lanes compute powers and angles differently: within the bounds of `elementary`, times the factors that follow.
 #[test]
 fn light_falls_off_as_it_does_in_double_precision() {
     let mut spread = RandomNumbers(3);
@@ -142,7 +142,8 @@ fn light_falls_off_as_it_does_in_double_precision() {
             let many = simd::run(Shares(&tube.light_profile, places.map(F32s::splat)));
             let [v, w, s] = places.map(f64::from);
             let one = tube.light_profile.attenuation_at(v, w, s);
-            // f32 rounds (1 - share) / span, span a fifth or so of what it is of, and curves are at most three times as steep.
+            // f32 rounds (1 - share) / span, where span is about a fifth of the whole, and curves are at most three
+            // times as steep.
             assert!(
                 (f64::from(many.0[5]) - one).abs() < 1e-5,
                 "{curve:?} at {places:?}: {} for {one}",

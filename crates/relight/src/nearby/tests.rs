@@ -1,4 +1,4 @@
-//! Which boxes ways pass by.
+//! Separating-axis test of boxes and segments.
 
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use proptest::strategy::ValueTree;
 use super::{misses_box, rounding_error};
 use crate::CasterHierarchyNode;
 
-/// What is held against it: a box and a segment.
+/// Box and segment.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     min: Vec3,
@@ -18,7 +18,7 @@ struct Case {
 
 fn cases() -> impl Strategy<Value = Case> {
     let place = |reach: f32| [-reach..reach, -reach..reach, -reach..reach].prop_map(Vec3::from);
-    // Flat boxes too, and ways along axes, where products are 0.
+    // Flat boxes too, and segments along axes, whose products are 0.
     let size = (place(1.0), any::<bool>());
     let size = size.prop_map(|(size, is_flat)| if is_flat { size.abs().with_y(0.0) } else { size.abs() });
     let way = (place(8.0), 0u32..8).prop_map(|(way, zeros)| {
@@ -43,8 +43,8 @@ impl Case {
         misses_box(&node, (self.start + 0.5 * self.way, 0.5 * self.way, self.slack()))
     }
 
-    /// Whether some of the segment is in the box made larger by `room`, by what is left of it between each pair of planes (Liang
-    /// and Barsky 1984), in f64.
+    /// True if a part of the segment is in the box enlarged by `room`, by the slab method (Liang and Barsky 1984) in
+    /// f64.
     fn passes_through(&self, room: f64) -> bool {
         let (start, way) = (self.start.as_dvec3(), self.way.as_dvec3());
         let (min, max) = (self.min.as_dvec3() - room, self.max.as_dvec3() + room);
@@ -63,7 +63,7 @@ impl Case {
         first <= last
     }
 
-    /// Whether the boxes of both touch.
+    /// True if the boxes of both touch.
     fn touches_its_box(&self) -> bool {
         let end = self.start + self.way;
         let (low, high): (DVec3, DVec3) = (self.start.min(end).as_dvec3(), self.start.max(end).as_dvec3());
@@ -79,7 +79,8 @@ proptest! {
         prop_assert!(!(case.is_beside() && case.passes_through(0.0)));
     }
 
-    /// Both roundings of the products are within twice the slack, and an edge is met at no less than the slack times the root of 2.
+    /// The rounding errors of the products are within twice the slack, and an edge is met at no less than the slack
+    /// times the root of 2.
     #[test]
     fn boxes_beside_a_way_are_passed_by(case in cases()) {
         prop_assert!(case.is_beside() || case.passes_through(f64::from(4.0 * case.slack())));

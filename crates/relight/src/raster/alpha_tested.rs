@@ -1,4 +1,4 @@
-//! Triangles with alpha tests: what has less alpha than the test asks for is a hole, and stores nothing.
+//! Triangles with alpha tests. A texel whose alpha is below the test's cutoff is a hole, and stores nothing.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -14,25 +14,25 @@ use super::wide::{Floats, LANES};
 use super::{AlphaTestedTriangle, BAND, Band};
 use crate::alpha_test::AlphaTests;
 
-/// A triangle.
+/// Alpha-tested triangle, set up.
 #[derive(Debug)]
 struct AlphaTestedLarge {
     large: LargeTriangle,
-    /// Of u / w, v / w and alpha / w.
+    /// Planes of u / w, v / w and alpha / w.
     over_w: [Plane; 3],
     test: usize,
 }
 
-/// Some triangles of a face, set up.
+/// Some alpha-tested triangles of a face, set up.
 #[derive(Debug, Default)]
 pub(super) struct AlphaTestedPiece {
     triangles: Vec<AlphaTestedLarge>,
-    /// Of each band: places in `triangles`.
+    /// Indices into `triangles`, for each band.
     in_bands: Vec<Vec<u32>>,
 }
 
 impl AlphaTestedPiece {
-    /// Sets these triangles up instead of those before.
+    /// Sets up these triangles, and discards the former ones.
     pub fn set_up(&mut self, triangles: &[AlphaTestedTriangle], projection: &Projection) {
         self.triangles.clear();
         self.in_bands.resize_with(projection.side.div_ceil(BAND), Vec::new);
@@ -63,12 +63,12 @@ impl AlphaTestedPiece {
         }
     }
 
-    /// How many of them are in the band of that number.
+    /// Number of triangles in a band.
     pub fn count_in(&self, band: usize) -> usize {
         self.in_bands[band].len()
     }
 
-    /// Draws one of those. Returns the texels of its bounding box.
+    /// Draws one triangle of a band, and returns the number of texels in its bounding box.
     #[inline(always)]
     pub fn draw<R: DepthTest>(
         &self,
@@ -97,7 +97,7 @@ impl AlphaTestedLarge {
                 let (covered, n, d) = run.lanes_from(done, band.lane_indices);
                 let stored = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels));
                 for (lane, texel) in texels.iter_mut().enumerate() {
-                    // What something nearer hides needs no test.
+                    // A texel that something nearer hides needs no test.
                     if stored.0[lane] != *texel && !self.is_hole(tests, run.first + done + lane, row) {
                         *texel = stored.0[lane];
                     }
@@ -107,7 +107,7 @@ impl AlphaTestedLarge {
         }
     }
 
-    /// Whether there is a hole at a texel's centre.
+    /// True if there is a hole at a texel's center.
     #[inline(always)]
     fn is_hole(&self, tests: AlphaTests, column: usize, row: usize) -> bool {
         let (d, over_w) = self.large.at(&self.over_w, column, row);

@@ -1,7 +1,7 @@
-//! Cuts triangles that reach where the light does not: behind its source, or so far aside that their corners on the
-//! face would be too large to compute with exactly.
+//! Clipping of triangles that reach behind the source of the light, or so far aside that the face coordinates of their
+//! corners are too large for exact computation.
 
-/// A corner in clip coordinates (x, y, w), with its value and whatever else is interpolated.
+/// Corner in clip coordinates (x, y, w), with its value and further interpolated numbers.
 pub(super) type ClipCorner<const N: usize> = [f32; N];
 
 /// Most corners of a triangle after five cuts.
@@ -15,11 +15,11 @@ pub(super) struct Polygon<const N: usize> {
 }
 
 impl<const N: usize> Polygon<N> {
-    /// What of a triangle has w >= `least_w`, |x| <= `guard` w and |y| <= `guard` w. Of no corners where there is
-    /// nothing: where a corner is no number, too, or is the origin, from where the triangle is seen edge on.
+    /// Clips a triangle to w >= `least_w`, |x| <= `guard` w and |y| <= `guard` w. The polygon is empty if nothing
+    /// remains, if a coordinate is not finite, or if a corner is the origin, from which the triangle is seen edge on.
     ///
-    /// Two triangles that share an edge get the same corners on it: a cut goes from inside to outside, whichever way
-    /// round the triangle does, and corners inside stay as they are.
+    /// Two triangles that share an edge get the same corners on it: interpolation goes from inside to outside, whatever
+    /// the winding, and corners inside stay as they are.
     pub fn clip(triangle: [ClipCorner<N>; 3], least_w: f32, guard: f32) -> Self {
         let mut polygon = Self { corners: [[0.0; N]; MAX_CORNERS], count: 0 };
         let is_finite = triangle.as_flattened().iter().all(|x| x.is_finite());
@@ -28,7 +28,7 @@ impl<const N: usize> Polygon<N> {
             polygon.count = 3;
         }
         let guard = f64::from(guard);
-        // Of x, y, w and 1: what is cut away is where the sum is negative.
+        // Coefficients of x, y, w and 1. The part where their sum is negative is clipped.
         let planes = [
             [0.0, 0.0, 1.0, -f64::from(least_w)],
             [-1.0, 0.0, guard, 0.0],
@@ -42,7 +42,7 @@ impl<const N: usize> Polygon<N> {
         polygon
     }
 
-    /// Triangles that together are the polygon.
+    /// Splits the polygon into triangles.
     pub fn triangles(&self) -> impl Iterator<Item = [ClipCorner<N>; 3]> {
         let corners = &self.corners[..self.count];
         corners.windows(2).skip(1).map(|pair| [corners[0], pair[0], pair[1]])

@@ -1,5 +1,5 @@
-//! Triangles of any size, and those that were cut: row by row, from the first covered texel to the last, which f64
-//! tells exactly.
+//! Drawing of triangles of any size and of clipped ones: row by row, from the first covered texel to the last, which
+//! f64 computes exactly.
 #![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 #![expect(
     clippy::inline_always,
@@ -10,23 +10,25 @@ use super::Band;
 use super::rule::DepthTest;
 use super::wide::{Floats, Ints, LANES};
 
-/// A corner on the face.
+/// Corner of a triangle on the face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// To the right and down from the centre of the first texel, in 1/256 of a texel; at most 2^22 either way.
+    /// Offset to the right and down from the center of the first texel, in 1/256 of a texel; at most 2^22 in each
+    /// direction.
     pub at: [i32; 2],
     /// N and D of [`DepthTest`].
     pub n: f32,
     pub d: f32,
 }
 
-/// A triangle. Its numbers are integers below 2^48 where `SmallTriangle` has integers, and exact.
+/// Triangle, set up. Its numbers are exact integers below 2^48 where `SmallTriangle` has integers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LargeTriangle {
-    /// The first and the last column and row of texels whose centres may be covered.
+    /// First and last column and row of the texels whose centers may be covered.
     pub columns: [i32; 2],
     pub rows: [i32; 2],
-    /// Edge functions as `SmallTriangle` has them: `c + a i + b j` at the texel in column `i` and row `j` of the face.
+    /// Edge functions like those of `SmallTriangle`: `c + a i + b j` at the texel in column `i` and row `j` of the
+    /// face.
     a: [f64; 3],
     b: [f64; 3],
     c: [f64; 3],
@@ -34,31 +36,31 @@ pub(super) struct LargeTriangle {
     d: Plane,
 }
 
-/// A number that is linear on the face, as `SmallTriangle` has N and D: the first, plus the others times the edge functions of
-/// the second and the third corner.
+/// Linear function on the face, like N and D of `SmallTriangle`: the first number, plus the others times the edge
+/// functions of the second and the third corner.
 pub(super) type Plane = [f64; 3];
 
-/// Covered texels of a row, and how N and D go along it.
+/// Covered texels of a row, with N and D along it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// The first column, and how many there are.
+    /// First column, and number of columns.
     pub first: usize,
     pub count: usize,
-    /// At the first.
+    /// N and D at the first column.
     pub n: f32,
     pub d: f32,
-    /// From each to the next.
+    /// Steps of N and D from each column to the next.
     pub n_step: f32,
     pub d_step: f32,
 }
 
 impl LargeTriangle {
-    /// `None` where it cannot cover a texel of a face with so many a side.
+    /// Sets up a triangle. `None` if it cannot cover a texel of a face with `side` texels a side.
     pub fn new(corners: [Corner; 3], side: usize) -> Option<Self> {
         Self::with_planes(corners, [], side).map(|(large, [])| large)
     }
 
-    /// The same, and planes of other numbers at the corners.
+    /// Sets up a triangle, with planes of other numbers at its corners.
     pub fn with_planes<const N: usize>(
         corners: [Corner; 3],
         others: [[f64; 3]; N],
@@ -75,10 +77,10 @@ impl LargeTriangle {
             return None;
         }
         let sign = doubled_area.signum();
-        // From the second to the third of the corners, for the edge named by the first.
+        // Edge from the second to the third of the corners, named by the first.
         let edge = |from: [i64; 2], to: [i64; 2]| {
             let (a, b) = (sign * (from[1] - to[1]), sign * (to[0] - from[0]));
-            // Centres on top and left edges are covered.
+            // Centers on top and left edges are covered.
             let uncovered = i64::from(!(a > 0 || a == 0 && b > 0));
             let at_origin = -(a * from[0] + b * from[1]);
             let c = (at_origin - uncovered) >> 8;
@@ -103,14 +105,14 @@ impl LargeTriangle {
         Some((large, others.map(plane)))
     }
 
-    /// Texels of its bounding box in a band.
+    /// Number of texels of the bounding box in a band.
     pub fn texels_in(&self, band: &Band) -> usize {
         let first = (self.rows[0] as usize).max(band.first);
         let end = (self.rows[1] as usize + 1).min(band.end);
         end.saturating_sub(first) * ((self.columns[1] - self.columns[0]) as usize + LANES)
     }
 
-    /// Planes at the centre of a texel: D, and three others.
+    /// Evaluates D and three other planes at the center of a texel.
     #[inline(always)]
     pub fn at(&self, others: &[Plane; 3], column: usize, row: usize) -> (f64, [f64; 3]) {
         let (x, y) = (column as f64, row as f64);
@@ -123,8 +125,8 @@ impl LargeTriangle {
         )
     }
 
-    /// What it covers of a row. A quotient of integers below 2^53 is rounded to no integer that it is not, and so its
-    /// floor and ceiling are exact.
+    /// Finds the covered texels of a row. The quotient of integers below 2^53 never rounds to an integer that it is
+    /// not, so its floor and ceiling are exact.
     #[inline(always)]
     pub fn run(&self, row: usize) -> Option<Run> {
         let y = row as f64;
@@ -157,7 +159,7 @@ impl LargeTriangle {
 }
 
 impl Run {
-    /// Which texels are covered of the sixteen from `done` texels after its first on, and N and D there.
+    /// Returns the coverage of the sixteen texels from `done` texels after the first on, and N and D there.
     #[inline(always)]
     pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
         let along = count + Ints::splat(done as i32);
@@ -169,7 +171,7 @@ impl Run {
     }
 }
 
-/// A plane where the edge functions of the second and the third corner are `one` and `two`.
+/// Evaluates a plane, with `one` and `two` the edge functions of the second and the third corner.
 #[inline(always)]
 fn evaluate_plane(plane: &Plane, one: f64, two: f64) -> f64 {
     plane[0] + plane[1] * one + plane[2] * two

@@ -1,4 +1,4 @@
-//! From places to texels of a face: 16 corners at once, and one alone, to the same bits.
+//! Projection of positions to texels of a face: of 16 corners at once, and of one alone, to the same bits.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -11,26 +11,26 @@ use super::large::Corner;
 use super::wide::{Floats, Ints, LANES};
 use super::{DepthRule, MapFace, RasterTriangle};
 
-/// Texels from the middle of a face to the end of the guard band, beyond which triangles are cut.
+/// Texels from the middle of a face to the end of the guard band, at which triangles are clipped.
 const GUARD_TEXELS: f32 = 8192.0;
-/// What has less is as good as at the source: what is divided by more stays within f32.
+/// Least w of a drawn position. A smaller one is as good as at the source; a quotient by a larger one stays within f32.
 const MIN_W: f32 = 1e-30;
-/// A float of at most 2^22 that this is added to has its nearest integer in its last bits.
+/// Offset that puts the nearest integer of a float of at most 2^22 into its last bits.
 const ROUND: f32 = 12_582_912.0;
 
-/// From places to a face's texels, and what is interpolated there.
+/// Transform from positions to a face's texels and to the interpolated numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Projection {
     clip_from_map: Mat3,
     pub side: usize,
-    /// What has less is cut away.
+    /// Least w. Smaller ones are clipped.
     pub least_w: f32,
-    /// Of |x| / w and |y| / w: where the guard band ends.
+    /// End of the guard band, as a value of |x| / w and |y| / w.
     pub guard: f32,
-    /// From x / w and -y / w to 1/256 of a texel from the centre of the first.
+    /// Scale and shift from x / w and -y / w to 1/256 of a texel from the center of the first.
     scale: f32,
     shift: f32,
-    /// Some N is `near / w`, others value / w.
+    /// Near plane if N is `near / w`; `None` if N is value / w.
     near: Option<f32>,
 }
 
@@ -51,7 +51,7 @@ impl Projection {
         }
     }
 
-    /// A corner in clip coordinates.
+    /// Transforms a corner to clip coordinates.
     pub fn clip(&self, [x, y, z, value]: [f32; 4]) -> ClipCorner<4> {
         let matrix = self.clip_from_map;
         let axis = |k: usize| {
@@ -61,7 +61,7 @@ impl Projection {
         [axis(0), axis(1), axis(2), value]
     }
 
-    /// Of a corner with w > 0 in the guard band.
+    /// Projects a corner with w > 0 in the guard band.
     pub fn corner(&self, [x, y, w, value]: ClipCorner<4>) -> Corner {
         let d = w.recip();
         let rounded = |ratio: f32| {
@@ -82,7 +82,8 @@ pub(super) struct Corners {
     pub d: Floats,
 }
 
-/// X, Y, Z and the value of each corner. Not inlined: among other things, compilers make something slower of it.
+/// Transposes triangles into X, Y, Z and the value of each corner. Compilers make something slower of it if it is
+/// inlined among other code.
 #[inline(never)]
 pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[Floats; 4]; 3] {
     let mut places = [[Floats::ZERO; 4]; 3];
@@ -96,7 +97,7 @@ pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[Floats; 4]
     places
 }
 
-/// The corners of this number.
+/// Projects one corner of sixteen triangles.
 #[inline(always)]
 pub(super) fn project(place: &[Floats; 4], projection: &Projection) -> Corners {
     let matrix = projection.clip_from_map;
@@ -129,7 +130,7 @@ fn rounded(x: Floats) -> Ints {
     (x + Floats::splat(ROUND)).bits() - Ints::splat(ROUND.to_bits().cast_signed())
 }
 
-/// Holds where corners need not be cut.
+/// Condition that holds for corners that need no clipping.
 #[inline(always)]
 pub(super) fn is_inside(corners: &Corners, projection: &Projection) -> Ints {
     let [x, y, w, _] = corners.clip;

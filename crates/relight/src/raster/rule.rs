@@ -1,4 +1,4 @@
-//! What depth a texel stores, and which wins.
+//! Depth rules: the depth that a texel stores, and the comparison by which one of two wins.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -6,31 +6,32 @@
 
 use super::wide::{Floats, Ints};
 
-/// One of [`super::DepthRule`], as the innermost loops know it.
+/// One of [`super::DepthRule`], in the form of the innermost loops.
 ///
-/// They interpolate two numbers that are linear on the face: N, which set-up makes of a corner's value, and D = 1 / w.
+/// They interpolate two numbers that are linear on the face: N, which set-up computes from a corner's value, and D = 1
+/// / w.
 pub(super) trait DepthTest: Copy + Send + Sync {
-    /// What a map is cleared to.
+    /// Depth of an empty map.
     const CLEARED: f32;
 
-    /// What D is multiplied by in a row of texels.
+    /// Factor of D in a row of texels.
     fn row_factor(self, row: usize) -> f32;
 
-    /// What texels store that stored `old`, after a triangle that covers those of `covered`.
+    /// Computes the new depths of texels that stored `old`, after a triangle that covers the lanes of `covered`.
     fn updated_depths(self, covered: Ints, n: Floats, d: Floats, in_row: f32, old: Floats) -> Floats;
 }
 
-/// N is value / w. The least N / (D * what the row is divided by).
+/// N is value / w. The least N / (D * row divisor) wins.
 #[derive(Clone, Copy)]
 pub(super) struct BentDepthTest<'a> {
     pub rows: &'a [f32],
 }
 
-/// N is near / w. The greatest.
+/// N is near / w. The greatest wins.
 #[derive(Clone, Copy)]
 pub(super) struct PerspectiveDepthTest;
 
-/// N is the value. The greatest that is at most 1.
+/// N is the value. The greatest that is at most 1 wins.
 #[derive(Clone, Copy)]
 pub(super) struct OrthographicDepthTest;
 
@@ -59,7 +60,7 @@ impl DepthTest for PerspectiveDepthTest {
 
     #[inline(always)]
     fn updated_depths(self, covered: Ints, n: Floats, _d: Floats, _in_row: f32, old: Floats) -> Floats {
-        // Rounded, near / near may be more than 1.
+        // With rounding, near / near may be more than 1.
         covered.select_floats(n.lesser(Floats::splat(1.0)), old).greater(old)
     }
 }

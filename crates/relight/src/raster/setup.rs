@@ -1,4 +1,4 @@
-//! Finds where triangles lie on a face, and lists them by bands of its rows.
+//! Set-up of triangles: finds their position on a face, and lists them by bands of its rows.
 #![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 #![expect(
     clippy::inline_always,
@@ -18,13 +18,13 @@ use super::{BAND, RasterTriangle};
 #[derive(Debug, Default)]
 pub(super) struct OpaquePiece {
     pub large: Vec<LargeTriangle>,
-    /// Of each band.
+    /// Small triangles of each band.
     pub small_by_band: Vec<Vec<SmallTriangle>>,
-    /// Of each band: places in `large`.
+    /// Indices into `large`, for each band.
     pub large_by_band: Vec<Vec<u32>>,
 }
 
-/// Sets triangles up.
+/// Task that sets up a slice of triangles.
 pub(super) struct SetUp<'a> {
     pub piece: &'a mut OpaquePiece,
     pub triangles: &'a [RasterTriangle],
@@ -82,7 +82,8 @@ impl OpaquePiece {
     }
 }
 
-/// The least and the most of three; the first and the last texel centre between them that are on the face.
+/// Returns the first and the last texel center on the face between three coordinates, and a condition that holds if
+/// they span few enough texels for a small triangle.
 #[inline(always)]
 fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
     let [least, most] = [p.least(q).least(r), p.greatest(q).greatest(r)];
@@ -133,7 +134,8 @@ fn set_up_group(
     }
 }
 
-/// Triangles whose centres of texels are in `columns` and `rows`, and a condition that holds where they may cover some.
+/// Sets up triangles with the texel centers `columns` and `rows`, and returns a condition that holds if they may cover
+/// some.
 #[inline(always)]
 fn small_ones(
     corners: &[Corners; 3],
@@ -158,14 +160,14 @@ fn small_ones(
         n: plane(corners[0].n, corners[1].n, corners[2].n, per_area, rests),
         d: plane(corners[0].d, corners[1].d, corners[2].d, per_area, rests),
     };
-    // Of many a tiny triangle, only one texel is in question, and that is soon answered.
+    // For many tiny triangles only one texel is in question, and one test answers it.
     let more = (columns[1] - columns[0]) + (rows[1] - rows[0]) - Ints::splat(1);
     let has_first = first.e | second.e | third.e;
     (smalls, (area - Ints::splat(1)) | more.select(more, has_first))
 }
 
-/// Edge functions as `SmallTriangle` has them, and what they would be at the first texel without division by 256, less 256
-/// times what they are.
+/// Edge functions like those of `SmallTriangle`. `rest` is the value at the first texel without division by 256, less
+/// 256 times the value with it.
 #[derive(Clone, Copy)]
 struct Edges {
     e: Ints,
@@ -174,13 +176,13 @@ struct Edges {
     rest: Floats,
 }
 
-/// Of the edges between two corners of triangles whose doubled areas, with their signs, are known.
+/// Sets up the edges between two corners. `area` is the doubled signed area of each triangle.
 #[inline(always)]
 fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges {
     let (a, b) = (from[1] - to[1], to[0] - from[0]);
     let (a, b) = (area.select(a, -a), area.select(b, -b));
     let start = a * (origin[0] - from[0]) + b * (origin[1] - from[1]);
-    // Centres on top and left edges are covered: where a > 0, or a = 0 and b > 0.
+    // Centers on top and left edges are covered: where a > 0, or a = 0 and b > 0.
     let is_flat = a | -a;
     let uncovered = is_flat.select(Ints::splat(1) - b, Ints::splat(1) - a);
     let uncovered = (-uncovered).select(Ints::ZERO, Ints::splat(1));
@@ -188,7 +190,7 @@ fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges
     Edges { e, a, b, rest: (start - e * Ints::splat(256)).floats() }
 }
 
-/// As `SmallTriangle` has N and D, by those at the corners.
+/// Makes a plane like N and D of `SmallTriangle`, from the values at the corners.
 #[inline(always)]
 fn plane(x: Floats, second: Floats, third: Floats, per_area: Floats, rests: [Floats; 2]) -> [Floats; 3] {
     let (one, two) = ((second - x) * per_area, (third - x) * per_area);

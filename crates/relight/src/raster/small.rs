@@ -1,5 +1,5 @@
-//! Triangles of at most [`MAX_SMALL_TEXELS`] texels either way, which most are: in integers of 32 bits, 16 texels of a row at a
-//! time.
+//! Drawing of triangles of at most [`MAX_SMALL_TEXELS`] texels in each direction, which most are: in integers of 32
+//! bits, 16 texels of a row at a time.
 #![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 #![expect(
     clippy::inline_always,
@@ -10,28 +10,28 @@ use super::Band;
 use super::rule::DepthTest;
 use super::wide::{Floats, Ints, LANES};
 
-/// Texels from a corner to another, at most: in 1/256 of a texel, twice the product of two such distances fits 32 bits,
-/// and 1/256 of that is exact in f32.
+/// Largest distance between corners, in texels. In 1/256 of a texel, twice the product of two such distances fits into
+/// 32 bits, and 1/256 of that is exact in f32.
 pub(super) const MAX_SMALL_TEXELS: i32 = 112;
 
-/// A triangle, or 16 of them where its numbers are `Ints` and `Floats`.
+/// Triangle, or 16 triangles with `Ints` and `Floats` as its numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SmallTriangle<Int = i32, Float = f32> {
-    /// The first and the last column and row of texels whose centres may be covered.
+    /// First and last column and row of the texels whose centers may be covered.
     pub columns: [Int; 2],
     pub rows: [Int; 2],
-    /// Edge functions, each positive towards the corner that it is named by: `e + a i + b j` at the texel `i` columns
-    /// and `j` rows after the first. A texel whose three are not negative is covered.
+    /// Edge functions, each positive towards the corner that names it: `e + a i + b j` at the texel `i` columns and `j`
+    /// rows after the first. A texel is covered if none of its three values is negative.
     pub e: [Int; 3],
     pub a: [Int; 3],
     pub b: [Int; 3],
-    /// N is `n[0]`, plus `n[1]` and `n[2]` times the edge functions of the same corners; D likewise.
+    /// N is `n[0]`, plus `n[1]` and `n[2]` times the edge functions of the second and the third corner; D likewise.
     pub n: [Float; 3],
     pub d: [Float; 3],
 }
 
 impl SmallTriangle<Ints, Floats> {
-    /// One of them.
+    /// Triangle of one lane.
     #[inline(always)]
     pub fn lane(&self, k: usize) -> SmallTriangle {
         let Self { columns, rows, e, a, b, n, d } = self;
@@ -90,8 +90,8 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
     }
 }
 
-/// An edge function of one triangle, from a row on. The three are written out one after the other where they are used:
-/// of loops over them, compilers make something slower.
+/// Edge function of a triangle, from a row on. Its users write out the three, since compilers make something slower of
+/// loops over them.
 #[derive(Clone, Copy)]
 struct Edge {
     e: i32,
@@ -106,13 +106,13 @@ impl Edge {
         Self { e: e.wrapping_add(b.wrapping_mul(down)), a, b }
     }
 
-    /// At 16 texels of the first row, from a column on.
+    /// Evaluates the function at 16 texels of the first row, from a column on.
     #[inline(always)]
     fn along(self, across: i32, count: Ints) -> Ints {
         Ints::splat(self.e.wrapping_add(self.a.wrapping_mul(across))) + Ints::splat(self.a) * count
     }
 
-    /// The greatest that it is at those of the rows up to `last_row`.
+    /// Computes the largest value at those columns over the rows up to `last_row`.
     #[inline(always)]
     fn max_over_rows(self, across: i32, last_row: i32) -> i32 {
         let start = self.e.wrapping_add(self.a.wrapping_mul(across));

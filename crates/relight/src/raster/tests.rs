@@ -1,4 +1,4 @@
-//! What a map shows, against triangles that are drawn slowly and exactly.
+//! Maps against triangles drawn slowly and exactly.
 #![expect(clippy::cast_possible_wrap, reason = "places on a map are far below 2^31")]
 
 mod coverage;
@@ -15,10 +15,10 @@ use glam::Mat3;
 use super::{DepthRule, MapFace, RasterMemory, RasterTriangle, draw_face};
 use crate::Workers;
 
-/// A bent light's depths, on a face where they are the values themselves.
+/// Depth rule of a bent light, on a face whose depths are the values themselves.
 const PLAIN: DepthRule = DepthRule::Bent { row_divisor: [1.0, 0.0], depth_per_value: 1.0 };
 
-/// Numbers without order, the same each time: xorshift.
+/// Xorshift generator, the same numbers each time.
 struct Random(u64);
 
 impl Random {
@@ -29,7 +29,7 @@ impl Random {
         self.0
     }
 
-    /// From `low` to below `high`.
+    /// Returns an integer from `low` to below `high`.
     fn whole(&mut self, low: i32, high: i32) -> i32 {
         low + ((self.bits() >> 11) % (high - low) as u64) as i32
     }
@@ -39,19 +39,19 @@ impl Random {
     }
 }
 
-/// A corner at whole 1/256 of a texel from the centre of the first one. In f32 it is off by less than half of one, and
-/// so is rounded to the same, up to 2^19 of them: of the coordinate four roundings remain, of 2^-24 each.
+/// Makes a corner at multiples of 1/256 of a texel from the center of the first one. In f32 it is off by less than half
+/// of one, and so rounds to the same, up to 2^19 of them: the coordinate has four roundings of 2^-24 each.
 fn corner(at: [i32; 2], w: f32, value: f32, side: usize) -> [f32; 4] {
     let [right, down] = at.map(|x| (f64::from(x) + 128.0) / (128.0 * side as f64) - 1.0);
     [(right * f64::from(w)) as f32, (-down * f64::from(w)) as f32, w, value]
 }
 
-/// Corners with w = 1 and the value 1/2.
+/// Makes a triangle with w = 1 and the value 1/2.
 fn flat(corners: [[i32; 2]; 3], side: usize) -> RasterTriangle {
     corners.map(|at| corner(at, 1.0, 0.5, side))
 }
 
-/// A map of these triangles, whose places are clip coordinates.
+/// Draws a map of triangles whose positions are clip coordinates.
 fn drawn(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<f32> {
     static WORKERS: OnceLock<Workers> = OnceLock::new();
     let mut texels = vec![f32::NAN; side * side];
@@ -61,7 +61,7 @@ fn drawn(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<f3
     texels
 }
 
-/// How many of these triangles, each drawn alone, cover each texel.
+/// Counts for each texel the triangles that cover it, each drawn alone.
 fn counts(triangles: &[RasterTriangle], depths: DepthRule, side: usize) -> Vec<usize> {
     let cleared = drawn(&[], depths, side);
     let mut counts = vec![0; side * side];

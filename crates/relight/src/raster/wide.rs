@@ -1,4 +1,5 @@
-//! Sixteen numbers at once, as plain arrays. Within [`pulp::Arch::dispatch`] each operation is one or two instructions.
+//! Vectors of sixteen numbers, as plain arrays. Within [`pulp::Arch::dispatch`] each operation is one or two
+//! instructions.
 #![expect(
     clippy::inline_always,
     reason = "what is not inlined is compiled without the vectors that the caller has"
@@ -6,7 +7,7 @@
 
 use std::ops::{Add, BitOr, Div, Mul, Neg, Sub};
 
-/// How many numbers there are at once.
+/// Number of lanes.
 pub(super) const LANES: usize = 16;
 
 /// Sixteen floats.
@@ -14,15 +15,14 @@ pub(super) const LANES: usize = 16;
 #[repr(align(64))]
 pub(super) struct Floats(pub [f32; LANES]);
 
-/// Sixteen integers, whose sums and products wrap. As a condition, a lane that is not negative holds.
+/// Sixteen integers with wrapping sums and products. As a condition, a lane holds if it is not negative.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Ints(pub [i32; LANES]);
 
-/// 0, 1, 2 and so on.
 pub(super) const LANE_INDICES: Ints = Ints([0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]);
 
-/// A function of lanes: `name(a: Type, ...) -> Type = what it does to one lane of each`.
+/// Defines functions of lanes: `name(a: Type, ...) -> Type = expression for one lane of each`.
 macro_rules! lanewise {
     ($($(#[$doc:meta])* $name:ident($first:ident $(, $other:ident: $type:ty)*) -> $out:ident = $lane:expr;)*) => {$(
         $(#[$doc])*
@@ -39,7 +39,7 @@ macro_rules! lanewise {
     )*};
 }
 
-/// An operator of two lanes of the same type.
+/// Implements an operator on two lanes of the same type.
 macro_rules! operator {
     ($type:ident, $trait:ident, $name:ident, $a:ident, $b:ident, $lane:expr) => {
         impl $trait for $type {
@@ -75,40 +75,38 @@ impl Neg for Ints {
 }
 
 impl Floats {
-    /// 0 in each lane.
     pub const ZERO: Self = Self([0.0; LANES]);
 
-    /// The same number in each lane.
+    /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: f32) -> Self {
         Self([x; LANES])
     }
 
     lanewise! {
-        /// `self * factor + term`, rounded once.
+        /// Computes `self * factor + term`, rounded once.
         times_plus(x, factor: Self, term: Self) -> Self = x.mul_add(factor, term);
         absolute(x) -> Self = x.abs();
-        /// The lesser; `other` where `self` is no number.
+        /// Returns the lesser; `other` if `self` is NaN.
         lesser(x, other: Self) -> Self = if x < other { x } else { other };
-        /// The greater; `other` where `self` is no number.
+        /// Returns the greater; `other` if `self` is NaN.
         greater(x, other: Self) -> Self = if x > other { x } else { other };
-        /// Holds where `self <= other`, and both are numbers.
+        /// Condition that holds if `self <= other`, and neither is NaN.
         at_most(x, other: Self) -> Ints = if x <= other { 0 } else { -1 };
         bits(x) -> Ints = x.to_bits().cast_signed();
     }
 }
 
 impl Ints {
-    /// 0 in each lane.
     pub const ZERO: Self = Self([0; LANES]);
 
-    /// The same number in each lane.
+    /// Puts the same number into every lane.
     #[inline(always)]
     pub fn splat(x: i32) -> Self {
         Self([x; LANES])
     }
 
-    /// Divided by 2^`bits`, rounded down.
+    /// Divides by 2^`bits`, rounded down.
     #[inline(always)]
     pub fn shifted_down(self, bits: u32) -> Self {
         let mut out = self;
@@ -119,13 +117,13 @@ impl Ints {
     }
 
     lanewise! {
-        /// Below 2^24 exactly.
+        /// Converts to floats, exactly below 2^24.
         floats(x) -> Floats = x as f32;
         least(x, other: Self) -> Self = x.min(other);
         greatest(x, other: Self) -> Self = x.max(other);
-        /// Where the condition `self` holds the one, else the other.
+        /// Selects `held` where the condition `self` holds, else `other`.
         select(x, held: Self, other: Self) -> Self = if x >= 0 { held } else { other };
-        /// Where the condition `self` holds the one, else the other.
+        /// Selects `held` where the condition `self` holds, else `other`.
         select_floats(x, held: Floats, other: Floats) -> Floats = if x >= 0 { held } else { other };
     }
 }

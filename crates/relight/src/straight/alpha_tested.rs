@@ -1,4 +1,4 @@
-//! What throws shadows in a straight light and has an alpha test.
+//! Alpha-tested shadow casters of a straight light.
 
 use std::ops::Range;
 
@@ -9,10 +9,10 @@ use super::casters::{AlphaTestedCasters, AlphaTestedRun, StraightFace, StraightM
 use crate::Workers;
 use crate::raster::{AlphaTestedTriangle, RasterTriangle};
 
-/// Triangles that a thread lists at once.
+/// Triangles that a worker lists at once.
 const TRIANGLES_PER_CHUNK: usize = 1024;
 
-/// Lists what a face may show of them, in the place of what was listed before.
+/// Lists the triangles that a face may show, and discards the former list.
 pub(super) fn list_triangles(
     workers: &Workers,
     (map, face): (&StraightMap, &StraightFace),
@@ -36,7 +36,7 @@ pub(super) fn list_triangles(
     });
 }
 
-/// A run in pieces, with its test.
+/// Splits a run into chunks, with its test.
 fn turns(AlphaTestedRun { triangles, test }: &AlphaTestedRun) -> impl Iterator<Item = (Range<u32>, u32)> {
     let (Range { start, end }, test) = (triangles.clone(), *test);
     (start..end)
@@ -44,7 +44,7 @@ fn turns(AlphaTestedRun { triangles, test }: &AlphaTestedRun) -> impl Iterator<I
         .map(move |first| (first..end.min(first + TRIANGLES_PER_CHUNK as u32), test))
 }
 
-/// Whether a triangle lies on the outer side of one of the sides of a face.
+/// True if a triangle lies beyond one of the sides of a face.
 fn is_outside_face(face: &StraightFace, corners: &RasterTriangle) -> bool {
     let [a, b, c] = corners.map(|[x, y, z, _]| face.clip_from_map * Vec3::new(x, y, z));
     let all = |outside: fn(Vec3) -> bool| outside(a) && outside(b) && outside(c);

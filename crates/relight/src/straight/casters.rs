@@ -1,4 +1,4 @@
-//! A straight light's map as it is asked for: what casts shadows, and how its faces look at that.
+//! Input of a straight light's map: its casters and its faces.
 
 use std::ops::Range;
 
@@ -6,46 +6,44 @@ use glam::{Mat3, Mat4};
 
 use crate::{AlphaTests, CasterScene};
 
-/// A map to be drawn.
+/// Map of a straight light to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct StraightMap<'a> {
-    /// From positions in scene space to places and their values: to light space about the source, where light goes out
-    /// from one; else to (x, y, 1) across the light, and the depth.
+    /// Transform from scene space to positions on the map and their values. For a light with a source that is light
+    /// space about the source; for parallel rays (x, y, 1) across the light, and the depth.
     pub map_from_scene: Mat4,
-    /// The near plane, in world units, where light goes out from a source; `None` where rays are parallel.
+    /// Near plane in world units, for a light with a source; `None` for parallel rays.
     pub near: Option<f32>,
-    /// One a face.
     pub faces: &'a [StraightFace<'a>],
 }
 
-/// A face of a straight light's map.
+/// Face of a straight light's map.
 #[derive(Clone, Copy, Debug)]
 pub struct StraightFace<'a> {
-    /// From places to clip coordinates (x, y, w).
+    /// Transform from positions on the map to clip coordinates (x, y, w).
     pub clip_from_map: Mat3,
-    /// Triangles without an alpha test that it may show, by leaves: the first, and how many with what surface they are
-    /// of above 16 bits: 0 open, 1 closed, 2 closed and inside out.
+    /// Leaves of triangles without an alpha test that the face may show: the first triangle; and their number in the
+    /// lower 16 bits, with the kind of their surface above: 0 open, 1 closed, 2 closed and inside out.
     pub leaves: &'a [[u32; 2]],
-    /// Whether anything casts shadows on it; it is empty where nothing does.
+    /// True if anything casts shadows on the face. The face is empty otherwise.
     pub has_casters: bool,
 }
 
-/// Triangles with alpha tests.
+/// Alpha-tested shadow casters.
 #[derive(Clone, Copy, Debug)]
 pub struct AlphaTestedCasters<'a> {
-    /// Where they are.
+    /// Scene of the triangles.
     pub scene: &'a CasterScene<'a>,
-    /// Which of its triangles.
     pub runs: &'a [AlphaTestedRun],
-    /// The tests that runs name.
+    /// Tests that the runs name.
     pub tests: AlphaTests<'a>,
 }
 
-/// Triangles with one alpha test.
+/// Triangles with the same alpha test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlphaTestedRun {
-    /// Of the scene.
+    /// Range of the scene's triangles.
     pub triangles: Range<u32>,
-    /// Which of the tests.
+    /// Index of the test.
     pub test: u32,
 }

@@ -1,5 +1,5 @@
-//! A directional light: the twin of `parallel.wgsl` and `parallel_lookup.wgsl`. Light space: the light's axes about the
-//! scene's origin; light travels along -z.
+//! Directional lights, like `parallel.wgsl` and `parallel_lookup.wgsl`. Light space has the light's axes about the
+//! scene's origin. Light travels along -z.
 
 use glam::Mat4;
 use light::{Lanes, LightProfile, Mask};
@@ -15,7 +15,7 @@ use crate::visibility::{
 };
 use crate::{CasterScene, ShadowFilter};
 
-/// A directional light as it is drawn.
+/// Directional light as it is drawn.
 #[derive(Debug)]
 pub struct RelitDirectional {
     frame: LightFrame,
@@ -24,24 +24,24 @@ pub struct RelitDirectional {
     map: DirectionalMapParams,
 }
 
-/// What a directional light's map shows.
+/// Shadow map of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalMapParams {
-    /// Middle and 1 / half size of it, along x and y.
+    /// Center and 1 / half size of the map, along x and y.
     pub fit: [f32; 4],
-    /// The z that has the map's depth 0: none of the scene is below.
+    /// The z of depth 0. No part of the scene is below it.
     pub bottom: f32,
-    /// The map's depth a world unit along z.
+    /// Depth per world unit along z.
     pub depth_scale: f32,
-    /// How far what casts shadows may stray from the surface, in world units.
+    /// Largest deviation of the casters from the surface, in world units.
     pub mesh_error: f32,
-    /// How texels are blended.
     pub filter: ShadowFilter,
 }
 
 impl RelitDirectional {
-    /// `light_from_scene` turns scene space to light space. The place across the window is (-x, y) times the first two
-    /// of `window` plus the others: 0 where it has no end.
+    /// Makes a light that is ready to draw. `light_from_scene` rotates scene space to light space. The coordinates
+    /// across the window are (-x, y) times the first two numbers of `window` plus the others: 0 for a window without
+    /// end.
     pub fn new(
         light_from_scene: Mat4,
         light_profile: LightProfile,
@@ -89,16 +89,16 @@ impl RelitShape for RelitDirectional {
     }
 }
 
-/// A place on the map, and how high the receiver's own plane is around it; lengths along the light, as depths of the
-/// map.
+/// Position of a receiver on the map, and the heights of its own plane around it. Lengths along the light are depths of
+/// the map.
 struct DirectionalReceiver {
     texel: [F32s; 2],
     depth: F32s,
-    /// How the plane rises from texel to texel; it is not followed farther than `most`.
+    /// Rise of the plane from texel to texel, followed over at most `most`.
     step: [F32s; 2],
     most: F32s,
-    /// How much higher the map may have something for the receiver to be lit: by all that the map can tell, and if what
-    /// is near is left to the scene.
+    /// Heights of a caster above the plane up to which the receiver is lit: by the map alone, and if the scene decides
+    /// on near casters.
     tolerance: F32s,
     reach: F32s,
 }
@@ -118,7 +118,7 @@ impl Receiver for DirectionalReceiver {
         let beyond = beyond_map(first, map.side());
         let mut lit = LitTexels { resolved: beyond, deferred: beyond };
         for k in 0..4 {
-            // Nothing is below 0, which is what the map holds where there is nothing.
+            // An empty texel holds 0, and nothing is below that.
             let plane = (self.depth + rises[k].within(-self.most, self.most)).most(F32s::splat(0.0));
             lit.resolved[k] = lit.resolved[k] | stored[k].le(plane + self.tolerance);
             lit.deferred[k] = lit.deferred[k] | stored[k].le(plane + self.reach);
@@ -128,8 +128,8 @@ impl Receiver for DirectionalReceiver {
 }
 
 impl RelitDirectional {
-    /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
-    /// height that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
+    /// Computes the share of the light that no caster blocks, for the `asked` lanes. The receiver's own plane has a
+    /// height at each texel's center, and that height is compared with the texel, so that a plane cannot shadow itself.
     #[inline(always)]
     fn visibility(
         &self,
@@ -160,8 +160,8 @@ impl RelitDirectional {
         // Nothing is higher than the map's depths reach.
         let run =
             (F32s::splat(REACH_TEXELS) * width).most(F32s::splat(1.5) * rise_length).least(one / depth_scale);
-        // The receiver's own caster strays along the normal; light grazes at a cosine of 0.1 at least. And positions are
-        // rounded, as are the map's depths, up to 1.
+        // The receiver's own caster deviates along the normal, and light grazes at a cosine of at least 0.1. Positions
+        // are rounded, and so are the map's depths, up to 1.
         let facets = rise_of_facets(width, cosine);
         let strayed = F32s::splat(place.mesh_error) / cosine.most(F32s::splat(0.1));
         let rounding = start.x.abs().most(start.y.abs()).most(start.z.abs()) * F32s::splat(1.0 / 2_097_152.0);
@@ -177,8 +177,8 @@ impl RelitDirectional {
         };
         let shares = filter_visibility(&receiver, map, place.filter);
 
-        // Beside the receiver a steep caster may be higher than it is here: the scene is asked for twice the reach, and
-        // as far as the plane rises in the texels around.
+        // A steep caster beside the receiver may be higher than at it, so the ray test covers twice the reach, and as
+        // far as the plane rises in the texels around.
         let grazes = asked & (!faces_light | rise_length.gt(F32s::splat(GRAZING_TEXELS) * width));
         let way = to_light * (F32s::splat(3.0) * run);
         F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)

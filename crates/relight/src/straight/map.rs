@@ -1,4 +1,5 @@
-//! Maps of straight lights: casters as the light sees them, each vertex once, drawn onto each face by its own matrix.
+//! Drawing of straight lights' maps: casters as the light sees them, each vertex mapped once, drawn onto each face by
+//! its own matrix.
 
 use glam::{Mat4, Vec3};
 use rayon::prelude::*;
@@ -15,14 +16,14 @@ use crate::{Cancelled, Workers};
 
 /// Vertices of a block of casters.
 const VERTICES_PER_BLOCK: usize = 64;
-/// Leaves of casters that a thread lists at once: as many triangles as the rasteriser sets up at once.
+/// Leaves of casters that a worker lists at once: as many triangles as the rasterizer sets up at once.
 const LEAVES_PER_CHUNK: usize = 32;
-/// Of a texel: corners may be moved so far where a triangle is drawn.
+/// Largest shift of a corner by rasterization, in texels.
 const SNAP_TEXELS: f32 = 1.0 / 256.0;
-/// What f32 makes of a position of size 1 that was turned and moved.
+/// Rounding error of f32 for a position of size 1 that was rotated and translated.
 const POSITION_ROUNDING: f32 = 1.0 / 4_194_304.0;
 
-/// Memory of making maps of straight lights, kept from one to the next.
+/// Memory for drawing maps of straight lights, kept from one map to the next.
 #[derive(Debug, Default)]
 pub struct StraightMapBuilder {
     map_positions: Vec<[f32; 4]>,
@@ -32,8 +33,8 @@ pub struct StraightMapBuilder {
 }
 
 impl StraightMapBuilder {
-    /// Draws all faces. `positions` are in scene space, in blocks of 64; those blocks that leaves have corners in are
-    /// `blocks`. `indices` are three a triangle.
+    /// Draws all faces. `positions` are in scene space, in blocks of 64; `blocks` are those that leaves use. `indices`
+    /// are three per triangle.
     pub fn draw(
         &mut self,
         workers: &Workers,
@@ -70,7 +71,7 @@ impl StraightMapBuilder {
         Ok(())
     }
 
-    /// Finds the place of each vertex near the light.
+    /// Maps each vertex near the light.
     fn map_vertices(
         &mut self,
         workers: &Workers,
@@ -103,14 +104,14 @@ impl StraightMap<'_> {
     }
 }
 
-/// How far corners may be moved where a face is drawn: as slopes, or where rays are parallel in world units.
+/// Largest shift of a corner where a face is drawn: as a slope, or for parallel rays in world units.
 fn snap(face: &StraightFace, side: usize) -> f32 {
     let place_from_clip = face.clip_from_map.inverse();
     let half = place_from_clip.x_axis.length_squared().max(place_from_clip.y_axis.length_squared()).sqrt();
     half * 2.0 / side as f32 * SNAP_TEXELS
 }
 
-/// Lists what of a face's leaves shows.
+/// Lists the triangles of a face's leaves that show.
 struct List<'a> {
     near: Option<f32>,
     snap: f32,
@@ -126,8 +127,8 @@ impl SimdTask for List<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { near, snap, map_positions: places, indices, leaves, listed } = self;
-        // Looking along light's way, triangles of a closed surface that face the light turn the one way about a source,
-        // and the other about the way to where parallel rays come from.
+        // Seen along the light, the triangles of a closed surface that face it wind one way about a source, and the
+        // other way about the direction of parallel rays.
         let turned = if near.is_some() { 1.0 } else { -1.0 };
         let (slack, rounding) =
             if near.is_some() { (snap.max(POSITION_ROUNDING), 0.0) } else { (snap, POSITION_ROUNDING) };
@@ -146,12 +147,12 @@ impl SimdTask for List<'_> {
     }
 }
 
-/// Whether light meets a triangle from behind, by more than what moving its corners might turn round.
+/// True if light meets the back of a triangle, by more than a shift of its corners might turn round.
 #[inline(always)]
 fn faces_away(triangle: &RasterTriangle, sign: f32, [slack, rounding]: [f32; 2]) -> bool {
     let [a, b, c] = [xyz(&triangle[0]), xyz(&triangle[1]), xyz(&triangle[2])];
     let (ab, ac, bc) = (b - a, c - a, c - b);
-    // Six times what it makes with the source: of that for parallel rays, twice its area across the light.
+    // Six times the volume that the triangle makes with the source; for parallel rays twice its area across the light.
     let volume = sign * a.dot(ab.cross(ac));
     let longest = ab.dot(ab).max(ac.dot(ac)).max(bc.dot(bc)).sqrt();
     let farthest2 = a.dot(a).max(b.dot(b)).max(c.dot(c));

@@ -1,5 +1,5 @@
-//! Lights whose rays are straight: where surfaces lie in them, and what their maps say of them. Each shape has its own
-//! place in the light, and its own receiver; they share the pass that draws maps, and what follows from a place.
+//! Lights with straight rays: coordinates of surfaces in them, and their shadows by maps. Each shape has its own
+//! coordinates and receiver. They share the drawing of maps, and the light at given coordinates.
 
 mod alpha_tested;
 mod casters;
@@ -20,17 +20,17 @@ pub use map::StraightMapBuilder;
 pub use omni::{OmniMapParams, RelitOmni};
 pub use spot::{RelitSpot, SpotMapParams};
 
-/// Lengths along the light, in a texel's widths. Where the receiver's plane runs farther than this from texel to texel,
-/// what the map cannot tell the scene is asked; ...
+/// Run of the receiver's plane along the light from texel to texel above which the scene decides if the map cannot, in
+/// texel widths.
 const GRAZING_TEXELS: f32 = 1.0;
-/// ... farther than this the plane is only followed as the texels around need.
+/// Distance along the light in texel widths, beyond which the plane is followed only as far as the texels around need.
 const REACH_TEXELS: f32 = 48.0;
-/// Some ulps of a map's largest depth, 1, by which depths that are linear across a triangle are off.
+/// Some ulps of a map's largest depth, 1: the error of depths that are linear across a triangle.
 const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
-/// Largest share that stays finite through the BRDF: nothing is left of this much at the source itself.
+/// Largest attenuation that stays finite through the BRDF. At the source it would be infinite.
 const MAX_SHARE: f32 = 1e15;
 
-/// From scene space to light space: the scene's axes, turned, about the light or the scene's origin.
+/// Transform from scene space to light space: the scene's axes rotated, about the light or the scene's origin.
 #[derive(Clone, Copy, Debug)]
 struct LightFrame {
     columns: [Vec3s; 3],
@@ -54,7 +54,7 @@ impl LightFrame {
         self.columns[0] * v.x + self.columns[1] * v.y + self.columns[2] * v.z
     }
 
-    /// A vector in light space, in the scene's axes.
+    /// Rotates a vector in light space to the scene's axes.
     #[inline(always)]
     fn scene_vector(&self, v: Vec3s) -> Vec3s {
         Vec3s {
@@ -65,25 +65,25 @@ impl LightFrame {
     }
 }
 
-/// Where surfaces lie in a light.
+/// Coordinates of surfaces in a light.
 #[derive(Clone, Copy, Debug)]
 struct Located {
     inside: Masks,
     v: F32s,
     w: F32s,
-    /// Length of light's way, in world units; 0 where nothing depends on it.
+    /// Length of the light path, in world units; 0 if the light does not depend on it.
     s: F32s,
-    /// Unit vector to where light comes from, in scene space.
+    /// Unit vector towards the direction from which light comes, in scene space.
     to_light: Vec3s,
 }
 
 impl Located {
-    /// What surfaces there get of a light of that filter.
+    /// Computes the light with this profile at the surfaces.
     #[inline(always)]
     fn sample(&self, filter: &LightProfile, visibility: F32s) -> LightSampleLanes {
         let most = F32s::splat(MAX_SHARE);
         let share = filter.attenuation_at(self.v, self.w, self.s);
-        // At the source itself light would be infinitely strong.
+        // At the source the attenuation would be infinite.
         let share = F32s::select(share.le(most), share, most);
         LightSampleLanes {
             inside: self.inside,
@@ -94,16 +94,19 @@ impl Located {
     }
 }
 
-/// A neighbouring facet that rises out of a plane by 0.25 rad is no occluder: a quarter of a texel's `width`, longer along the light
-/// where it grazes, `cosine` being that of its angle with the plane's normal, with either sign.
+/// Tolerance for a neighbouring facet that rises out of the receiver's plane by 0.25 rad and does not count as an
+/// occluder: a quarter of a texel's `width`, longer along grazing light. `cosine`, with either sign, is that of the
+/// angle between the light and the plane's normal.
 #[inline(always)]
 fn rise_of_facets(width: F32s, cosine: F32s) -> F32s {
     F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06))
 }
 
-/// The receiver's own caster may stray by `error` towards a source that is `height` over its plane and `way_length` away: moved so
-/// far along its normal, its plane has 1 / depth larger by the share `error / (height - error)`, at most by its own size; light
-/// grazes at a cosine of 0.1.
+/// Relative error of 1 / depth from the receiver's own caster, which may deviate by `error` from the surface.
+///
+/// The source is `height` over the receiver's plane and `way_length` away. Moved by `error` along its normal, the plane
+/// has a 1 / depth that is larger by the share `error / (height - error)`, at most by its own size. Light grazes at a
+/// cosine of at least 0.1.
 #[inline(always)]
 fn depth_error(height: F32s, way_length: F32s, error: f32) -> F32s {
     let error = F32s::splat(error);
@@ -112,9 +115,11 @@ fn depth_error(height: F32s, way_length: F32s, error: f32) -> F32s {
     F32s::select(room.gt(F32s::splat(0.0)), error / room, F32s::splat(0.0))
 }
 
-/// Seen edge on, a plane runs off to the source or to infinity within a texel: by which share of light's way it is followed, `reach`
-/// at most half of it, and farther to the texels around, but for the first tenth. `run` is how far it runs from one to the next, as
-/// a share too.
+/// Share of the light path over which the receiver's plane is followed. Seen edge on, a plane runs off to the source or
+/// to infinity within a texel.
+///
+/// The share is `reach`, at most half, or more as the texels around need, but never the first tenth of the path. `run`
+/// is the run of the plane from texel to texel, as a share too.
 #[inline(always)]
 fn followed_share(reach: F32s, run: F32s) -> F32s {
     let around = F32s::splat(1.5) * run;
@@ -122,7 +127,7 @@ fn followed_share(reach: F32s, run: F32s) -> F32s {
     reach.least(F32s::splat(0.5)).most(to_texels_around)
 }
 
-/// Nothing of a light that holds none of the surfaces.
+/// Result for surfaces that are all outside the light.
 #[inline(always)]
 fn no_light() -> LightSampleLanes {
     let zero = Vec3s::splat([0.0; 3]);

@@ -1,5 +1,5 @@
-//! An omni light: the twin of `omni.wgsl`. Light space: source at the origin. Its map has the
-//! faces of a cube: +x, -x, +y, -y, +z and -z.
+//! Omni lights, like `omni.wgsl`. Light space has its origin at the source. The map has the faces of a cube: +x, -x,
+//! +y, -y, +z and -z.
 
 mod receiver;
 
@@ -13,32 +13,31 @@ use crate::shape::{LightSampleLanes, RelitShape};
 use crate::surfaces::SurfaceLanes;
 use crate::{CasterScene, ShadowFilter};
 
-/// An omni light as it is drawn.
+/// Omni light as it is drawn.
 #[derive(Debug)]
 pub struct RelitOmni {
     frame: LightFrame,
     light_profile: LightProfile,
-    /// Infinite where the light has no end.
+    /// Infinite for a light without end.
     range: f32,
     map: OmniMapParams,
 }
 
-/// What an omni light's map shows.
+/// Shadow map of an omni light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OmniMapParams {
-    /// The near plane of its faces: depths are this over the way ahead.
+    /// Near plane of the faces. A depth is this over the distance ahead.
     pub near: f32,
-    /// How far what casts shadows may stray from the surface, in world units.
+    /// Largest deviation of the casters from the surface, in world units.
     pub mesh_error: f32,
-    /// Middle and 1 / half size of what is drawn of each face, as slopes.
+    /// Center and 1 / half size of the drawn part of each face, as slopes.
     pub fits: [[f32; 4]; 6],
-    /// How texels are blended.
     pub filter: ShadowFilter,
 }
 
 impl RelitOmni {
-    /// `light_from_scene` takes scene space to light space, by a rotation and a shift. `range` is the distance at which
-    /// the light ends, in world units.
+    /// Makes a light that is ready to draw. `light_from_scene` takes scene space to light space, by a rotation and a
+    /// translation. `range` is the distance at which the light ends, in world units.
     pub fn new(
         light_from_scene: Mat4,
         light_profile: LightProfile,
@@ -65,7 +64,7 @@ impl RelitOmni {
     }
 }
 
-/// How far to the left and how far up on the faces of a cube, seen from within, rays meet them.
+/// Intersects rays with the faces of a cube. Returns the coordinates to the left and up on the face, seen from within.
 #[inline(always)]
 fn on_cube(way: Vec3s) -> [F32s; 2] {
     let zero = F32s::splat(0.0);

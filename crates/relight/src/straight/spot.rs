@@ -1,5 +1,5 @@
-//! A spotlight: the twin of `cone.wgsl` and `spot.wgsl`. Light space: source at the origin, the
-//! light shines along -z.
+//! Spotlights, like `cone.wgsl` and `spot.wgsl`. Light space has its origin at the source, and the light shines along
+//! -z.
 
 mod receiver;
 
@@ -13,33 +13,33 @@ use crate::shape::{LightSampleLanes, RelitShape};
 use crate::surfaces::SurfaceLanes;
 use crate::{CasterScene, ShadowFilter};
 
-/// A spotlight as it is drawn.
+/// Spotlight as it is drawn.
 #[derive(Debug)]
 pub struct RelitSpot {
     frame: LightFrame,
     light_profile: LightProfile,
     tan_outer: f32,
-    /// Infinite where the light has no end.
+    /// Infinite for a light without end.
     range: f32,
     map: SpotMapParams,
 }
 
-/// What a spotlight's map shows. Of one face, or of the front of a cube about the light's axis, +x, -x, +y and -y.
+/// Shadow map of a spotlight. It has one face, or those of a cube about the light's axis: front, +x, -x, +y and -y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotMapParams {
-    /// Its near plane: depths are this over the way ahead.
+    /// Near plane of the faces. A depth is this over the distance ahead.
     pub near: f32,
-    /// How far what casts shadows may stray from the surface, in world units.
+    /// Largest deviation of the casters from the surface, in world units.
     pub mesh_error: f32,
-    /// Middle and 1 / half size of what is drawn of each face, as slopes.
+    /// Center and 1 / half size of the drawn part of each face, as slopes.
     pub fits: [[f32; 4]; 5],
-    /// How texels are blended.
     pub filter: ShadowFilter,
 }
 
 impl RelitSpot {
-    /// `light_from_scene` takes scene space to light space, by a rotation and a shift. `tan_outer` is the tangent of
-    /// the half angle, `range` the axial distance at which the light ends, in world units.
+    /// Makes a light that is ready to draw. `light_from_scene` takes scene space to light space, by a rotation and a
+    /// translation. `tan_outer` is the tangent of the half angle, `range` the axial distance at which the light ends,
+    /// in world units.
     pub fn new(
         light_from_scene: Mat4,
         light_profile: LightProfile,
@@ -62,7 +62,7 @@ impl RelitSpot {
         let s = F32s::length(position);
         Located {
             inside: is_ahead & (x * x + y * y).le(tan * tan) & depth.le(F32s::splat(self.range)),
-            // The axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat is to the left of +x.
+            // Axes of a BendyLight's cross-section: w_hat is up, v_hat = w_hat x u_hat points to the left of +x.
             v: -x / tan,
             w: y / tan,
             s,

@@ -1,4 +1,4 @@
-//! Straight lights against the light model in f64, and their maps against shadows whose outlines are known.
+//! Straight lights against the light model in f64, and their maps against shadows with known outlines.
 
 mod faults;
 mod holes;

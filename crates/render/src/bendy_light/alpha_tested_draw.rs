@@ -1,4 +1,4 @@
-//! The draw of a bent map's triangles that have an alpha test (see `bent_masked.wgsl`).
+//! Draws alpha-tested triangles into a bent shadow map (see `bent_masked.wgsl`).
 
 use std::mem::offset_of;
 
@@ -15,7 +15,7 @@ use crate::{Gpu, shaders};
 #[cfg(test)]
 mod tests;
 
-/// The pipeline, which outlives scenes and lights.
+/// The pipeline, shared by all scenes and lights.
 #[derive(Debug)]
 pub(super) struct AlphaTestedDraw(RenderPipeline);
 
@@ -54,8 +54,7 @@ impl AlphaTestedDraw {
         }))
     }
 
-    /// Draws what has been mapped of the triangles of `geometry` that `tests` are of, onto the face that a uniform
-    /// tells.
+    /// Draws the mapped alpha-tested triangles of `geometry` onto the face that a uniform names.
     pub fn draw(
         &self,
         gpu: &Gpu,

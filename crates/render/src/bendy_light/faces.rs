@@ -1,8 +1,8 @@
-//! The faces of a bent shadow map: pictures of the homogeneous coordinates (V, W, R) of the tube, on each of which what
-//! is straight there is straight.
+//! Faces of a bent shadow map. A face is a picture of the tube's homogeneous coordinates (V, W, R); a line that is
+//! straight there is straight on each face.
 //!
-//! One face holds the whole width of most tubes, evenly in v and w. A tube that opens wide needs what a straight
-//! spotlight needs: the faces of a cube about its axis, for which (V, W, R / slope) are as good as positions.
+//! Most tubes have one face that covers the whole width, uniform in v and w. A tube that opens wide has faces of a cube
+//! around its axis, as a wide spotlight has; (V, W, R / slope) serve as positions.
 
 use glam::{DMat3, DVec3};
 use light::{ControlPoint, Light};
@@ -12,25 +12,23 @@ use crate::shadow_settings::MapSize;
 
 /// Length of the arrays of faces in the shaders.
 pub(super) const MAX_FACES: usize = 5;
-/// Largest slope of a tube of one face, `tan 60 degrees`: past it the texels at the middle of a cone would be wider than
-/// those of a cube's faces at half the resolution.
+/// Largest slope of a tube with one face, `tan 60 degrees`. Beyond it, texels at the center of a cone are wider than
+/// those of cube faces at half the resolution.
 const LARGEST_SLOPE: f64 = 1.732_050_807_568_877;
 
-/// The faces of a light's map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Faces {
-    /// Radius over the depth of the cube; `None` for one face.
+    /// Radius divided by the depth of the cube; `None` for one face.
     slope: Option<f64>,
 }
 
-/// How large a light's map is.
 pub(crate) fn map_size(light: &Light, shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(Faces::of(light).count())
 }
 
 impl Faces {
-    /// By the mean slope of the tube, from its first control point to its last along the others: that of a straight
-    /// cone, and not much of one that opens wide at its tip alone.
+    /// Chooses the faces by the mean slope of the tube, from its first control point to its last along the others. That
+    /// is the slope of a straight cone, and stays small for a tube that opens wide only at its tip.
     pub fn of(light: &Light) -> Self {
         let points = light.points();
         let length: f64 = points.windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
@@ -39,7 +37,7 @@ impl Faces {
         Self { slope: (slope > LARGEST_SLOPE).then_some(slope) }
     }
 
-    /// The front, and for a cube those of +V, -V, +W and -W.
+    /// Number of faces: the front, and for a cube also +V, -V, +W and -W.
     pub fn count(self) -> usize {
         if self.is_cube() { MAX_FACES } else { 1 }
     }
@@ -48,12 +46,12 @@ impl Faces {
         self.slope.is_some()
     }
 
-    /// 1 where there is one face, on which x and y are v and w.
+    /// Slope of the cube. 1 for a single face, where x and y are v and w.
     pub fn slope(self) -> f64 {
         self.slope.unwrap_or(1.0)
     }
 
-    /// From (V, W, R) to a face's (x, y, depth).
+    /// Matrix from (V, W, R) to a face's (x, y, depth).
     pub fn face_from_tube(self, face: usize) -> DMat3 {
         let ahead = DVec3::Z / self.slope();
         let sign = if face % 2 == 1 { 1.0 } else { -1.0 };
@@ -65,7 +63,7 @@ impl Faces {
         DMat3::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose()
     }
 
-    /// The least and the greatest x / depth and y / depth of a face that lie in the tube.
+    /// Least and greatest x / depth and y / depth of the part of a face that is in the tube.
     pub fn limits(self, face: usize) -> [[f64; 2]; 2] {
         if face == 0 { [[-1.0, 1.0]; 2] } else { [[-1.0, 1.0], [self.slope().recip(), 1.0]] }
     }

@@ -1,8 +1,8 @@
-//! What of a bent map is drawn: on each face, and along the light, where something may cast shadows.
+//! Fits a bent map to the casters: on each face, and along the light.
 //!
-//! Each piece of the tube is compared with boxes around the scene's triangles. In a piece the curve lies in a plane: a
-//! point's distance N from that plane is linear, its distance M from the curve within the plane follows from its
-//! distance to the tangent at the piece's middle, and V and W are N and M turned about the tangent.
+//! The fit tests pieces of the tube against boxes around the scene's triangles. In a piece the curve is planar. A
+//! point's distance N from that plane is linear in position. Its distance M from the curve within the plane follows
+//! from its distance to the tangent at the piece's middle. V and W are N and M rotated about the tangent.
 
 use glam::{DMat3, DVec3};
 use light::{Curve, FrameMode, Tube, TubeSlab, quadratic_range};
@@ -11,33 +11,32 @@ use super::faces::{Faces, MAX_FACES};
 use crate::clusters::{ClusterBounds, Clusters, OpenSide, OpenSides};
 use crate::shadow_settings::Culling;
 
-/// Pieces that a slab of at most 15 degrees is cut into.
+/// Number of pieces per slab. A slab turns by at most 15 degrees.
 const PIECES: u32 = 4;
-/// Bounds grow by this share of the light's size: rounding here and on the GPU.
+/// Margin of bounds as a share of the light's size, for rounding here and on the GPU.
 const ROUNDING: f64 = 1e-6;
-/// Texels around what may cast shadows, so that the filter reaches no texel that is left out.
+/// Margin around casters in texels, so that the filter reads only texels that are drawn.
 const MARGIN_TEXELS: f64 = 2.0;
-/// A face is fitted to no less than this share of it, and neither way to less than a quarter of the other way: finer
-/// texels than that are lost in the rounding of positions.
+/// Smallest fitted share of a face. Neither axis is fitted to less than a quarter of the other. Finer texels are below
+/// the rounding error of positions.
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
 
-/// The least and the greatest value of something.
+/// Least and greatest value.
 type Range = [f64; 2];
 
-/// Where in a light something may cast shadows.
+/// Part of a light that may contain casters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BendyFit {
     pub faces: Faces,
-    /// x / depth and y / depth on each face; `None` where nothing is.
+    /// x / depth and y / depth on each face; `None` for a face without casters.
     pub bounds: [Option<[Range; 2]>; MAX_FACES],
-    /// Along the light; `None` where nothing is in it.
+    /// Range along the light; `None` if the light contains no caster.
     pub t: Option<Range>,
-    /// Which sides of the casters' bounds may cast shadows.
+    /// Sides of the casters' bounds that may cast shadows.
     pub open_sides: OpenSides,
 }
 
-/// What of a face is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrawnFace {
     pub center: [f64; 2],
@@ -46,7 +45,7 @@ pub(super) struct DrawnFace {
 }
 
 impl BendyFit {
-    /// Fits a map to `clusters`, boxes in scene space; an extended tube ends at `t_max`.
+    /// Fits a map to `clusters`, which are boxes in scene space. An extended tube ends at `t_max`.
     pub fn new(
         (tube, faces, t_max): (&Tube<f64>, Faces, f64),
         scene_origin: DVec3,
@@ -71,7 +70,7 @@ impl BendyFit {
         fit
     }
 
-    /// All of a light up to `t_max`, and all that it meets.
+    /// A fit to the whole light up to `t_max`, with all casters.
     pub fn whole(faces: Faces, clusters: &Clusters, t_max: f64) -> Self {
         let open_sides = clusters.open_sides(|_| true);
         Self { faces, bounds: [None; MAX_FACES], t: Some([0.0, t_max]), open_sides }
@@ -120,8 +119,8 @@ impl BendyFit {
         held && matches!((self.t, other.t), (Some(a), Some(b)) if within(a, b))
     }
 
-    /// What is drawn of a face of so many texels a side. No more than lies in the tube, whose rim is the map's; beyond
-    /// the edge of another face as far as the filter reaches.
+    /// Returns the drawn part of a face of `side` texels. It stays within the tube, whose rim is the border of the map.
+    /// At an edge shared with another face it extends as far as the filter reads.
     pub fn drawn(&self, face: usize, side: f64) -> DrawnFace {
         let limits = self.faces.limits(face);
         let grown = side / (side - 2.0 * MARGIN_TEXELS);
@@ -155,14 +154,14 @@ fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<TubePiece> {
         .collect()
 }
 
-/// Whether light may come in through a side: it does not where it goes nowhere but out.
+/// True if light may enter through a side. False if light only leaves through it.
 fn may_enter(pieces: &[TubePiece], tube: &Tube<f64>, side: &OpenSide, scene_origin: DVec3) -> bool {
     !pieces.iter().all(|piece| piece.only_leaves_through(tube, side, scene_origin))
 }
 
-/// x / depth and y / depth within `limits`; `None` where there are none.
+/// x / depth and y / depth within `limits`; `None` if the intersection is empty.
 fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range; 2]> {
-    // What lies on the face is as far ahead as it lies aside.
+    // Depth on a face is at least the distance from the axis divided by the face's limit.
     let nearest = aside
         .iter()
         .zip(limits)
@@ -173,7 +172,7 @@ fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range;
     }
     let mut slopes = limits;
     for (slope, [low, high]) in slopes.iter_mut().zip(aside) {
-        // At a depth of 0 any slope is possible.
+        // At depth 0 any slope is possible.
         let over = |x: f64, depth: f64| if depth > 0.0 { x / depth } else { x * f64::INFINITY };
         let least = if low > 0.0 {
             low / far
@@ -197,7 +196,7 @@ fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range;
     Some(slopes)
 }
 
-/// Where a box lies in a piece: all that its points may have.
+/// Bounds of the tube coordinates of a box's points within a piece.
 struct CoordsRange {
     v: Range,
     w: Range,
@@ -205,26 +204,26 @@ struct CoordsRange {
     t: Range,
 }
 
-/// A short piece of the tube, with what is linear in positions as a normal in scene space and an offset.
+/// A short piece of the tube. Each linear function of position is a normal in scene space and an offset.
 struct TubePiece {
     curve: Curve<f64>,
     t_start: f64,
     t_span: f64,
-    /// Distance past the plane square to the curve at the start.
+    /// Distance past the plane perpendicular to the curve at the start.
     past_start: (DVec3, f64),
-    /// The same at the end.
+    /// Distance past the plane perpendicular to the curve at the end.
     past_end: (DVec3, f64),
-    /// N.
+    /// Distance N from the curve's plane.
     normal: (DVec3, f64),
-    /// Along the tangent in the middle, from the start.
+    /// Distance from the start along the tangent at the middle.
     along: (DVec3, f64),
-    /// Across it, in the curve's plane.
+    /// Distance from that tangent, in the curve's plane.
     across: (DVec3, f64),
-    /// (d, a) of the curve's `u (2 d + u a)` in those two directions.
+    /// (d, a) of the curve `u (2 d + u a)` along and across that tangent.
     in_plane: [(f64, f64); 2],
-    /// Cosine and sine of the tangent's largest turn from the middle.
+    /// Cosine and sine of the tangent's largest angle to the middle tangent.
     turn: (f64, f64),
-    /// V and W are `(alpha N + beta M, beta N - alpha M)`, turned on by up to so many radians.
+    /// V and W are `(alpha N + beta M, beta N - alpha M)`, rotated by at most `twist` radians.
     alpha: f64,
     beta: f64,
     twist: f64,
@@ -244,7 +243,7 @@ impl TubePiece {
         let sin = (1.0 - cos * cos).sqrt();
         let (v_hat, _) = tube.cross_section(&curve, middle);
         let twist = if tube.frame == FrameMode::Up {
-            // The frame turns about the tangent by `cot` of the tangent's angle to "up" for each radian of the bend.
+            // The frame rotates about the tangent by `cot` of the angle between tangent and "up" per radian of bend.
             let turn = cos.acos();
             let angle = tube.up.cross(middle).length().atan2(tube.up.dot(middle).abs()) - turn;
             if angle > 0.0 { turn / angle.tan() } else { f64::INFINITY }
@@ -268,7 +267,7 @@ impl TubePiece {
         }
     }
 
-    /// Where points of the box that lie in the piece may be; `None` where none do.
+    /// Bounds of the box's points that are in the piece; `None` if no point is.
     fn bounds_of(&self, cluster: &ClusterBounds) -> Option<CoordsRange> {
         let range = |(normal, offset): (DVec3, f64)| {
             let [low, high] = cluster.range(normal, offset);
@@ -283,7 +282,7 @@ impl TubePiece {
         if distance(normal) > largest {
             return None;
         }
-        // What lies aside of a tangent that turns lies behind or before the middle's.
+        // A point off the axis of a tangent that turns shifts along the middle tangent.
         let (cos, sin) = self.turn;
         let shift = largest * sin;
         let [low, high] = range(self.along);
@@ -305,9 +304,9 @@ impl TubePiece {
         Some(CoordsRange { v: within(v, radius[1]), w: within(w, radius[1]), radius, t })
     }
 
-    /// Whether every path of the piece that is not well inside of a side goes outwards there.
+    /// True if every light path in the piece leaves outwards through `side`, or is well inside it.
     ///
-    /// A path's tangent is `u_hat (|P'| - r . u_hat') + (r / R) R'`, where the frame does not turn about it.
+    /// The tangent of a path is `u_hat (|P'| - r . u_hat') + (r / R) R'`, if the frame does not rotate about it.
     fn only_leaves_through(&self, tube: &Tube<f64>, side: &OpenSide, scene_origin: DVec3) -> bool {
         let in_scene = |corner: DVec3| tube.placement.world_from_tube(corner) - scene_origin;
         let highest = self.curve.bounds.corners().map(|corner| side.height(in_scene(corner)));
@@ -324,8 +323,8 @@ impl TubePiece {
         }
         let turning = (self.in_plane[1].1.abs() + a.abs() * sin) / slowest;
         let speed = 2.0 * slowest - self.radius([0.0, 1.0])[1] * turning;
-        // Where the curve itself lies inside, what reaches the side lies from it towards the side, and goes on outwards as the
-        // tube widens.
+        // Points that reach the side are offset towards it from a curve that is inside, and a widening tube carries
+        // them on outwards.
         let Curve { b0, d0, b2, .. } = self.curve;
         let curve_is_inside = [b0, b0 + d0, b2].iter().all(|&point| side.height(in_scene(point)) < 0.0);
         let inwards = |radius_derivative: f64| {
@@ -342,7 +341,7 @@ impl TubePiece {
         [(low - slack).max(0.0), (high + slack).max(0.0)]
     }
 
-    /// The parameter where the curve has gone so far along the middle's tangent, from 0 to 1.
+    /// Parameter, from 0 to 1, at which the curve has advanced by `along` in the direction of the middle tangent.
     fn parameter(&self, along: f64) -> f64 {
         let (d, a) = self.in_plane[0];
         let root = d * d + a * along;
@@ -356,38 +355,38 @@ impl TubePiece {
     }
 }
 
-/// The least absolute value.
+/// Least absolute value of a range.
 fn distance([low, high]: Range) -> f64 {
     low.max(-high).max(0.0)
 }
 
-/// The range of `p + u (2 d + u a)` over a range of u.
+/// Range of `p + u (2 d + u a)` over a range of u.
 fn quadratic_on(p: f64, (d, a): (f64, f64), [start, end]: Range) -> Range {
     let h = end - start;
     let (low, high) = quadratic_range(p + start * (2.0 * d + start * a), (d + start * a) * h, a * h * h);
     [low, high]
 }
 
-/// The range of `a x + b y`.
+/// Range of `a x + b y`.
 fn linear_range([x_low, x_high]: Range, a: f64, [y_low, y_high]: Range, b: f64) -> Range {
     let (ax, ay) = ([a * x_low, a * x_high], [b * y_low, b * y_high]);
     [ax[0].min(ax[1]) + ay[0].min(ay[1]), ax[0].max(ax[1]) + ay[0].max(ay[1])]
 }
 
-/// The ranges of a vector that is turned by up to so many radians either way.
+/// Ranges of a vector's components after a rotation of at most `angle` radians either way.
 fn turned(v: Range, w: Range, angle: f64) -> (Range, Range) {
     if angle == 0.0 {
         return (v, w);
     }
     let size = |[low, high]: Range| low.abs().max(high.abs());
-    // No component moves farther than the whole vector does.
+    // A component changes by at most the length of the vector's change.
     let length = size(v).hypot(size(w));
     let by = length * angle.min(2.0);
     let moved = |[low, high]: Range| [low - by, high + by];
     (moved(v), moved(w))
 }
 
-/// What of a range lies within so much of 0.
+/// Part of a range within `most` of 0.
 fn within([low, high]: Range, most: f64) -> Range {
     [low.max(-most), high.min(most)]
 }

@@ -1,14 +1,14 @@
-//! The structs of the bent passes, as WGSL lays them out.
+//! Structs of the bent passes, in WGSL layout.
 
 use super::faces::MAX_FACES;
 #[cfg(test)]
 use crate::gpu_structs::StructLayout;
 use crate::gpu_structs::{LightProfile, Mat4, gpu_struct};
 
-/// Columns of a 3 x 3 matrix, each with a gap behind it.
+/// Columns of a 3 x 3 matrix, each followed by padding.
 pub(crate) type Mat3 = [[f32; 4]; 3];
 
-/// Every struct of this file; the layout test walks it.
+/// All structs of this file, for the layout test.
 #[cfg(test)]
 pub(crate) const ALL: &[StructLayout] = &[
     Curve::LAYOUT,
@@ -171,7 +171,7 @@ gpu_struct! {
     }
 }
 
-/// Passes that hand items on: clipping and ten levels of splitting, and the last that only draws.
+/// Number of passes that feed each other items: clipping, ten levels of splitting, and a last one that only draws.
 pub(crate) const LEVELS: usize = 12;
 
 gpu_struct! {

@@ -1,4 +1,4 @@
-//! The solver on the adapter: its answers, and how long they take.
+//! Runs the solver on the adapter and measures its time.
 
 use std::time::{Duration, Instant};
 
@@ -10,13 +10,13 @@ use wgpu::util::{BufferInitDescriptor, DeviceExt};
 use super::gpu_curve;
 use crate::{Gpu, RenderError, readback, shaders};
 
-/// Threads of a workgroup, as in the shader.
+/// Threads of a workgroup; the shader has the same number.
 const WORKGROUP: usize = 64;
 
-/// [`light::increasing_roots`] of each curve and point on the adapter, by the shader code that lights pictures.
+/// Solves [`light::increasing_roots`] for each curve and point on the adapter, with the shader code of pictures.
 ///
-/// All are solved once, and then `dispatches` times more by the clock, uploads and read-back apart; the duration is
-/// that of solving all once. At most 500 000 cases, which fit into the buffers that every device has.
+/// Solves all cases once, then `dispatches` times more under the clock, which excludes uploads and readback. Returns
+/// the duration of one pass over all cases. Takes at most 500 000 cases, which fit into the buffers of every device.
 pub fn increasing_roots(
     gpu: &Gpu,
     cases: &[(Curve<f32>, Vec3)],
@@ -30,7 +30,7 @@ pub fn increasing_roots(
         let points: Vec<[f32; 4]> = cases.iter().map(|(_, q)| q.extend(0.0).to_array()).collect();
         let curves = init("curves", bytemuck::cast_slice(&curves), BufferUsages::STORAGE);
         let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
-        // Filled so that a case that was not solved does not look like one without roots.
+        // Filled so that an unsolved case differs from one without roots.
         let unsolved = vec![[f32::NAN; 4]; cases.len()];
         let results = BufferUsages::STORAGE | BufferUsages::COPY_SRC;
         let found = init("found", bytemuck::cast_slice(&unsolved), results);
@@ -66,7 +66,7 @@ pub fn increasing_roots(
     })
 }
 
-/// A NaN where the shader wrote none is kept as a root, to be seen.
+/// Keeps a NaN that the shader did not overwrite as a root, so that tests see it.
 fn roots([left, right, has_left, has_right]: [f32; 4]) -> Roots<f32> {
     Roots { left, right, has_left: has_left != 0.0, has_right: has_right != 0.0 }
 }

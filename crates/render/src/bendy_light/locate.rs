@@ -1,4 +1,4 @@
-//! Points located in a light by the adapter: what the picture's own shaders find, for `eval` and for tests.
+//! Locates points in a light on the adapter, with the shaders of pictures, for `eval` and for tests.
 
 use glam::{DVec3, Vec3};
 use light::{EndMode, LightPart, Tube, TubeLocation, TubePoint};
@@ -9,15 +9,15 @@ use super::gpu_structs::LocatedRoot;
 use super::{Baked, segments, uniform};
 use crate::{Gpu, RenderError, ShadowFilter, readback, shaders};
 
-/// Threads of a workgroup, as in the shader.
+/// Threads of a workgroup; the shader has the same number.
 const WORKGROUP: usize = 64;
-/// Roots a dispatch has room for: 16 MiB of them, well within the limits that every device has.
+/// Capacity of a dispatch in roots: 16 MiB, well within the limits of every device.
 const ROOTS_PER_DISPATCH: usize = (16 << 20) / size_of::<LocatedRoot>();
 
-/// Where `points_in_world` lie in `light`, found in f32 by the same shader code that lights pictures.
+/// Locates `points_in_world` in `light` in f32, with the shader code of pictures.
 ///
-/// Points are taken to tube space in f64 and rounded there: to that of the part of the light that they lie in, as a
-/// scene's are (see [`light::LightPart`]). Accuracy as of [`light::Tube`] with eps = 2^-24.
+/// Points are transformed to tube space in f64 and rounded there, to the space of the light part that contains them, as
+/// for a scene (see [`light::LightPart`]). The accuracy is that of [`light::Tube`] with eps = 2^-24.
 pub fn locate(
     gpu: &Gpu,
     light: &Tube<f64>,
@@ -35,7 +35,7 @@ pub fn locate(
     })
 }
 
-/// Two a segment and one on the extension.
+/// Two per segment and one on the extension.
 fn roots_a_point(tube: &Tube<f64>) -> usize {
     2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend)
 }
@@ -70,7 +70,7 @@ fn dispatch(
     let light = init("light", bytemuck::bytes_of(&uniform(part, DVec3::ZERO)), BufferUsages::UNIFORM);
     let segments = init("segments", bytemuck::cast_slice(&segments(tube)), BufferUsages::UNIFORM);
     let points = init("points", bytemuck::cast_slice(&points), BufferUsages::STORAGE);
-    // Filled so that a point that was not written cannot pass for one without roots.
+    // Filled so that an unwritten point differs from one without roots.
     let counts = init("root counts", &vec![0xff; 4 * points_in_world.len()], results);
     let roots = vec![0xff; size_of::<LocatedRoot>() * stride * points_in_world.len()];
     let roots = init("located roots", &roots, results);
@@ -103,8 +103,8 @@ fn unwritten() -> RenderError {
     RenderError::Gpu("some points were not evaluated".into())
 }
 
-/// The roots of one point, in the terms that people and files use; the one that counts has the smallest `|r|
-/// / R`.
+/// Converts the roots of one point to the values that users and files have. The root with the smallest `|r| / R`
+/// counts.
 fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> TubeLocation {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;

@@ -1,4 +1,4 @@
-//! A fitted bent map in the numbers that its passes want.
+//! Converts a fitted bent map to the numbers of its passes.
 
 use glam::{DMat3, DVec3};
 use light::Tube;
@@ -8,7 +8,7 @@ use super::fit::{BendyFit, DrawnFace};
 use super::gpu_structs::{BentShadow, Mat3};
 use crate::clusters::OpenSides;
 
-/// What a map shows of a light: its faces fitted to the scene, each of so many texels a side.
+/// A light's map: its faces, fitted to the scene, with the same number of texels a side.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapShape {
     fit: BendyFit,
@@ -17,12 +17,12 @@ pub(crate) struct MapShape {
 }
 
 impl MapShape {
-    /// A map of what strays from the surface by at most `mesh_error`, in world units.
+    /// A map of casters that deviate from the surface by at most `mesh_error`, in world units.
     pub(super) fn new(fit: BendyFit, side: u32, mesh_error: f64) -> Self {
         Self { fit, side, mesh_error }
     }
 
-    /// How far what it shows may stray from the surface, in world units.
+    /// Largest distance of the casters from the surface, in world units.
     pub fn mesh_error(&self) -> f64 {
         self.mesh_error
     }
@@ -44,7 +44,7 @@ impl MapShape {
         self.fit.faces.is_cube()
     }
 
-    /// Where something casts shadows along the light, with room for rounding; `None` where nothing does.
+    /// Range of t that contains casters, with a margin for rounding; `None` if there are none.
     pub fn t_range(&self) -> Option<[f64; 2]> {
         self.fit.t.map(|[first, last]| {
             let room = 1e-3 * (last - first) + 1e-6 * (1.0 + last);
@@ -52,17 +52,17 @@ impl MapShape {
         })
     }
 
-    /// Where along the light depths begin. On the sides of a cube they are no differences of t, so there 0.
+    /// Value of t at depth 0. It is 0 on the sides of a cube, where depths are not differences of t.
     pub fn t_base(&self) -> f64 {
         if self.is_cube() { 0.0 } else { self.t_range().map_or(0.0, |[first, _]| first) }
     }
 
-    /// The greatest t of what casts shadows.
+    /// Greatest t of a caster.
     pub fn t_last(&self) -> f64 {
         self.t_range().map_or(1.0, |[_, last]| last)
     }
 
-    /// What depths reach over: 1 stands for its end.
+    /// Range of t that depths from 0 to 1 cover.
     pub fn t_span(&self) -> f64 {
         self.t_last() - self.t_base()
     }
@@ -71,7 +71,7 @@ impl MapShape {
         self.fit.drawn(face, f64::from(self.side))
     }
 
-    /// Middle and 1 / half size of each face, for `bent_lookup.wgsl`.
+    /// Center and 1 / half size of each face, for `bent_lookup.wgsl`.
     pub(super) fn fits(&self) -> [[f32; 4]; MAX_FACES] {
         std::array::from_fn(|face| {
             if face >= self.face_count() {
@@ -92,24 +92,24 @@ impl MapShape {
         clip_from_face * self.fit.faces.face_from_tube(face)
     }
 
-    /// Of each face that there is, for `bent_map.wgsl`.
+    /// Matrix of each existing face, for `bent_map.wgsl`.
     pub(super) fn clips_from_mapped(&self) -> [Mat3; MAX_FACES] {
         std::array::from_fn(|face| {
             if face < self.face_count() { columns(&self.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
         })
     }
 
-    /// Whether something may cast shadows on a face.
+    /// True if a face may contain casters.
     pub fn has_casters(&self, face: usize) -> bool {
         self.fit.bounds[face].is_some()
     }
 
-    /// Which sides of the casters' bounds may cast shadows.
+    /// Sides of the casters' bounds that may cast shadows.
     pub fn open_sides(&self) -> OpenSides {
         self.fit.open_sides
     }
 
-    /// How a face is drawn.
+    /// Uniform for drawing a face.
     pub(super) fn shadow_uniforms(&self, face: usize) -> BentShadow {
         let DrawnFace { center, half } = self.drawn(face);
         let (row, most) = if face == 0 {
@@ -125,7 +125,7 @@ impl MapShape {
         }
     }
 
-    /// How wide texels are in the world at the end of what casts shadows.
+    /// Width of a texel in world units at the greatest t of a caster.
     pub fn last_texel_in_world(&self, tube: &Tube<f64>) -> f64 {
         let t = self.t_last().max(0.0);
         let segment = (t as usize).min(tube.segments.len() - 1);
@@ -133,7 +133,7 @@ impl MapShape {
         radius.abs() * tube.placement.world_per_tube / self.texels_per_vw()
     }
 
-    /// Texels per unit of v and w where they are finest.
+    /// Texels per unit of v and w at the finest texel.
     pub fn texels_per_vw(&self) -> f64 {
         let finest = |face: usize| self.drawn(face).half.map(f64::recip).into_iter().fold(0.0, f64::max);
         let finest = (0..self.face_count()).map(finest).fold(0.0, f64::max);

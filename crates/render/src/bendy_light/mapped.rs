@@ -1,4 +1,4 @@
-//! Points mapped by the adapter as bent shadow maps do it, for `bendylights-studies stress` and for tests.
+//! Maps points on the adapter as bent shadow maps do, for `bendylights-studies stress` and for tests.
 
 use glam::{DVec3, Vec4};
 use light::Tube;
@@ -12,11 +12,11 @@ use super::t_max;
 use crate::clusters::VERTICES_PER_BLOCK;
 use crate::{Gpu, RenderError, readback, shaders};
 
-/// The (V, W, R, t) that vertices of a scene are drawn by into a light's shadow map, lengths in tube space, found in
-/// f32 by the map's own shader. `None` for a point in no slab, or in those of distant parts of the tube.
+/// Computes (V, W, R, t) of scene vertices as a light's shadow map has them, with lengths in tube space, in f32 with
+/// the map's own shader. `None` for a point that is in no slab, or in slabs of distant parts of the tube.
 ///
-/// Points are taken to scene space, about the centre of their bounds, in f64 and rounded there. Accuracy as of
-/// [`light::Tube`] with eps = 2^-24, at positions of that size.
+/// Points are transformed to scene space, around the center of their bounds, in f64 and rounded there. The accuracy is
+/// that of [`light::Tube`] with eps = 2^-24, at positions of that size.
 pub fn map_points(
     gpu: &Gpu,
     tube: &Tube<f64>,
@@ -46,7 +46,7 @@ pub fn map_points(
     })
 }
 
-/// Maps positions in scene space into some of the slabs.
+/// Maps positions in scene space into `slabs`.
 fn dispatch(
     gpu: &Gpu,
     map: &BentMap,

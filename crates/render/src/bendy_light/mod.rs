@@ -1,4 +1,4 @@
-//! A BendyLight on the GPU: its tube as buffers, its bent shadow map, and points located in it.
+//! BendyLights on the GPU: the tube as buffers, bent shadow maps, and location of points.
 
 mod alpha_tested_draw;
 mod faces;
@@ -38,14 +38,14 @@ pub(crate) use native::{draw_map, placed};
 pub(crate) use pass::{BendyPass, BendySlot, corners_in_world};
 pub(crate) use shadow_buffers::BentMapBuffers;
 
-/// Length of the array of segments in `tube.wgsl`: all that a light may have, and the extension.
+/// Length of the array of segments in `tube.wgsl`: the most segments of a light, and the extension.
 const SEGMENT_CAPACITY: usize = light::MAX_SEGMENTS + 1;
 
-/// Largest colour and intensity: their product is still finite in f32; `profile.wgsl` then keeps it,
-/// exposure, decay and the BRDF within f32.
+/// Largest color and intensity. Their product is finite in f32, and `profile.wgsl` keeps its product with exposure,
+/// decay and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
 
-/// Columns of the matrix from scene space (world axes about `scene_origin`) to tube space, composed in f64.
+/// Matrix from scene space (world axes, origin at `scene_origin`) to tube space, as columns, composed in f64.
 fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     let placement = &tube.placement;
     let rotation =
@@ -60,8 +60,8 @@ fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     matrix.as_mat4().to_cols_array_2d()
 }
 
-/// The greatest t that anything within `half_extent` of the scene's origin can have: the end of the light, or
-/// of what it can reach where it is extended.
+/// Upper bound of t within `half_extent` of the scene's origin: the end of the light, or of the part of its extension
+/// that reaches the scene.
 pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -> f64 {
     let n = tube.n as f64;
     if tube.end_mode() == EndMode::Cut {
@@ -71,11 +71,11 @@ pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -
     let farthest = corners(scene_origin, half_extent)
         .map(|corner| (tube.placement.tube_from_world(corner) - last.b0).dot(last.d0))
         .fold(0.0, f64::max);
-    // A hundredth more, so that the far corner itself is inside.
+    // One percent more, so that the far corner itself is inside.
     n + (farthest / (2.0 * last.d0.length_squared())) * 1.01 + 1e-3
 }
 
-/// World corners of the scene's bounds.
+/// World positions of the corners of the scene's bounds.
 fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |k| {
         let sign = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1)) * 2.0 - 1.0;
@@ -83,7 +83,7 @@ fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec
     })
 }
 
-/// World points around the tube up to `t_max`: the corners of its slabs' boxes.
+/// World positions that enclose the tube up to `t_max`: the corners of its slabs' boxes.
 pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
     light::slabs(tube, t_max, 0.0)
         .iter()
@@ -118,23 +118,23 @@ fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curv
     }
 }
 
-/// What is compiled into the shaders that evaluate a light: see the constants of `tube.wgsl`.
+/// Values compiled into the shaders that evaluate a light; see the constants of `tube.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Baked {
     segments: usize,
     end_mode: EndMode,
     frame: FrameMode,
     direction: DirectionMode,
-    /// Whether it matters how long light's way is.
+    /// True if the length of the light path matters.
     path_length: bool,
-    /// Whether the shadow map has the faces of a cube.
+    /// True if the shadow map has the faces of a cube.
     cube: bool,
     light_profile: BakedFilter,
     filter: ShadowFilter,
 }
 
 impl Baked {
-    /// Most segments that are visited in straight code: `tube.wgsl` spells them out.
+    /// Largest number of segments that `tube.wgsl` visits without a loop.
     const MAX_UNROLLED_SEGMENTS: usize = 6;
 
     pub fn of(tube: &Tube<f64>, cube: bool, filter: ShadowFilter) -> Self {
@@ -150,7 +150,7 @@ impl Baked {
         }
     }
 
-    /// Each value of each field at least once.
+    /// Samples with each value of each field at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
         let [light_profile, unshadowed, section, cut] = BakedFilter::samples();
@@ -180,7 +180,7 @@ impl Baked {
         ]
     }
 
-    /// `wgsl` with the constants that `tube.wgsl` asks for.
+    /// Prepends the constants of `tube.wgsl` to `wgsl`.
     pub fn into_wgsl(self, wgsl: &str) -> String {
         let Self { segments, end_mode, frame, direction, path_length, cube, light_profile, filter } = self;
         let constants = format!(
@@ -194,7 +194,7 @@ impl Baked {
     }
 }
 
-/// The tube's segments for `tube.wgsl`, filled up to the size of its array.
+/// The tube's segments for `tube.wgsl`, padded to the size of its array.
 pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     let one = |(i, segment): (usize, &Segment<f64>)| {
         let s = segment.to_f32();
@@ -218,7 +218,7 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     segments
 }
 
-/// The light's uniform for `tube.wgsl`, but for what says of its shadow map.
+/// The light's uniform for `tube.wgsl`, without the fields of its shadow map.
 pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::BendyLight {
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
@@ -236,13 +236,12 @@ pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::Ben
     }
 }
 
-/// How far what casts shadows may stray from the surface, in tube space. Farther than the scene reaches is as good as any
-/// farther.
+/// Mesh error in tube space, at most the extent of the scene: a larger one has the same effect.
 fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
     (map.mesh_error() / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
 }
 
-/// The same with its shadow map.
+/// The light's uniform for `tube.wgsl`, with its shadow map.
 pub(crate) fn uniform_with_map(
     part: &LightPart,
     scene_origin: DVec3,

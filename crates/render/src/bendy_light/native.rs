@@ -1,4 +1,4 @@
-//! A BendyLight that the processor draws: its numbers for `relight`, and its map.
+//! BendyLights on the CPU: the light's numbers for `relight`, and its map.
 
 use glam::{DVec3, Mat3, Mat4, Vec3};
 use light::{CheckedLight, LightPart, Tube};
@@ -16,8 +16,8 @@ use crate::linked::LinkedCasters;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Draws the map of `light` into one of its size: of those casters that `linked` leaves, or of the `coarse` ones where those
-/// serve. Returns what it shows of the light.
+/// Draws the map of `light` into `map`'s own size, with the casters that `linked` leaves, or with the `coarse` ones if
+/// they are accurate enough. Returns the shape of the map.
 pub(crate) fn draw_map(
     (gpu, work): (&Gpu, &mut relight::BentMapBuilder),
     (light, tube): (&CheckedLight, &Tube<f64>),
@@ -96,7 +96,7 @@ fn face_of(map: &MapShape, face: usize) -> BentFace {
     }
 }
 
-/// The light in place, with what its map shows of it.
+/// The placed light, with the shape of its map.
 pub(crate) fn placed(
     tube: &Tube<f64>,
     scene: &GpuScene,

@@ -1,4 +1,4 @@
-//! Which of the casters a turn of a bent map looks at: those near its slabs.
+//! Selects the casters near the slabs of one turn of a bent map.
 
 use glam::DVec3;
 use light::Tube;
@@ -10,25 +10,26 @@ use crate::closed_components::TriangleComponent;
 use crate::clusters::{BoxSelection, ClusterBounds, ClusterLeaf, VERTICES_PER_BLOCK};
 use crate::shadow_settings::Culling;
 
-/// A source is larger by this share of the light's size: rounding.
+/// Enlarges the source by this share of the light's size, for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Lists for `map_vertices` and `map_triangles`: an entry for each of their workgroups.
+/// Lists for `map_vertices` and `map_triangles`, with an entry for each workgroup.
 #[derive(Debug, Default)]
 pub(super) struct CastersNearSlabs {
-    /// First triangle of a leaf, and how many it has with its [`TriangleComponent`] above 16 bits.
+    /// First triangle of a leaf. Its number of triangles is in the low 16 bits, its [`TriangleComponent`] above.
     pub leaves: Vec<[u32; 2]>,
-    /// Blocks of vertices.
+    /// Indices of blocks of vertices.
     pub blocks: Vec<u32>,
     pub triangles: u32,
 }
 
-/// A slab: `normal . p + offset` of its planes is the distance inside, in the light's size, of a position in scene space.
+/// A slab. `normal . p + offset` is the distance inside each plane, in units of the light's size, for a position in
+/// scene space.
 struct Planes([(DVec3, f64); 6]);
 
 impl CastersNearSlabs {
-    /// What of `casters` has a box that touches one of `slabs`. Leaves that lie on closed surfaces which the light does not
-    /// begin in are listed as such.
+    /// Lists leaves and blocks of `casters` with a box that touches one of `slabs`. A leaf on a closed component counts
+    /// as closed only if the light begins outside the component.
     pub fn new(
         casters: &Casters,
         (tube, scene_origin): (&Tube<f64>, DVec3),
@@ -41,7 +42,7 @@ impl CastersNearSlabs {
         let shell_of = |leaf: &ClusterLeaf| {
             if culling.backs { leaf.component_from(Some(&source)) } else { TriangleComponent::Open }
         };
-        // In the light's size, by which its positions are rounded.
+        // In units of the light's size, which scales the rounding of its positions.
         let within = |cluster: &ClusterBounds| {
             slabs.iter().map(|Planes(planes)| cluster.select_by_planes(planes, 1.0)).max()
         };
@@ -74,7 +75,7 @@ impl CastersNearSlabs {
     }
 }
 
-/// Around all places where paths begin.
+/// Bounds of the points where light paths begin.
 fn source(tube: &Tube<f64>, scene_origin: DVec3) -> ClusterBounds {
     let curve = &tube.segments[0].curve;
     let center = tube.placement.world_from_tube(curve.b0) - scene_origin;

@@ -1,4 +1,4 @@
-//! A BendyLight's lighting pass and what is kept of each light from picture to picture.
+//! Lighting pass of a BendyLight, and the data cached for each light between pictures.
 
 use std::sync::{Arc, OnceLock};
 
@@ -28,61 +28,57 @@ use crate::{Gpu, RenderError, ShadowSettings, shaders};
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
 const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
-/// The pipelines, which outlive scenes and lights.
+/// The pipelines, shared by all scenes and lights.
 #[derive(Debug)]
 pub(crate) struct BendyPass {
     shadow: BentShadowPass,
-    /// Compiled when first wanted.
     wireframe: OnceLock<WireframePass>,
     lighting: PassVariants<Baked>,
-    /// Of the view and the surface, the light's own, and that of links.
+    /// Layouts of the view, the surface, the light and the links.
     group_layouts: [BindGroupLayout; 4],
     sampler: Sampler,
 }
 
-/// What is kept of one BendyLight from picture to picture.
+/// Data of one BendyLight that is cached between pictures.
 #[derive(Debug)]
 pub(crate) struct BendySlot {
     target: MapTarget,
-    /// What the map shows, and how it is fitted to that scene, unless nothing shadows the light.
+    /// Key of the map, and its shape; the shape is `None` if the light casts no shadows.
     map: Option<(MapKey, Option<MapShape>)>,
-    /// The light in place, and of which scene's revision and which revision of the light.
+    /// The placed light, with the revisions of scene and light that it was made from.
     placed: Option<(u64, LightDigest, GpuBendy)>,
 }
 
-/// A BendyLight in place.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuBendy {
-    /// Which lighting pass draws it.
+    /// Values that select the lighting pass.
     pub baked: Baked,
     /// Group 2 of that pass.
     pub group: BindGroup,
 }
 
-/// The convex hull of these world positions holds all that a light lights of a scene.
+/// World positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(tube: &Tube<f64>, posed: &PosedScene) -> Vec<DVec3> {
     let part = tube.part_near(posed.origin_in_world, posed.half_extent);
     hull_in_world(&part.tube, t_max(&part.tube, posed.origin_in_world, posed.half_extent))
 }
 
 impl BendySlot {
-    /// Draws everything anew when it is next asked for.
+    /// Drops the map and the placed light.
     pub fn invalidate(&mut self) {
         (self.map, self.placed) = (None, None);
     }
 
-    /// What its map shows.
     pub fn map_key(&self) -> Option<MapKey> {
         self.map.map(|(key, _)| key)
     }
 
-    /// How large its map is.
     pub fn size(&self) -> MapSize {
         self.target.size
     }
 }
 
-/// What casts shadows in a light, and the map fitted to that: what `linked` leaves, or the `coarse` casters where those serve.
+/// Fits a map to the casters in a light: those that `linked` leaves, or the `coarse` ones if they are accurate enough.
 pub(super) fn fit_bent_map<'a>(
     gpu: &Gpu,
     (tube, light): (&Tube<f64>, &Light),
@@ -103,7 +99,7 @@ pub(super) fn fit_bent_map<'a>(
     Ok((casting, map))
 }
 
-/// A map of a light over `scene` for what casts shadows there; where the light is extended, up to `t_max`.
+/// The shape of a light's map over `scene`, fitted to its casters. An extended light ends at `t_max`.
 fn map_shape(
     light: (&Tube<f64>, Faces, f64),
     (scene, casting): (&GpuScene, &CasterSet),
@@ -114,7 +110,7 @@ fn map_shape(
 }
 
 impl BendyPass {
-    /// `camera_groups` are those of the view and the surface.
+    /// `camera_groups` are the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], links: &BindGroupLayout) -> Self {
         let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("bendy", &BINDINGS));
         Self {
@@ -129,7 +125,7 @@ impl BendyPass {
         }
     }
 
-    /// The pass that evaluates lights in the way of `baked`, with links where `linked`.
+    /// Returns the pass for lights with the values `baked`, with shadow links if `linked`.
     pub fn lighting(&self, gpu: &Gpu, baked: Baked, linked: bool) -> Arc<LightingPass> {
         self.lighting.get(baked, linked, || {
             let wgsl = baked.into_wgsl(shaders::BENDY);
@@ -141,8 +137,8 @@ impl BendyPass {
         BendySlot { target: gpu.map_target("bent shadow map", size), map: None, placed: None }
     }
 
-    /// Brings `slot` up to date with `light` over `scene`. Returns the light in place and whether its map was
-    /// drawn: of those that `linked` leaves, or of the `coarse` ones where those serve.
+    /// Updates `slot` for `light` over `scene`. Returns the placed light, and true if its map was drawn: with the
+    /// casters that `linked` leaves, or with the `coarse` ones if they are accurate enough.
     pub fn prepare(
         &self,
         gpu: &Gpu,
@@ -158,7 +154,7 @@ impl BendyPass {
         {
             return Ok((placed.clone(), false));
         }
-        // What lies in the scene: of a light far longer than that, f32 could not hold the whole and the part.
+        // Uses the part inside the scene: f32 cannot hold both a light far longer than the scene and that part.
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
         let kept = slot.map.take().filter(|(kept, _)| *kept == key);
@@ -207,7 +203,7 @@ impl BendyPass {
         let part = tube.part_near(scene.posed.origin_in_world, scene.posed.half_extent);
         let tube = &part.tube;
         let t_max = t_max(tube, scene.posed.origin_in_world, scene.posed.half_extent);
-        // All that the light meets, what need not be in its map too.
+        // All casters in the light, including those that its map leaves out.
         let faces = Faces::of(light);
         let casting = caster_set(gpu, scene, linked, shadows.mesh_error)?;
         let fit = BendyFit::whole(faces, &casting.casters.clusters, t_max);

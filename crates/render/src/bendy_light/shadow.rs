@@ -1,10 +1,10 @@
-//! The bent shadow map: what casts shadows mapped into tube space by compute passes, then drawn (see
+//! Bent shadow maps. Compute passes map the casters into tube space, then a render pass draws them (see
 //! `bent_map.wgsl`).
 //!
-//! Every triangle is looked at once. Most lie in one slab and are straight in the map: they are drawn from
-//! the vertices that were mapped once. The others are clipped to slabs and split until their edges are
-//! straight. Buffers for those start small and grow when a scene needs more: the counts are read back after
-//! each map, or with the picture that it is for, and a map that did not fit is made again.
+//! Every triangle is processed once. Most lie in one slab and are straight in the map: these are drawn from vertices
+//! that were mapped once. The others are clipped to slabs and split until their edges are straight. The buffers for
+//! those start small and grow if a scene needs more. The counts are read back after each map, or together with the
+//! picture, and a map that did not fit is drawn again.
 
 use std::sync::OnceLock;
 
@@ -29,10 +29,10 @@ use crate::shadow_settings::Culling;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
-/// Most workgroups in one dimension that every device can run.
+/// Most workgroups in one dimension on every device.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The pipelines, which outlive scenes and lights.
+/// The pipelines, shared by all scenes and lights.
 #[derive(Debug)]
 pub(crate) struct BentShadowPass {
     vertices: ComputePipeline,
@@ -41,14 +41,13 @@ pub(crate) struct BentShadowPass {
     split: ComputePipeline,
     next: ComputePipeline,
     draw: RenderPipeline,
-    /// Compiled when first wanted: by a scene with an alpha test.
+    /// Compiled at first use, by a scene with an alpha test.
     alpha_tested: OnceLock<AlphaTestedDraw>,
 }
 
-/// A map to be drawn: of what, and where.
+/// A map to draw: casters, light and target.
 pub(crate) struct MapRequest<'a> {
     pub scene: &'a GpuScene,
-    /// What of it throws shadows.
     pub casting: CasterSet<'a>,
     pub tube: &'a Tube<f64>,
     pub map: &'a MapShape,
@@ -56,11 +55,9 @@ pub(crate) struct MapRequest<'a> {
     pub shadows: &'a ShadowSettings,
 }
 
-/// What it is drawn onto.
 pub(crate) enum DrawTarget<'a> {
-    /// The map itself.
     Map(&'a MapTarget),
-    /// A picture of its triangles.
+    /// A picture of the map's triangles.
     Wireframe(WireframeTarget<'a>),
 }
 
@@ -87,7 +84,7 @@ impl BentShadowPass {
         }
     }
 
-    /// Draws a map, in turns of as many slabs as a uniform holds.
+    /// Draws a map. A turn takes as many slabs as a uniform holds.
     pub fn render(
         &self,
         gpu: &Gpu,
@@ -100,9 +97,9 @@ impl BentShadowPass {
         let resolution = 2.0 * map.texels_per_vw();
         let slabs = |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, split_above_texels);
         let slabs = map.t_range().map_or_else(Vec::new, slabs);
-        // Where nothing casts shadows, one turn of no slabs empties the map.
+        // Without casters, one turn without slabs clears the map.
         let turns = || slabs.chunks(SLABS_PER_UNIFORM).chain(slabs.is_empty().then_some(&slabs[..]));
-        // What a turn without room has drawn is not to be kept, so all turns start again.
+        // The result of a turn that did not fit is invalid, so all turns start again.
         'all: loop {
             for (index, turn) in turns().enumerate() {
                 if !self.render_slabs(gpu, work, request, turn, index == 0)? {
@@ -113,8 +110,8 @@ impl BentShadowPass {
         }
     }
 
-    /// Maps and draws what lies in some of the slabs, into an emptied map if it is the first. False where it is known that
-    /// it did not fit; there is more room then.
+    /// Maps and draws the casters in some slabs; the first turn clears the map. Returns false if it is known that they
+    /// did not fit. The capacity has grown then.
     fn render_slabs(
         &self,
         gpu: &Gpu,
@@ -125,7 +122,7 @@ impl BentShadowPass {
     ) -> Result<bool, RenderError> {
         let casters = request.casting.casters;
         let light = (request.tube, request.scene.posed.origin_in_world);
-        // A drawing of a map's triangles shows those that others hide, too.
+        // A wireframe also shows triangles that others hide.
         let culling = match request.onto {
             DrawTarget::Map(_) => request.shadows.culling,
             DrawTarget::Wireframe(_) => Culling { backs: false, ..request.shadows.culling },
@@ -168,7 +165,7 @@ impl BentShadowPass {
         work.check_fit(gpu, made)
     }
 
-    /// The compute passes: vertices, triangles, clipping, and splitting level by level.
+    /// Records the compute passes: vertices, triangles, clipping, and splitting level by level.
     fn map(
         &self,
         gpu: &Gpu,
@@ -211,7 +208,7 @@ impl BentShadowPass {
             let group = if level % 2 == 0 { &even } else { &odd };
             steps.extend([next(FrameStage::Split), step(FrameStage::Split, &self.split, group, None)]);
         }
-        // One pass for all, but where stages are taken down.
+        // One pass for all steps, unless stages are recorded.
         let apart = gpu.stages.is_recording();
         for steps in steps.chunk_by(|one, other| !apart || one.stage == other.stage) {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
@@ -224,7 +221,7 @@ impl BentShadowPass {
         Ok(())
     }
 
-    /// Draws what was mapped onto each face.
+    /// Draws the mapped casters onto each face.
     fn draw(
         &self,
         gpu: &Gpu,
@@ -272,12 +269,11 @@ impl BentShadowPass {
     }
 }
 
-/// A dispatch of the compute passes.
 struct ComputeStep<'a> {
     stage: FrameStage,
     pipeline: &'a ComputePipeline,
     group: &'a BindGroup,
-    /// How many; `None` where the passes before have counted them.
+    /// Number of workgroups; `None` if earlier passes count them on the GPU.
     workgroups: Option<usize>,
 }
 
@@ -296,7 +292,6 @@ impl ComputeStep<'_> {
     }
 }
 
-/// The uniform of a turn.
 fn turn_uniforms(
     room: Capacity,
     request: &MapRequest,
@@ -320,7 +315,7 @@ fn turn_uniforms(
     }
 }
 
-/// What a turn's uniform says of the light.
+/// The light's fields in a turn's uniform.
 pub(super) fn bent_map_uniforms(
     tube: &Tube<f64>,
     scene_origin: DVec3,
@@ -342,7 +337,7 @@ fn entire<'a>(buffers: &[&'a Buffer]) -> Vec<BindingResource<'a>> {
     buffers.iter().map(|buffer| buffer.as_entire_binding()).collect()
 }
 
-/// Group 0 of a compute pass: what all share from binding 0, what it works on from binding 2.
+/// Group 0 of a compute pass: resources of all passes from binding 0, those of this pass from binding 2.
 fn bind(
     gpu: &Gpu,
     pipeline: &ComputePipeline,
@@ -377,7 +372,7 @@ fn draw_pipeline(gpu: &Gpu) -> RenderPipeline {
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[Some(mapped)],
         },
-        // Both sides cast: what light meets does not depend on which side was modelled.
+        // Both sides cast shadows: light hits a surface regardless of its modeled side.
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(least_depth_test()),
         multisample: wgpu::MultisampleState::default(),

@@ -1,4 +1,4 @@
-//! What bent shadow maps are made in: buffers that start small and grow when a scene needs more.
+//! Buffers of bent shadow maps. They start small and grow if a scene needs more.
 
 use wgpu::{BindingResource, Buffer, BufferBinding, BufferUsages, CommandEncoder};
 
@@ -13,40 +13,38 @@ use crate::memory::Evictable;
 use crate::stages::{FrameStage, WorkCounters};
 use crate::{Gpu, RenderError, readback};
 
-/// What the maps of one scene are made in, one after another.
+/// Work buffers of a scene's maps, which are drawn one after another.
 #[derive(Debug)]
 pub(crate) struct BentMapBuffers {
     pub capacity: Capacity,
     pub(super) buffers: Option<Evictable<Buffers>>,
-    /// What nobody has looked at yet whether it fitted, where that is put off.
+    /// Counts of maps whose fit is not yet checked; `None` if checks are immediate.
     deferred: Option<Vec<MapCounts>>,
 }
 
-/// What a turn has made of a map.
 #[derive(Debug)]
 pub(super) struct MapCounts {
-    /// A copy of its [`BentCounts`].
+    /// A copy of the turn's [`BentCounts`].
     pub counts: Buffer,
-    /// How many it looked at.
+    /// Number of processed triangles.
     pub triangles: u32,
-    /// Of a map that it began.
+    /// Texels of the map if this is its first turn, else 0.
     pub texels: u64,
 }
 
-/// How many items fit.
+/// Number of items that fit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Capacity {
     /// (triangle, slab) pairs.
     pub work: u32,
     /// Patches of one level.
     pub patches: u32,
-    /// Vertices of what was clipped and split.
+    /// Vertices of clipped and split triangles.
     pub split_vertices: u32,
-    /// The same of triangles with an alpha test.
     pub masked_vertices: u32,
 }
 
-/// For what they are made.
+/// Numbers that determine the buffer sizes.
 #[derive(Clone, Copy, Debug)]
 struct Size {
     vertices: u32,
@@ -61,11 +59,11 @@ pub(super) struct Buffers {
     size: Size,
     pub slabs: Buffer,
     pub uniform: Buffer,
-    /// One a face of any map.
+    /// One per face of any map.
     pub faces: [Buffer; MAX_FACES],
     pub mapped: Buffer,
     pub vertex_slab: Buffer,
-    /// What is near the slabs: see [`CastersNearSlabs`].
+    /// Leaves and blocks near the slabs; see [`CastersNearSlabs`].
     pub blocks: Buffer,
     pub leaves: Buffer,
     pub whole_indices: Buffer,
@@ -73,7 +71,7 @@ pub(super) struct Buffers {
     pub patches: [Buffer; 2],
     pub split_vertices: Buffer,
     pub masked_vertices: Buffer,
-    /// Where those lie in their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
+    /// Positions of those vertices in their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
     pub masked_places: Buffer,
     pub counts: Buffer,
     pub workgroups: Buffer,
@@ -86,13 +84,14 @@ impl BentMapBuffers {
         Self { capacity, buffers: None, deferred: None }
     }
 
-    /// Whether maps fit is not asked from now on until [`Self::fitted`] is: so nothing waits for the device before the
+    /// Postpones fit checks until [`Self::check_deferred_fits`], so that the CPU does not wait for the GPU before the
     /// picture is submitted.
     pub fn defer_fit_checks(&mut self) {
         self.deferred = Some(Vec::new());
     }
 
-    /// Whether all maps since [`Self::put_off`] have fitted; where one has not there is more room now. Waits for them.
+    /// Returns true if all maps since [`Self::defer_fit_checks`] have fitted. If one has not, the capacity has grown.
+    /// Waits for the GPU.
     pub fn check_deferred_fits(&mut self, gpu: &Gpu) -> Result<bool, RenderError> {
         let mut fitted = true;
         for made in self.deferred.take().into_iter().flatten() {
@@ -101,13 +100,13 @@ impl BentMapBuffers {
         Ok(fitted)
     }
 
-    /// Asks again whether maps fit, of those to come.
+    /// Makes fit checks immediate again, for later maps.
     pub fn clear_deferred(&mut self) {
         self.deferred = None;
     }
 
-    /// Lets others have their turn in the middle of a map. Not where it is put off to ask whether maps fit: nothing is to wait for
-    /// the device then.
+    /// Yields in the middle of a map. Does nothing while fit checks are deferred, because nothing may wait for the GPU
+    /// then.
     pub(super) fn yield_point(&self, gpu: &Gpu, encoder: &mut CommandEncoder) -> Result<(), RenderError> {
         if self.deferred.is_none() {
             gpu.submit_and_wait(encoder)?;
@@ -116,7 +115,8 @@ impl BentMapBuffers {
         Ok(())
     }
 
-    /// Notes what has been made. False where it is known that it did not fit; there is more room then.
+    /// Checks or defers a turn's counts. Returns false if it is known that the turn did not fit. The capacity has grown
+    /// then.
     pub(super) fn check_fit(&mut self, gpu: &Gpu, made: MapCounts) -> Result<bool, RenderError> {
         if let Some(put_off) = &mut self.deferred {
             put_off.push(made);
@@ -144,7 +144,7 @@ impl MapCounts {
 }
 
 impl Capacity {
-    /// Enough for what was counted, in powers of two; the same room where that fitted.
+    /// Capacity for the counted items, in powers of two; unchanged if they fitted.
     pub(super) fn grown_for(self, counts: &BentCounts) -> Self {
         let grow = |room: u32, count: u32| if count > room { count.next_power_of_two() } else { room };
         let patches = counts.items[1..].iter().copied().max().unwrap_or(0);
@@ -156,7 +156,7 @@ impl Capacity {
         }
     }
 
-    /// Refuses what no buffer of this device can hold.
+    /// Returns an error if no buffer of this device can hold the items.
     pub(super) fn check(self, gpu: &Gpu) -> Result<(), RenderError> {
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         let largest = [
@@ -174,14 +174,13 @@ impl Capacity {
     }
 }
 
-/// Leaves that a uniform holds: `map_triangles` runs once for each so many.
+/// Leaves that a uniform holds. `map_triangles` is dispatched once for each such window.
 pub(super) const LEAVES_PER_WINDOW: usize = 8192;
 const WINDOW_BYTES: u64 = 8 * LEAVES_PER_WINDOW as u64;
 /// Bytes of a triangle in a slab: `ToClip` of `bent_map.wgsl`.
 const WORK_BYTES: u64 = 12;
-/// Bytes of a patch.
 const PATCH_BYTES: u64 = size_of::<Patch>() as u64;
-/// Bytes of a mapped vertex, and of its place in a triangle.
+/// Bytes of a mapped vertex, and of its position in a triangle.
 pub(super) const VERTEX_BYTES: u64 = 16;
 
 impl Buffers {
@@ -262,7 +261,7 @@ impl Buffers {
         all.into_iter().chain(lists).map(Buffer::size).sum()
     }
 
-    /// Whether a map of those casters can be made in these.
+    /// True if a map of these casters can be drawn in these buffers.
     pub fn fit(&self, casters: &Casters, room: Capacity) -> bool {
         let (has, needs) = (self.size, Self::size_for(casters, room));
         let enough =

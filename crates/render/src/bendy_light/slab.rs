@@ -1,4 +1,4 @@
-//! Slabs of the tube as the mapping passes want them: curve, planes around, and which edges are surely straight.
+//! Slabs of the tube for the mapping passes: the curve, bounding planes, and bounds for edges that are surely straight.
 
 use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube};
@@ -7,22 +7,22 @@ use relight::MapSlab;
 
 use super::{gpu_curve, gpu_structs};
 
-/// How many fit into one uniform; `bent_map.wgsl` has the same number. A light with more is mapped in turns.
+/// Slabs in one uniform; `bent_map.wgsl` has the same number. A light with more slabs is mapped in turns.
 pub(crate) const SLABS_PER_UNIFORM: usize = 240;
-/// Share of a slab by which it overlaps its neighbours. More than rounding, 1e-6; and little, because past a
-/// joint the curve is not this segment's: there t is off by up to the square of it.
+/// Overlap with adjacent slabs, as a share of a slab. It exceeds rounding, 1e-6. It is small because past a joint the
+/// curve belongs to another segment: there the error of t is up to the square of the overlap.
 const OVERLAP: f64 = 5e-4;
-/// The bend is sampled on a grid over the slab; between samples it may be this much larger.
+/// Factor for the bend, which is sampled on a grid over the slab, between the samples.
 const SAMPLING_MARGIN: f64 = 2.0;
-/// Largest slope of the logarithm of u's change along an edge that may be called straight. The edge's middle then strays by at
-/// most 1.09 times what it would were u even: with `exp(-EVEN |s - 1/2|)`, the worst, the mean of its square, weighed as
-/// deviations of the middle are, by a tent, over the square of its mean.
+/// Largest slope of the logarithm of u's change along an edge that counts as straight. The error at the edge's middle
+/// is then at most 1.09 times that for uniform u. The worst case is `exp(-MAX_LOG_SLOPE |s - 1/2|)`: the mean of its
+/// square, weighted by a tent as deviations of the middle are, over the square of its mean.
 const MAX_LOG_SLOPE: f64 = 0.5;
-/// Larger than any radius and 1, and no infinity, which WGSL does not have.
+/// Larger than any radius and 1, but not infinity, which WGSL lacks.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
-/// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is counted
-/// from `t_base`.
+/// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is relative
+/// to `t_base`.
 pub(crate) fn slabs(
     tube: &Tube<f64>,
     (t_base, [first, last]): (f64, [f64; 2]),
@@ -59,8 +59,8 @@ impl From<&MapSlab> for gpu_structs::Slab {
     }
 }
 
-/// `(n, w)` with `n.q + w` the distance inside: the planes square to the curve at both ends, then the sides
-/// of the box.
+/// `(n, w)` with `n.q + w` the distance inside: the planes perpendicular to the curve at both ends, then the sides of
+/// the box.
 fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     let through = |point: DVec3, inward: DVec3| inward.extend(-inward.dot(point)).as_vec4().to_array();
     let b = &piece.bounds;
@@ -77,20 +77,21 @@ fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     ]
 }
 
-/// What an edge may come to whose image is surely straight: `[p, q, r, s]` of an edge of length `e` between parameters that differ by
-/// `dt` is so where `(p dt + q e) dt` is at most the smaller radius of its ends, and `r dt + s e` at most 1. The image may stray by
-/// `tolerance` times the map's resolution in texels.
+/// Bounds for an edge whose image is surely straight. With `[p, q, r, s]`, an edge of length `e` between parameters
+/// that differ by `dt` is straight if `(p dt + q e) dt` is at most the smaller radius of its ends, and `r dt + s e` is
+/// at most 1. The image may deviate by `tolerance` times the map's resolution in texels.
 ///
-/// Light model, section 4, with `e_u = sigma u'`, where `u'` is the change of u along the edge. Its mean the ends tell, because u
-/// never turns back along a straight edge; and it is nearly even, for the second pair bounds `|u''/u'|` by [`MAX_LOG_SLOPE`]. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
-/// with each second derivative at its largest over the slab and over the edge's directions. What lies square to
-/// the light is straight however long it is. Nothing is safe where the map is close to folding, and in the "up" frame,
-/// whose twist the formulas leave out.
+/// Light model, section 4, with `e_u = sigma u'`, where `u'` is the derivative of u along the edge. The ends give its
+/// mean, because u is monotone along a straight edge. It is nearly uniform, because the second pair bounds `|u''/u'|`
+/// by [`MAX_LOG_SLOPE`]. `E = (resolution / 16 R) |(H_V - v H_R, H_W - w H_R)|`, and `|H_t| sigma` along the light,
+/// with each second derivative at its largest over the slab and over the edge's directions. An edge perpendicular to
+/// the light is straight, however long. No edge counts as straight where the map is close to folding, or in the "up"
+/// frame, whose twist the formulas leave out.
 fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64) -> [f32; 4] {
     if tube.frame == light::FrameMode::Up {
         return NEVER_SAFE;
     }
-    // The corner of the slab's box lies at v = w = 1.
+    // The corner of the slab's box is at v = w = 1.
     let rim = std::f64::consts::SQRT_2;
     let mut worst = DVec4::ZERO;
     for step in 0..=4 {
@@ -98,7 +99,7 @@ fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64
         let (u_hat, d, radius) = (piece.u_hat(u), piece.d(u), piece.radius(u));
         let turn = piece.u_hat_derivative(u, u_hat).length();
         let speed = 2.0 * d.length();
-        // The offset that bends most leans into the turn; the speed's change counts for every offset.
+        // The offset with the largest bend leans into the turn; the change of speed counts for every offset.
         for lean in [-rim, 0.0, rim] {
             let r_turn = lean * radius * turn;
             let sigma = speed - r_turn;
@@ -106,7 +107,7 @@ fn edge_bounds(tube: &Tube<f64>, piece: &Curve<f64>, t_span: f64, tolerance: f64
                 return NEVER_SAFE;
             }
             let pull = (2.0 * piece.a.dot(u_hat) * (1.0 + r_turn / d.length())).abs();
-            // Of u'^2 and of u' e each.
+            // Coefficients of u'^2 and of u' e.
             let h_t = DVec2::new(pull, 2.0 * turn) / sigma;
             let h_r = DVec2::new((2.0 * piece.ar).abs(), 0.0) + piece.radius_derivative(u).abs() * h_t;
             let across = DVec2::new(turn * sigma, 0.0) + rim * h_r;

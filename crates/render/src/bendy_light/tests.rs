@@ -1,6 +1,6 @@
-//! Bent shadows against the walk of `walk.rs`, pixel by pixel, and what planted faults do to that.
+//! Compares bent shadows with the traced paths of `walk.rs`, pixel by pixel, and plants faults.
 //!
-//! What a picture shows or a count comes to holds whoever draws; what only the device has, `tests/device.rs` looks at.
+//! Pictures and counts here hold for both backends; `tests/device.rs` tests features of the wgpu backend alone.
 
 mod device;
 
@@ -17,7 +17,7 @@ use crate::{
     View,
 };
 
-/// Edges are never split.
+/// Settings without edge splitting.
 pub(super) const UNSPLIT: ShadowSettings = ShadowSettings {
     resolution: 2048,
     edge_error_texels: None,
@@ -27,7 +27,7 @@ pub(super) const UNSPLIT: ShadowSettings = ShadowSettings {
     culling: Culling::ALL,
 };
 
-/// A light that falls from 4 units up, turns by 70 degrees and back a little: three strongly bent segments.
+/// A light from 4 units up that turns by 70 degrees and slightly back: three strongly bent segments.
 pub(super) fn light() -> Light {
     let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
@@ -51,8 +51,7 @@ pub(super) fn cube() -> Primitive {
     primitive
 }
 
-/// A floor of two large triangles and three long boxes in the light's way: every edge is longer than the tube
-/// is wide.
+/// A floor of two large triangles and three long boxes in the light. Every edge is longer than the tube is wide.
 fn scene() -> Scene {
     let place = |scale: (f64, f64, f64), turn: f64, at: (f64, f64, f64)| {
         let vector = |(x, y, z)| DVec3::new(x, y, z);
@@ -87,7 +86,7 @@ pub(crate) fn view(aov: Aov) -> View {
     View { aov, ..View::beauty(camera, [240, 160]) }
 }
 
-/// The world position that a pixel of the depth AOV stands for.
+/// World position of a pixel, from its depth AOV.
 pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (x, y) = ((pixel % 240) as f64, (pixel / 240) as f64);
     let half = 0.35_f64.tan();
@@ -96,17 +95,16 @@ pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     view.camera.world_from_camera().transform_point3(ray * f64::from(depth.pixels[pixel][0]))
 }
 
-/// Who may draw shadows and lights.
 pub(crate) const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
-/// A renderer on the device that all tests of this binary share, which draws all itself.
+/// A wgpu-backend renderer on the device that all tests of this binary share.
 ///
-/// BendyLights are drawn by their own way, straight ones too.
+/// It draws straight BendyLights with bent maps, too.
 pub(crate) fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// The same with shadows and lights drawn by `backend`.
+/// A renderer with shadows and lights drawn by `backend`.
 pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let gpu = GPUS[backend as usize].get_or_init(|| {
@@ -121,7 +119,7 @@ pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     renderer
 }
 
-/// The light alone, as a renderer takes it.
+/// The light as the only one of a picture.
 pub(crate) fn alone(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
@@ -129,7 +127,7 @@ pub(crate) fn alone(light: &Light) -> Vec<LightInstance> {
 /// Floor and boxes under the light.
 pub(super) struct Setup {
     pub tube: Tube<f64>,
-    /// In tube space.
+    /// Positions in tube space.
     pub triangles: Vec<[DVec3; 3]>,
     pub lights: Vec<LightInstance>,
     pub renderer: Renderer,
@@ -157,8 +155,8 @@ impl Setup {
         self.renderer.render(&view(aov), &self.lights).expect("drawn")
     }
 
-    /// What is seen in the light, and its path: pixel, and t, v and w, w times `w_sign`, with all triangles but those in
-    /// whose plane it lies, for the receiver's own plane does not shade it.
+    /// The surface points that pixels see in the light, with pixel and (t, v, w). w is multiplied by `w_sign`.
+    /// Triangles in the receiver's own plane are left out, since they do not shadow it.
     pub fn pixels_in_light(&mut self, w_sign: f64) -> Vec<PixelInLight> {
         let depth = self.picture(Aov::Depth);
         let see = |pixel: usize| {
@@ -172,8 +170,8 @@ impl Setup {
         (0..depth.pixels.len()).filter_map(see).collect()
     }
 
-    /// What the walk says of pixels that lie two texels and more from any edge of the shadow, on a map of `resolution`:
-    /// pixel and whether it is lit. `w_sign` is 1, or -1 for a planted fault.
+    /// Pixels at least two texels from any shadow edge on a map of `resolution`, each with true if the traced path is
+    /// lit. `w_sign` is 1, or -1 for a planted fault.
     pub fn traced_pixels(&mut self, w_sign: f64, resolution: u32) -> Vec<(usize, bool)> {
         let texels = 2.0 * 2.0 / f64::from(resolution);
         let seen = self.pixels_in_light(w_sign);
@@ -196,31 +194,31 @@ impl Setup {
     }
 }
 
-/// What a pixel sees in the light.
+/// A surface point in the light that a pixel sees.
 pub(super) struct PixelInLight {
     pub pixel: usize,
     path: [f64; 3],
-    /// What may shade it.
+    /// Triangles that may shadow it.
     others: Vec<[DVec3; 3]>,
 }
 
 impl PixelInLight {
-    /// Whether the walk reaches it along the path that lies `[dv, dw]` beside its own.
+    /// True if the traced path offset by `[dv, dw]` reaches the point.
     pub fn is_lit(&self, tube: &Tube<f64>, [dv, dw]: [f64; 2]) -> bool {
         let [t, v, w] = self.path;
         walk::reaches(tube, &self.others, t, v + dv, w + dw)
     }
 }
 
-/// Pixels where a visibility AOV differs from what the walk says.
+/// Number of pixels on which a visibility AOV differs from the traced paths.
 pub(super) fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize {
     walked.iter().filter(|(pixel, lit)| visibility.pixels[*pixel][0] != f32::from(u8::from(*lit))).count()
 }
 
-/// Every pixel agrees; a frame whose w has the wrong sign, and a map whose edges are not split, do not.
+/// Every pixel agrees. A frame with the wrong sign of w, or a map without edge splitting, does not.
 #[test]
 fn bent_shadows_are_where_the_paths_say() {
-    // The device draws depths whoever draws shadows.
+    // The GPU draws depths with either backend.
     let [walked, mirrored] = [1.0, -1.0]
         .map(|w_sign| Setup::new(Backend::Wgpu).traced_pixels(w_sign, ShadowSettings::default().resolution));
     let lit = walked.iter().filter(|(_, lit)| *lit).count();
@@ -237,18 +235,18 @@ fn bent_shadows_are_where_the_paths_say() {
             &wrong[..wrong.len().min(9)]
         );
 
-        // Planted: a sign error in w.
+        // Planted fault: a sign error in w.
         let fault = differing(&mirrored, &visibility);
         assert!(fault > walked.len() / 50, "{backend:?}: a sign error in w changes only {fault} pixels");
 
-        // Planted: edges that are never split.
+        // Planted fault: edges that are never split.
         setup.renderer.set_shadow_settings(UNSPLIT).expect("sound");
         let fault = differing(&walked, &setup.picture(Aov::Visibility));
         assert!(fault > 0, "{backend:?}: unsplit edges went unseen");
     }
 }
 
-/// Spotlights bent into 1 to 8 segments, by more and more; those that would fold are left out.
+/// Spotlights bent into 1 to 8 segments, increasingly; lights that would fold are left out.
 fn bent_spots() -> Vec<Light> {
     let spot = Light::spot().with(CONE_ANGLE, 22.0).with(RANGE, Some(11.0)).with(DECAY, Decay::None);
     let mut lights = Vec::new();
@@ -269,7 +267,7 @@ fn bent_spots() -> Vec<Light> {
     lights
 }
 
-/// How many pixels of a lone plane lie in shadow where light falls on it at more than 6 degrees.
+/// Number of shadowed pixels of a single plane, among those that light reaches at more than 6 degrees.
 fn self_shadowed(renderer: &mut Renderer, light: &Light) -> usize {
     let lights = alone(light);
     let mut picture = |aov| {
@@ -282,8 +280,8 @@ fn self_shadowed(renderer: &mut Renderer, light: &Light) -> usize {
     pixels.filter(|(v, d)| v[3] == 1.0 && v[0] < 1.0 && d[1] > 0.1).count()
 }
 
-/// A plane with nothing above it is lit wherever the light reaches, at joints and slabs, in every taper;
-/// where edges are never split it is not.
+/// A plane without anything above it is lit wherever the light reaches, at joints and slabs, with every taper. Without
+/// edge splitting it is not.
 #[test]
 fn a_lone_plane_never_shadows_itself() {
     let mut scene = scene();
@@ -314,7 +312,7 @@ fn a_lone_plane_never_shadows_itself() {
     }
 }
 
-/// Coarse or fine, by every filter, a lone plane stays lit; what no map can be made of is refused.
+/// With any resolution and filter, a single plane stays lit. Settings that allow no map are refused.
 #[test]
 fn every_setting_leaves_a_lone_plane_lit() {
     let mut scene = scene();
@@ -346,7 +344,7 @@ fn every_setting_leaves_a_lone_plane_lit() {
     }
 }
 
-/// Other settings make another picture of the same view, and the same ones none.
+/// Other settings draw the view again; the same settings draw nothing.
 #[test]
 fn settings_draw_anew() {
     for mut setup in BACKENDS.map(Setup::new) {
@@ -363,11 +361,12 @@ fn settings_draw_anew() {
     }
 }
 
-/// A frame drawn stage by stage is the frame, each of its stages runs once, and nothing that is kept is a stage.
+/// A frame recorded stage by stage equals the frame without recording. Each stage runs once, and cached results record
+/// no stage.
 #[test]
 fn a_frame_by_stages_is_the_frame() {
-    // Few lights need no sums of their own. The device lights what it has drawn; the processor draws what it clips at
-    // once, adds the fill where it shows the picture, and has that in memory.
+    // Few lights need no sums. The GPU lights the pixels that it draws. The CPU clips and draws in one stage, adds the
+    // fill on display, and needs no readback.
     let by_device =
         (vec![FrameStage::Sum, FrameStage::Surfaces], vec![FrameStage::Display, FrameStage::Readback]);
     let not_by_processor =
@@ -390,7 +389,7 @@ fn a_frame_by_stages_is_the_frame() {
     }
 }
 
-/// Where a tube is thin, a map's texels are small; a wall along it is split finely on the map alone, not beside it.
+/// Texels of a map are small where the tube is thin. A wall along the tube is split finely only where it is on the map.
 #[test]
 fn what_no_texel_shows_is_not_split() {
     let mut scene = scene();
@@ -407,7 +406,7 @@ fn what_no_texel_shows_is_not_split() {
     let before = device.bent_buffers().capacity;
     device.render(&view(Aov::Visibility), &alone(&thin)).expect("drawn");
     assert_eq!(device.bent_buffers().capacity, before);
-    // The processor knows no room: no more than that has.
+    // The native backend has no capacity. It must not split more than the wgpu backend's capacity.
     let mut processor = renderer_of(Backend::Native, &scene);
     let (_, recording) = processor.record_display(&view(Aov::Beauty), &alone(&thin)).expect("drawn");
     let drawn = recording.counters.triangles_drawn;

@@ -1,10 +1,10 @@
-//! The oracle of the shadow tests: a walk along the bent path in f64 over every triangle. Slow, and shares
-//! nothing with the GPU's passes.
+//! Reference of the shadow tests: traces the bent path in f64 against every triangle. Slow, and shares nothing with the
+//! GPU's passes.
 
 use glam::DVec3;
 use light::Tube;
 
-/// Steps of the polyline that stands for a path. A chord of a path of curvature k strays by `k (length /
+/// Steps of the polyline that approximates a path. The error of a chord on a path of curvature k is `k (length /
 /// steps)^2 / 8`: 1e-7 of the light's length here.
 const STEPS: usize = 1500;
 
@@ -16,7 +16,7 @@ pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
 }
 
-/// Where the segment from `a` to `b` meets the triangle, as a share of the way.
+/// Parameter, from 0 to 1, of the intersection of the segment from `a` to `b` with the triangle.
 fn hit(a: DVec3, b: DVec3, [p, q, r]: [DVec3; 3]) -> Option<f64> {
     let (direction, e1, e2) = (b - a, q - p, r - p);
     let normal = e1.cross(e2);
@@ -34,7 +34,7 @@ fn hit(a: DVec3, b: DVec3, [p, q, r]: [DVec3; 3]) -> Option<f64> {
     (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0).then_some(share)
 }
 
-/// Whether light on the path (v, w) reaches `t`, over triangles in tube space that do not hold the receiver.
+/// True if light on the path (v, w) reaches `t`, past triangles in tube space that exclude the receiver.
 pub fn reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], t: f64, v: f64, w: f64) -> bool {
     let mut before = point_at(tube, 0.0, v, w);
     (1..=STEPS).all(|k| {

@@ -1,4 +1,4 @@
-//! A bent shadow map as a drawing (see `wireframe.wgsl`): how finely its triangles are split, and where they lie.
+//! Draws the triangles of a bent shadow map (see `wireframe.wgsl`), to show their density and position.
 
 use std::mem::offset_of;
 
@@ -11,21 +11,21 @@ use super::shadow_buffers::Buffers;
 use crate::pipeline::{DEPTH_FORMAT, color_attachment};
 use crate::{Gpu, lighting, shaders};
 
-/// The pipelines, which outlive scenes and lights.
+/// The pipelines, shared by all scenes and lights.
 #[derive(Debug)]
 pub(crate) struct WireframePass {
     whole: RenderPipeline,
     split: RenderPipeline,
 }
 
-/// What it is drawn into: a picture of any shape.
+/// Target of a wireframe: a picture of any aspect ratio.
 pub(crate) struct WireframeTarget<'a> {
     pub pass: &'a WireframePass,
     pub color: &'a TextureView,
     pub depth: &'a TextureView,
-    /// Pixels.
+    /// In pixels.
     pub size: [u32; 2],
-    /// The light's t at 0 of the part's that is drawn, and per t of that.
+    /// The light's t at t = 0 of the drawn part, and its change per t of the part.
     pub t_of_light: [f64; 2],
 }
 
@@ -46,7 +46,7 @@ impl WireframePass {
                 depth_stencil: Some(wgpu::DepthStencilState {
                     format: DEPTH_FORMAT,
                     depth_write_enabled: Some(true),
-                    // What lies at the light's very end is drawn too.
+                    // Casters at the very end of the light are drawn, too.
                     depth_compare: Some(wgpu::CompareFunction::LessEqual),
                     stencil: wgpu::StencilState::default(),
                     bias: wgpu::DepthBiasState::default(),
@@ -67,7 +67,7 @@ impl WireframePass {
 }
 
 impl WireframeTarget<'_> {
-    /// Draws what was mapped, over nothing or over what other slabs have drawn.
+    /// Draws the mapped triangles, into a cleared picture or over those of earlier slabs.
     pub(super) fn draw(
         &self,
         gpu: &Gpu,
@@ -109,12 +109,12 @@ impl WireframeTarget<'_> {
         });
         pass.set_pipeline(&self.pass.whole);
         pass.set_bind_group(0, &whole, &[]);
-        // The arguments are those of an indexed draw: one vertex an index, and zeros behind the instances.
+        // The arguments are those of an indexed draw: one vertex per index, and zeros after the instance count.
         pass.draw_indirect(&mapped.counts, 0);
         pass.set_pipeline(&self.pass.split);
         pass.set_bind_group(0, &split, &[]);
         pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, split_vertex_count) as u64);
-        // Holes are not seen: it shows triangles.
+        // Alpha tests are ignored: a wireframe shows triangles.
         pass.set_bind_group(0, &masked, &[]);
         pass.draw_indirect(&mapped.counts, offset_of!(BentCounts, masked_vertex_count) as u64);
     }

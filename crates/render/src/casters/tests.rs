@@ -1,4 +1,4 @@
-//! Shadows of simplified casters: where they fall, what they leave lit, and what planted faults do to that.
+//! Tests shadows of simplified casters: their position, the surfaces that stay lit, and planted faults.
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,14 +12,13 @@ use crate::bendy_light::tests::{alone, position, renderer, view};
 use crate::bendy_light::walk;
 use crate::{Aov, Renderer, ShadowSettings, View};
 
-/// Of the ball, in world units; the bowl has twice that.
+/// Radius of the ball in world units; the bowl has a larger one.
 const RADIUS: f64 = 0.6;
 const CENTRE: DVec3 = DVec3::new(0.1, 2.4, 0.0);
-/// A hundredth of the ball's radius.
 const MESH_ERROR: f64 = 0.01 * RADIUS;
 
-/// Part of a unit sphere, from the pole at -y up to an angle. Each triangle has vertices of its own, and so
-/// an edge in its shading on each side. Seen from outside, or from inside.
+/// Part of a unit sphere, from the pole at -y up to the angle `end`. Triangles share no vertices, so shading has an
+/// edge on each side. Front faces are outside, or inside.
 fn sphere(end: f64, rows: u32, columns: u32, inside: bool) -> Primitive {
     let point = |row: u32, column: u32| {
         let polar = end * f64::from(row) / f64::from(rows);
@@ -71,17 +70,18 @@ fn ball() -> Scene {
     ball_over(8.0)
 }
 
-/// Over a floor from that far on each side.
+/// The ball over a floor that extends `floor` to each side.
 pub(crate) fn ball_over(floor: f64) -> Scene {
     scene_of([(sphere(PI, 96, 192, false), RADIUS, CENTRE), (square(1), floor, DVec3::ZERO)])
 }
 
-/// A shallow bowl that light from above falls into without meeting its rim.
+/// A shallow bowl. Light from above falls into it without touching its rim.
 fn bowl() -> Scene {
     scene_of([(sphere(PI / 4.0, 96, 192, true), 2.0, DVec3::new(0.5, 2.2, 0.0))])
 }
 
-/// From 6 units up, downwards: a spotlight, the same as a BendyLight, and one that bends.
+/// Lights from 6 units up, pointing down: a spotlight, the equal BendyLight, and one that bends. Each has its straight
+/// or bent reference light.
 pub(crate) fn lights() -> [(Light, Light); 3] {
     let spot = Light::spot()
         .with(CONE_ANGLE, 18.0)
@@ -99,7 +99,6 @@ pub(crate) fn lights() -> [(Light, Light); 3] {
     [(spot, straight.clone()), (straight.clone(), straight), (bent.clone(), bent)]
 }
 
-/// All three.
 fn all() -> Vec<LightInstance> {
     LightInstance::numbered(lights().map(|(light, _)| light)).expect("lights")
 }
@@ -108,9 +107,9 @@ fn settings(mesh_error: f64) -> ShadowSettings {
     ShadowSettings { mesh_error, straighten: false, ..ShadowSettings::default() }
 }
 
-/// Makes casters by one mesh error while the look-ups are told another.
+/// Makes casters with one mesh error while lookups assume another.
 fn plant(renderer: &mut Renderer, told: f64, made: f64) {
-    // Whatever was drawn before goes.
+    // Both settings discard the maps drawn before.
     for mesh_error in [made, told] {
         renderer.set_shadow_settings(settings(mesh_error)).expect("sound");
     }
@@ -118,13 +117,13 @@ fn plant(renderer: &mut Renderer, told: f64, made: f64) {
     scene.casters = scene.casters_within(gpu, made).expect("made").into();
 }
 
-/// How many points of the floor in the light are lit or dark, and how many are wrong though the way of their
-/// light passes the ball's edge by more than `slack`.
+/// Number of lit and dark floor points in the light, and number of wrong ones whose light path passes the ball's edge
+/// by more than `slack`.
 fn floor(renderer: &mut Renderer, lights: &(Light, Light), slack: f64) -> ([usize; 2], usize) {
     floor_by(renderer, MapScale::Full, lights, slack)
 }
 
-/// The same by maps of that scale.
+/// The same, with maps of a given scale.
 pub(crate) fn floor_by(
     renderer: &mut Renderer,
     shadow_map: MapScale,
@@ -155,8 +154,7 @@ pub(crate) fn floor_by(
     (counts, wrong)
 }
 
-/// How many pixels see light that meets their surface at more than 6 degrees, and how many of those are in
-/// shadow.
+/// Number of pixels that light reaches at more than 6 degrees, and number of those in shadow.
 fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) -> (usize, usize) {
     let mut picture = |aov| renderer.render(&view(aov), &alone(light)).expect("drawn");
     let [visibility, direction, normal, depth] =
@@ -174,8 +172,7 @@ fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) 
     (met.len(), met.iter().filter(|&&pixel| visibility.pixels[pixel][0] < 1.0).count())
 }
 
-/// Far fewer triangles cast the ball's shadow, no farther than the error from where it was, and leave its lit
-/// side lit.
+/// Far fewer triangles cast the ball's shadow, within the error of its position, and the lit side stays lit.
 #[test]
 fn a_simplified_ball_casts_its_shadow() {
     // Three texels of the map, 2 R / 2048 wide with R at most 2.3, and the ball's own facets.
@@ -195,14 +192,14 @@ fn a_simplified_ball_casts_its_shadow() {
         assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
     }
 
-    // Planted: ten times the error.
+    // Planted fault: ten times the error.
     plant(&mut renderer, MESH_ERROR, 10.0 * MESH_ERROR);
     for light in &lights() {
         assert!(floor(&mut renderer, light, slack).1 > 0, "a coarse ball went unseen");
     }
 }
 
-/// A bowl's simplified facets lie before its surface: it stays lit because the look-ups are told.
+/// A bowl's simplified facets are in front of its surface. It stays lit because lookups know the error.
 #[test]
 fn a_simplified_bowl_stays_lit() {
     let mut renderer = renderer(&bowl());
@@ -213,7 +210,7 @@ fn a_simplified_bowl_stays_lit() {
             assert!(met > 2000, "{met}");
             assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0);
         }
-        // Planted: look-ups that are told nothing, or a tenth.
+        // Planted fault: lookups that assume no error, or a tenth of it.
         for told in [0.0, MESH_ERROR] {
             plant(&mut renderer, told, 10.0 * MESH_ERROR);
             assert!(shadowed(&mut renderer, &light.0, |_| true).1 > 100, "told {told}");
@@ -221,7 +218,7 @@ fn a_simplified_bowl_stays_lit() {
     }
 }
 
-/// A plane of many triangles becomes one of few, and lies in its own light.
+/// A plane of many triangles simplifies to few, and does not shadow itself.
 #[test]
 fn a_simplified_plane_stays_lit() {
     let mut renderer = renderer(&scene_of([(square(40), 8.0, DVec3::ZERO)]));
@@ -235,7 +232,7 @@ fn a_simplified_plane_stays_lit() {
     }
 }
 
-/// Without an error the maps are made of the scene's own triangles, before and after one.
+/// With error 0, maps use the scene's own triangles, before and after a setting with an error.
 #[test]
 fn without_an_error_nothing_strays() {
     let mut renderer = renderer(&ball());
@@ -256,7 +253,7 @@ fn without_an_error_nothing_strays() {
     assert_eq!(renderer.render(&view(Aov::Beauty), &lights).expect("drawn"), exact);
 }
 
-/// Scene first or settings first, the picture is the same, and so it is with another scene between.
+/// The picture is the same if settings come before the scene or after it, and with another scene in between.
 #[test]
 fn the_order_of_scene_and_settings_does_not_matter() {
     let lights = all();
@@ -273,7 +270,7 @@ fn the_order_of_scene_and_settings_does_not_matter() {
     assert_ne!(picture(&mut scene_first), expected, "a planted change is seen");
 }
 
-/// The largest distance of `mesh` from the unit sphere, over its corners and points between.
+/// Largest distance of `mesh` from the unit sphere, over its corners and points between.
 fn farthest(mesh: &super::Mesh) -> f64 {
     const STEPS: u32 = 10;
     let corners = |triangle: &[u32; 3]| triangle.map(|k| Vec3::from(mesh.positions[k as usize]).as_dvec3());
@@ -287,8 +284,8 @@ fn farthest(mesh: &super::Mesh) -> f64 {
     points.map(|point| (point.length() - 1.0).abs()).fold(0.0, f64::max)
 }
 
-/// No point of what is left lies farther from a sphere than was allowed; it would with the mean for the
-/// largest.
+/// Every point of the simplified mesh is within the permitted distance of the sphere. With the mean taken for the
+/// maximum it is not.
 #[test]
 fn what_is_left_strays_no_farther_than_it_may() {
     for primitive in [sphere(PI, 96, 192, false), sphere(PI / 4.0, 96, 192, true)] {
@@ -303,13 +300,13 @@ fn what_is_left_strays_no_farther_than_it_may() {
                 "{error}: the planted fault went unseen"
             );
         }
-        // Less than f32 can tell: all but the triangles without an area at the poles.
+        // Below f32 precision: all triangles remain but those without area at the poles.
         let least = left(1e-4).indices.len();
         assert!(least > primitive.indices.len() * 9 / 10, "{least}");
     }
 }
 
-/// Alpha-tested triangles stay as they are, and what is no surface at all is no trouble.
+/// Alpha-tested triangles stay unchanged, and degenerate triangles are harmless.
 #[test]
 fn what_cannot_be_simplified_stays() {
     let primitive = sphere(PI, 24, 48, false);

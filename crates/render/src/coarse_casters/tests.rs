@@ -1,4 +1,4 @@
-//! Coarse maps of casters of fewer triangles: where their shadows fall, and when the scene's own are drawn.
+//! Tests coarse maps of simplified casters: the position of shadows, and the cases that use the scene's own casters.
 
 use std::time::{Duration, Instant};
 
@@ -11,9 +11,9 @@ use crate::bendy_light::tests::{alone, renderer, view};
 use crate::casters::tests::{ball_over, floor_by, lights};
 use crate::{Aov, Picture, Renderer, View};
 
-/// Half the side of a floor that holds the ball's shadow.
+/// Half the side of a floor that contains the ball's shadow.
 const FLOOR: f64 = 2.5;
-/// Long enough for a thread to make casters of a few thousand triangles.
+/// Timeout for a thread that makes casters of a few thousand triangles.
 const AT_MOST: Duration = Duration::from_secs(30);
 
 fn half(aov: Aov) -> View {
@@ -25,7 +25,7 @@ fn fresh() -> Renderer {
     renderer(&ball_over(FLOOR))
 }
 
-/// Light `k` of a drag that goes nowhere that shows.
+/// Light `k` of a drag that moves too little to show.
 fn dragged(light: &Light, k: u32) -> Light {
     light.clone().with(TRANSLATION, light.get(TRANSLATION) + 1e-9 * f64::from(k) * DVec3::X)
 }
@@ -34,7 +34,6 @@ fn draw(renderer: &mut Renderer, view: &View, light: &Light) -> Picture {
     renderer.render(view, &alone(light)).expect("drawn")
 }
 
-/// Drags until the casters are there.
 fn drag_until_made(renderer: &mut Renderer, light: &Light) {
     let since = Instant::now();
     for k in 0.. {
@@ -46,14 +45,14 @@ fn drag_until_made(renderer: &mut Renderer, light: &Light) {
     }
 }
 
-/// Exchanges the casters for ones that stray a hundred times as far.
+/// Replaces the casters with ones of a hundred times the error.
 fn plant(renderer: &mut Renderer) {
     let (gpu, scene) = renderer.gpu_scene();
     let strayed = scene.casters_within(gpu, 0.2).expect("made");
     renderer.coarse_casters().made().expect("made").casters = strayed;
 }
 
-/// They are fewer, and shadows fall no farther from where they were than the casters may stray. A map in full is of all.
+/// Coarse maps use fewer triangles, and shadows move by no more than the permitted error. Full maps use all triangles.
 #[test]
 fn coarse_maps_are_of_fewer_triangles() {
     let mut renderer = fresh();
@@ -65,7 +64,7 @@ fn coarse_maps_are_of_fewer_triangles() {
     assert!((100..all / 4).contains(&count), "{count} of {all}");
     assert!(mesh_error < 0.003, "{mesh_error}");
 
-    // Three texels of the map, 2 R / 1024 wide with R at most 2.3, and what they stray by; below, how far the light is moved.
+    // Three texels of the map, 2 R / 1024 wide with R at most 2.3, and the casters' error. The light moves by far less.
     let slack = mesh_error + 3.0 * 2.3 / 512.0;
     let pair = (dragged(light, 1_000_000), bent.clone());
     let ([dark, lit], wrong) = floor_by(&mut renderer, MapScale::Half, &pair, slack + 1e-3);
@@ -82,7 +81,7 @@ fn coarse_maps_are_of_fewer_triangles() {
     assert_eq!(draw(&mut renderer, &view(Aov::Visibility), light), exact);
 }
 
-/// Where texels are so fine that it would show, the scene's own triangles are drawn.
+/// A map with texels so fine that the error would show uses the scene's own triangles.
 #[test]
 fn narrow_lights_have_exact_casters() {
     let mut renderer = fresh();
@@ -93,7 +92,7 @@ fn narrow_lights_have_exact_casters() {
     let mut other = fresh();
     let exact = draw(&mut other, &half(Aov::Visibility), &narrow);
     assert_eq!(draw(&mut renderer, &half(Aov::Visibility), &narrow), exact);
-    // And the planted ones are seen by a wide one.
+    // The wide light shows the planted casters.
     let moved = dragged(wide, 1_000_000);
     assert_ne!(
         draw(&mut renderer, &half(Aov::Visibility), &moved),
@@ -101,7 +100,7 @@ fn narrow_lights_have_exact_casters() {
     );
 }
 
-/// Of a scene that is gone nothing is kept.
+/// Casters of a replaced scene are freed.
 #[test]
 fn another_scene_gives_their_memory_back() {
     let mut renderer = fresh();
@@ -112,7 +111,7 @@ fn another_scene_gives_their_memory_back() {
     assert!(renderer.coarse_casters().made().is_none());
 }
 
-/// A scene that moves from picture to picture begins no thread for each.
+/// A scene that changes with each picture starts no threads.
 #[test]
 fn scenes_that_move_make_none() {
     let mut renderer = fresh();

@@ -1,4 +1,4 @@
-//! Pictures for a screen that are added up of what each light alone adds, which is kept: as a whole, or in turns.
+//! Pictures for a screen from cached layers, in one call or in turns.
 
 use std::task::Poll;
 use std::time::{Duration, Instant};
@@ -19,8 +19,8 @@ use crate::wgpu_layers::WgpuLayers;
 use crate::{Aov, Backend, Gpu, RenderError, View};
 
 impl Renderer {
-    /// Whether [`Self::render_display`] keeps what each light alone adds to a picture: one with a sample a pixel, if layers of
-    /// so many lights and their sums take at most half of the [`crate::MemoryBudget`].
+    /// True if [`Self::render_display`] caches layers for such a picture: it has one sample per pixel, and the layers
+    /// of `light_count` lights and their sums take at most half of the [`crate::MemoryBudget`].
     pub fn keeps_layers(&self, view: &View, light_count: usize) -> bool {
         let (budget, size) = (self.gpu.memory.budget(), [view.width, view.height]);
         let fit = match self.gpu.backend() {
@@ -30,20 +30,21 @@ impl Renderer {
         view.samples <= 1 && fit
     }
 
-    /// The beauty of `view` under `lights` as a screen shows it, whatever `view.aov` says: exposed, tone-mapped, sRGB,
-    /// RGBA, 8 bits a channel, rows from the top.
+    /// Draws the beauty of `view` under `lights` for a screen, regardless of `view.aov`: exposed, tone-mapped, sRGB,
+    /// RGBA, 8 bits per channel, rows from the top.
     ///
-    /// Where [`Self::keeps_layers`], an edit of a factor of all of a light's radiance draws nothing but the sum, and another edit
-    /// the light that it is of. Else lights are added to the picture one after the other, as in [`Self::render`].
+    /// With layers ([`Self::keeps_layers`]), an edit of a factor of a light's whole radiance draws only the sum, and
+    /// another edit draws the edited light. Otherwise lights are added to the picture one after another, as in
+    /// [`Self::render`].
     pub fn render_display(&mut self, view: &View, lights: &[LightInstance]) -> Result<Vec<u8>, RenderError> {
         let bytes = self.draw_display(view, lights, None)?;
         let Poll::Ready(bytes) = bytes else { unreachable!("nothing pauses it") };
         Ok(bytes)
     }
 
-    /// Works on [`Self::render_display`] for about `aim`, or a little longer: until a piece of work is done, which may be the
-    /// G-buffer, a shadow map, or a light over the whole picture. Pending where something is left: asked again for the same
-    /// it goes on, and draws again only what was evicted meanwhile.
+    /// Works on [`Self::render_display`] for about `aim`, until the current piece of work is done: the G-buffer, a
+    /// shadow map, or a light over the whole picture. Pending if work is left. Another call with the same arguments
+    /// continues, and draws again only what was evicted meanwhile.
     pub fn advance_display(
         &mut self,
         view: &View,
@@ -74,7 +75,7 @@ impl Renderer {
             let bytes = match gpu.backend() {
                 Backend::Native => renderer.draw_natively(gpu, &mut targets, &drawing, pause)?,
                 Backend::Wgpu => loop {
-                    // A picture in turns waits for each piece, and so can ask at once whether a map fits.
+                    // A picture in turns waits for each piece, so it can check the fit of maps at once.
                     if pause.is_none() {
                         renderer.shadow_maps.bent_buffers.defer_fit_checks();
                     }
@@ -82,7 +83,7 @@ impl Renderer {
                         break Poll::Pending;
                     }
                     let bytes = read_display_texture(gpu, targets.lit(gpu, &renderer.passes), targets.size)?;
-                    // The device is waited for once a picture. A map without room is rare, and then all is drawn again.
+                    // Waits for the device once per picture. A map rarely does not fit; then everything is drawn again.
                     if renderer.shadow_maps.bent_buffers.check_deferred_fits(gpu)? {
                         break Poll::Ready(bytes);
                     }
@@ -98,7 +99,7 @@ impl Renderer {
         })
     }
 
-    /// Draws what `drawing` shows for a screen, by layers of its lights; pending where it pauses.
+    /// Draws the picture of `drawing` for a screen, from layers of its lights. Pending if it pauses.
     fn draw_layered(
         &mut self,
         gpu: &Gpu,
@@ -112,7 +113,7 @@ impl Renderer {
         let Self { passes, scene, shadow_maps, pass_runs: ran, view_uniform, .. } = self;
         let (passes, scene) = (&**passes, &*scene);
         shadow_maps.begin(view.slot, lights, scene.revision);
-        // What comes from no light knows no shadow map.
+        // The fill depends on no shadow map.
         let of_fill = View { shadow_map: MapScale::Full, ..view.clone() };
         targets.begin(scene.revision, &of_fill, tile, &[]);
         let uniform = raster.uniform(DVec2::ZERO, 1.0, view.fill, scene.posed.origin_in_world, [0, 0])?;

@@ -1,4 +1,4 @@
-//! Pictures of the beauty, and of visibility, by the processor: the device draws what pixels see, and nothing else.
+//! Pictures of beauty and visibility on the native backend. The device draws only the G-buffer.
 
 use std::task::Poll;
 
@@ -17,8 +17,8 @@ use crate::tile::Tile;
 use crate::{Aov, Gpu, RenderError, display, gpu_structs};
 
 impl Renderer {
-    /// Has what the pixels of `tile` see at the sample with that offset and weight in memory. Returns the camera's rays; pending
-    /// where the picture pauses once the device has drawn what they see.
+    /// Unpacks the surfaces of `tile` for the sample with that offset and weight. Returns the camera uniform. Pending
+    /// if the picture pauses after the device has drawn the G-buffer.
     fn prepare_surfaces(
         &mut self,
         gpu: &Gpu,
@@ -49,7 +49,7 @@ impl Renderer {
         Ok(Poll::Ready(uniform))
     }
 
-    /// What `drawing` shows for a screen, by layers of its lights; pending where it pauses.
+    /// Draws the picture of `drawing` for a screen, from layers of its lights. Pending if it pauses.
     pub(super) fn draw_natively(
         &mut self,
         gpu: &Gpu,
@@ -81,12 +81,12 @@ impl Renderer {
         Ok(bytes)
     }
 
-    /// [`Renderer::draw_sample`] of the beauty, or of how much of a light nothing is in the way of. Lights add up in their
-    /// order in a sum of the sample's own, then the fill and that are added to the samples before: so do layers of up to
-    /// [`gpu_structs::TERMS`] lights on a screen, which one sample is to the bit. Where there are more, sums of four add
-    /// up there, and roundings differ.
+    /// Draws a sample of beauty or visibility, as [`Renderer::draw_sample`]. Lights add up in order in a sum for the
+    /// sample; then the sum and the fill are added to the earlier samples. Layers of up to [`gpu_structs::TERMS`]
+    /// lights on a screen add up the same way, so a single sample equals them bit for bit. With more lights, the layers
+    /// add up in sums of four, with other roundings.
     ///
-    /// Nothing of that depends on tiles, or on pauses.
+    /// The result depends neither on tiles nor on pauses.
     pub(super) fn draw_sample_natively(
         &mut self,
         gpu: &Gpu,
@@ -124,21 +124,21 @@ impl Renderer {
             }
             let (mut maps, wanted) = (NativeMaps { gpu, scene }, (light, view.shadow_map));
             let ready = match shadow_maps.ready_light((gpu, &mut maps), (passes, scene, raster), wanted) {
-                // Others shine all the same; `light::SceneBounds` tells who asks.
+                // The other lights still count; `light::SceneBounds` reports this one to callers that ask.
                 Err(RenderError::OutOfReach(_)) => continue,
                 ready => ready?,
             };
-            // It reaches nothing that is seen.
+            // The light reaches no visible surface.
             let Some(ready) = ready else { continue };
             if let Some(cause) = ready.shadow_map_cause {
                 ran.note(Pass::ShadowMap, Some(light.id), cause);
-                // A map that is kept can wait, and with it the light.
+                // A cached map can wait, and with it the light.
                 if ready.transient_map.is_none() && paused(DrawnPiece::ShadowMap) {
                     return Ok(false);
                 }
             }
             targets.native.add_light((gpu, scene), &light.light, (&ready, tile))?;
-            // A map that passes is to be gone before the next one comes.
+            // A map without room in the budget must be freed before the next one is drawn.
             drop(ready);
             targets.lights_drawn = Some(index + 1);
             if index + 1 < lights.len() && paused(DrawnPiece::Pixels) {
@@ -151,7 +151,6 @@ impl Renderer {
         Ok(sample + 1 == *samples)
     }
 
-    /// How much of a light nothing is in the way of.
     fn draw_visibility(
         &mut self,
         gpu: &Gpu,
@@ -172,7 +171,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// What a screen shows of the beauty in `targets`, brightened by so many stops.
+    /// Bytes of a screen for the beauty in `targets`, with `exposure` in stops.
     pub(super) fn display_natively(&mut self, gpu: &Gpu, targets: &Targets, exposure: f64) -> Vec<u8> {
         let exposure = display::exposure_of(exposure);
         let bytes = relight::display_radiance(gpu.workers(), targets.native.radiance(), exposure);

@@ -1,19 +1,19 @@
-// Alpha tests of all materials from one table, for triangles of any material in one draw. Pictures are asked at full size,
-// bilinearly. Whoever asks brings
+// Alpha tests of all materials from one table, for triangles of any material in one draw. Textures are sampled at full
+// size, bilinearly. The including module declares
 //   alpha_tests   array<AlphaTest>
-//   alpha_texels  array<u32>: eight bits a texel, four to a word, the lowest bits first
-//   attributes    array<f32>: nine a vertex: normal, uv, colour
+//   alpha_texels  array<u32>: eight bits per texel, four per word, lowest bits first
+//   attributes    array<f32>: nine per vertex: normal, uv, color
 
 struct AlphaTest {
-    // Among the scene's triangles with an alpha test.
+    // Index among the scene's alpha-tested triangles.
     first_triangle: u32,
-    // Of that triangle in the scene's indices.
+    // Index of that triangle's first corner in the scene's indices.
     first_index: u32,
-    // What there is less of is a hole; 0 has none.
+    // Smaller alpha is a hole; 0 makes no holes.
     cutoff: f32,
-    // The material's share of what is compared; vertices and texels have the others.
+    // The material's factor of alpha; vertices and texels have the others.
     factor: f32,
-    // Of the picture's first texel in `alpha_texels`.
+    // Index of the texture's first texel in `alpha_texels`.
     offset: u32,
     width: u32,
     height: u32,
@@ -39,7 +39,7 @@ fn test_of(triangle: u32) -> u32 {
     return first;
 }
 
-// What a fragment has to know of a test's picture. Flat, and so a fragment need not look it up.
+// Parameters of a test's texture. They are flat varyings, so a fragment need not look them up.
 struct AlphaPicture {
     // Offset, width, height.
     place: vec3u,
@@ -54,7 +54,7 @@ fn picture_of(test: AlphaTest) -> AlphaPicture {
     );
 }
 
-// Of a vertex: uv and alpha.
+// The uv and alpha of a vertex.
 fn uv_alpha(vertex: u32) -> vec3f {
     return vec3f(attributes[9u * vertex + 3u], attributes[9u * vertex + 4u], attributes[9u * vertex + 8u]);
 }
@@ -63,8 +63,8 @@ fn alpha_texel(index: u32) -> f32 {
     return f32((alpha_texels[index / 4u] >> (8u * (index % 4u))) & 0xffu) / 255.0;
 }
 
-// Texels that indices along one axis stand for: 0 repeats, 1 mirrors, 2 goes on with the edge. In floats, which are exact
-// here: dividing integers is slow.
+// Texel indices along one axis after wrapping: 0 repeats, 1 mirrors, 2 clamps to the edge. Computed in floats, which
+// are exact here, because integer division is slow.
 fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
     let period = select(size, 2.0 * size, wrap == 1u);
     let inside = x - period * floor((x + 0.5) / period);
@@ -72,7 +72,7 @@ fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
     return vec2u(clamp(select(repeated, x, wrap == 2u), vec2f(0.0), vec2f(size - 1.0)));
 }
 
-// The picture's alpha at `uv`.
+// The texture's alpha at `uv`.
 fn texel_alpha(picture: AlphaPicture, uv: vec2f) -> f32 {
     let size = vec2f(picture.place.yz);
     let is_nearest = picture.modes.z != 0u;

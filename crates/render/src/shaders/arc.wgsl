@@ -1,4 +1,4 @@
-// Arc length of a curve, as `light` has it in arc.rs. Follows curve.wgsl.
+// Arc length of a curve; twin of `light`'s arc.rs. Follows curve.wgsl.
 
 // Abscissae and weights of light::GAUSS_LEGENDRE.
 const GAUSS_LEGENDRE = array<vec2f, 4>(
@@ -19,7 +19,7 @@ fn arc_quadrature(c: Curve, start: f32, end: f32) -> f32 {
     return 2.0 * half * sum;
 }
 
-// Arc length of the centre curve from the segment's start to u.
+// Arc length of the center curve from the segment's start to u.
 fn arc_length(c: Curve, u: f32) -> f32 {
     let aa = dot(c.a, c.a);
     let valley = -dot(c.d0, c.a);

@@ -1,23 +1,23 @@
-// Where a receiver lies on the faces of a bent map. Follows tube.wgsl. The constant comes before this file:
-//   SHADOW_CUBE  bool  the front of a cube, +V, -V, +W and -W in that order, on which (V, W, R / slope) are as positions
-//                      are on a straight cone; else one face, even in v and w
+// Position of a receiver on the faces of a bent map. Follows tube.wgsl. A constant precedes this file:
+//   SHADOW_CUBE  bool  the front of a cube, +V, -V, +W and -W in that order, on which (V, W, R / slope) are like
+//                      positions on a straight cone; else one face, uniform in v and w
 
 struct MapTexel {
     face: u32,
     texel: vec2f,
-    // How (v, w) change from texel to texel, to the right and downwards.
+    // Change of (v, w) per texel, to the right and downwards.
     right: vec2f,
     down: vec2f,
-    // A face's depth is t times this, on a straight cone the way along the face's own axis; and how it changes from
-    // texel to texel downwards.
+    // A face's depth is t times this gain, which on a straight cone is the distance along the face's own axis; and the
+    // gain's change per texel downwards.
     gain: f32,
     gain_down: f32,
-    // The depth that 1 stands for.
+    // Value of depth 1.
     far: f32,
 }
 
-// Middle and 1 / half size of what is drawn of a face, as slopes. Picked rather than indexed: a software driver gathers
-// one number after the other.
+// Center and 1 / half size of the drawn part of a face, as slopes. Selected, not indexed: a software driver gathers one
+// number after another.
 fn fit_of(face: u32) -> vec4f {
     var fit = light.fits[0];
     if SHADOW_CUBE {
@@ -30,7 +30,7 @@ fn fit_of(face: u32) -> vec4f {
 }
 
 fn map_texel(vw_len: vec2f, radius_or_zero: f32) -> MapTexel {
-    // At the very source nothing lies aside.
+    // At the source, the offset is zero.
     let radius = select(1.0, radius_or_zero, radius_or_zero > 0.0);
     let depth = radius / light.slope;
     let aside = abs(vw_len);
@@ -52,7 +52,7 @@ fn map_texel(vw_len: vec2f, radius_or_zero: f32) -> MapTexel {
     found.gain = 1.0;
     found.far = light.map_t_span;
     if !front {
-        // There x = w / |v| and y = 1 / (slope |v|), or the same with v and w exchanged.
+        // On a side, x = w / |v| and y = 1 / (slope |v|), or the same with v and w exchanged.
         let size = ahead / radius;
         let away = -light.slope * size * size * step.y;
         let right = vec2f(0.0, size * step.x);

@@ -1,15 +1,14 @@
-// World triangles into tube space, slab by slab. Follows curve.wgsl, frame.wgsl and solve.wgsl.
+// Maps world triangles into tube space, slab by slab. Follows curve.wgsl, frame.wgsl and solve.wgsl.
 //
-// A slab is a piece of the tube between two planes square to its curve; inside it and its box the map is one
-// to one. Slabs overlap a little, so that what is mapped slab by slab has no seams. A triangle is clipped in
-// the scene, where its edges are straight, and then split until its edges are as good as straight in tube
-// space too.
+// A slab is a piece of the tube between two planes perpendicular to its curve. Inside the slab and its box the map is
+// one to one. Slabs overlap a little, so that the image has no seams. A triangle is clipped in the scene, where its
+// edges are straight, and then split until its edges are nearly straight in tube space, too.
 
 struct Slab {
     curve: Curve,
     // n.q + w of the planes around the slab, ends first; zero or more inside.
     planes: array<vec4f, 6>,
-    // Of how edges bend; see edge_is_safe.
+    // Bounds of the bend of edges; see edge_is_safe.
     edge_bounds: vec4f,
 }
 
@@ -18,7 +17,7 @@ struct BentMap {
     tube_from_scene: mat4x4f,
     up: vec3f,
     frame_up: u32,
-    // Around all slabs.
+    // Bounds of all slabs.
     box_min: vec3f,
     slab_count: u32,
     box_max: vec3f,
@@ -31,11 +30,11 @@ struct BentMap {
     split_capacity: u32,
     // Largest distance, in texels, between an edge's image and the straight line drawn for it.
     tolerance_texels: f32,
-    // Where they are finest.
+    // At the finest texels.
     texels_per_vw: f32,
-    // Radius over the depth of the map's cube; 0 where there is none.
+    // Radius divided by the depth of the map's cube; 0 without a cube.
     cube_slope: f32,
-    // Triangles from this one on have an alpha test.
+    // Triangles from this one on are alpha-tested.
     opaque_triangles: u32,
     masked_capacity: u32,
     // Clip positions (X, Y, Z) on each face from (V, W, R).
@@ -43,7 +42,7 @@ struct BentMap {
 }
 
 @group(0) @binding(0) var<uniform> bent: BentMap;
-// As many as a uniform of 64 KiB holds.
+// Capacity of a uniform of 64 KiB.
 @group(0) @binding(1) var<uniform> slabs: array<Slab, 240>;
 
 // A triangle in a slab: corners in tube space and mapped.
@@ -51,7 +50,7 @@ struct Patch {
     a: vec3f,
     slab: u32,
     b: vec3f,
-    // Which triangle of those with an alpha test it is of, or what surface: one of the constants below.
+    // Index among the alpha-tested triangles, or the kind of component: one of the constants below.
     caster: u32,
     c: vec3f,
     mapped_a: vec4f,
@@ -59,16 +58,16 @@ struct Patch {
     mapped_c: vec4f,
 }
 
-// A triangle in a slab that it may touch.
+// A triangle and a slab that it may touch.
 struct ToClip {
     triangle: u32,
     slab: u32,
-    // As in a patch.
+    // Same meaning as in Patch.
     caster: u32,
 }
 
-// Surfaces without an alpha test; the numbers of `Shell` in Rust, from above. Of a closed one light meets only the side
-// that faces it.
+// Kinds of components without an alpha test, counted down as `TriangleComponent` in Rust counts up. Light hits only the
+// side of a closed component that faces it.
 const OPEN = 0xffffffffu;
 const CLOSED = 0xfffffffeu;
 const INSIDE_OUT = 0xfffffffdu;
@@ -81,12 +80,12 @@ fn caster_of(triangle: u32, shell: u32) -> u32 {
     return select(OPEN - shell, triangle - bent.opaque_triangles, triangle >= bent.opaque_triangles);
 }
 
-// Corners may be moved by so many of the finest texels where a triangle is drawn: to a grid of 1/16 texel, the coarsest
-// that Vulkan lets a rasteriser have, of texels that are up to four times as wide the other way.
+// Rasterization may move corners by this many of the finest texels: to a grid of 1/16 texel, the coarsest that Vulkan
+// permits, with texels up to four times as wide along the other axis.
 const SNAP_TEXELS = 0.25;
 
-// Whether light meets the triangle from within what it is of: something else of that lies before it then. Not where
-// moving its corners might turn it round.
+// True if light hits the triangle from inside its component, so another triangle of the component is in front of it.
+// False if moving its corners could turn it around.
 fn faces_away(caster: u32, a: vec4f, b: vec4f, c: vec4f) -> bool {
     if is_masked(caster) || caster == OPEN || min(a.z, min(b.z, c.z)) <= 0.0 {
         return false;
@@ -94,30 +93,31 @@ fn faces_away(caster: u32, a: vec4f, b: vec4f, c: vec4f) -> bool {
     let origin = a.xy / a.z;
     let ab = b.xy / b.z - origin;
     let ac = c.xy / c.z - origin;
-    // Looking along light's way, v to w turns clockwise, so what turns from v to w shows its front to the source no more.
+    // Seen along the light, v to w turns clockwise. So a triangle that turns from v to w no longer shows its front to
+    // the source.
     let area = select(-1.0, 1.0, caster == INSIDE_OUT) * (ab.x * ac.y - ab.y * ac.x);
     let round = (length(ab) + length(ac) + length(ac - ab)) * SNAP_TEXELS / texels_at(origin);
     return area < -round;
 }
 
 struct BentCounts {
-    // Arguments of the indexed draw: triangles used as they are.
+    // Arguments of the indexed draw of triangles used as they are.
     whole_index_count: atomic<u32>,
     whole_instance_count: u32,
     whole_first_index: u32,
     whole_base_vertex: u32,
     whole_first_instance: u32,
-    // Arguments of the draw of what was clipped and split.
+    // Arguments of the draw of clipped and split triangles.
     split_vertex_count: atomic<u32>,
     split_instance_count: u32,
     split_first_vertex: u32,
     split_first_instance: u32,
-    // Arguments of the draw of those with an alpha test.
+    // Arguments of the draw of alpha-tested triangles.
     masked_vertex_count: atomic<u32>,
     masked_instance_count: u32,
     masked_first_vertex: u32,
     masked_first_instance: u32,
-    // Which of `items` the running pass reads; it appends to the next.
+    // Index in `items` of the running pass's input; its output goes to the next.
     level: u32,
     // (triangle, slab) pairs, then patches level by level.
     items: array<atomic<u32>, 12>,
@@ -127,14 +127,14 @@ fn tube_position(x: f32, y: f32, z: f32) -> vec3f {
     return (bent.tube_from_scene * vec4f(x, y, z, 1.0)).xyz;
 }
 
-// Signed distance from one of the planes around a slab; inside where all six are zero or more.
+// Signed distance from one of the planes around a slab. A point is inside if all six are zero or more.
 fn slab_plane(slab: u32, plane: u32, q: vec3f) -> f32 {
     let p = slabs[slab].planes[plane];
     return dot(p.xyz, q) + p.w;
 }
 
-// (V, W, R, t) of a point of the slab. The signs at the ends are known; rounding at a clipping plane must not
-// lose the root.
+// (V, W, R, t) of a point of the slab. The signs at the ends are known: rounding at a clipping plane must not lose the
+// root.
 fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     let f0 = min(-dot(q - c.b0, c.d0), 0.0);
     let f1 = max(-dot(q - c.b2, c.d1), 0.0);
@@ -150,24 +150,26 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }
 
-// Whether no bend of this slab shows in the edge: it is short, or lies nearly square to the light. slab.rs has why.
+// True if no bend of this slab shows in the edge: it is short, or nearly perpendicular to the light. See slab.rs for
+// the derivation.
 fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
     let dt = abs(b.w - a.w);
     let bends = slabs[slab].edge_bounds * vec4f(dt, length(qb - qa), dt, length(qb - qa));
     return (bends.x + bends.y) * dt <= min(a.z, b.z) && bends.z + bends.w <= 1.0;
 }
 
-// Texels per unit of v and w at a point. On a cube they are as wide as angles, so fewer far off its axis.
+// Texels per unit of v and w at a point. On a cube they are uniform in slope, so there are fewer per unit far off its
+// axis.
 fn texels_at(vw: vec2f) -> f32 {
     return bent.texels_per_vw / max(1.0, bent.cube_slope * max(abs(vw.x), abs(vw.y)));
 }
 
-// Whether a triangle's image lies beyond one side of what is drawn of each face. `bow` is the most by which (V, W, R)
-// strays from the straight edges, as a length in tube space. Between its edges a triangle strays by at most 4/3 of what
-// the middles of its edges do, were it quadratic: twice leaves room for more.
+// True if a triangle's image is beyond one side of the drawn part of each face. `bow` is the largest deviation of (V,
+// W, R) from the straight edges, as a length in tube space. A quadratic triangle deviates between its edges by at most
+// 4/3 of the deviation at the middles of its edges; twice that leaves a margin.
 fn off_map(a: vec4f, b: vec4f, c: vec4f, bow: f32) -> bool {
     var off = true;
-    // No bound of uniforms alone: see branches.rs. A radius is never negative.
+    // The bound depends on more than uniforms: see branches.rs. A radius is never negative.
     let end = select(bent.face_count, 0u, a.z < 0.0);
     for (var face = 0u; face < end; face++) {
         off = off && off_face(bent.faces[face], a.xyz, b.xyz, c.xyz, 2.0 * bow);

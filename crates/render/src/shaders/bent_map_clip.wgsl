@@ -1,4 +1,4 @@
-// Pass 3: each listed triangle, clipped to its slab in the scene, as a fan of patches. Follows bent_map.wgsl.
+// Pass 3: clips each listed triangle to its slab in the scene, into a fan of patches. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> indices: array<u32>;
@@ -14,8 +14,8 @@ fn corner(triangle: u32, k: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// Where an edge crosses a plane, always computed from the outer end, so that the triangles on both sides of
-// the edge agree bit for bit.
+// Intersection of an edge with a plane. Always computed from the outer end, so that the triangles on both sides of the
+// edge agree bit for bit.
 fn crossing(outer: vec3f, outer_distance: f32, inner: vec3f, inner_distance: f32) -> vec3f {
     return outer + (inner - outer) * (outer_distance / (outer_distance - inner_distance));
 }

@@ -1,4 +1,4 @@
-// Between passes: how many workgroups the next one needs. Follows bent_map.wgsl.
+// Between passes: computes the number of workgroups of the next one. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read_write> counts: BentCounts;
 @group(0) @binding(3) var<storage, read_write> workgroups: vec3u;

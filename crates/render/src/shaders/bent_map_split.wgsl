@@ -1,30 +1,30 @@
-// Pass 4, level by level: a patch off the map is dropped, one whose edges are straight enough is drawn, any other is
-// split at the middles of those that are not. Whether an edge is split depends on that edge alone, so neighbours
-// agree and no cracks open. Follows bent_map.wgsl.
+// Pass 4, level by level: drops a patch off the map, draws one with straight enough edges, and splits any other at the
+// middles of its bent edges. The decision to split an edge depends on that edge alone, so adjacent patches agree and no
+// cracks open. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> patches_in: array<Patch>;
 @group(0) @binding(3) var<storage, read_write> patches_out: array<Patch>;
 @group(0) @binding(4) var<storage, read_write> counts: BentCounts;
-// (V, W, R, t), three a triangle.
+// (V, W, R, t), three per triangle.
 @group(0) @binding(5) var<storage, read_write> split_vertices: array<vec4f>;
-// The same of triangles with an alpha test.
+// (V, W, R, t) of alpha-tested triangles, three per triangle.
 @group(0) @binding(6) var<storage, read_write> masked_vertices: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> masked_places: array<MaskedPlace>;
 
-// Where a vertex lies in its triangle.
+// Position of a vertex in its triangle.
 struct MaskedPlace {
     q: vec3f,
-    // Among those with an alpha test.
+    // Index among the alpha-tested triangles.
     triangle: u32,
 }
 
-// The last entry of `items` that patches are appended to; patches there are drawn as they are.
+// Last entry of `items` that takes patches; patches there are drawn as they are.
 const LAST_LEVEL = 11u;
 
-// Whether the edge between two mapped points needs a point between, and that point.
+// Middle of the edge between two mapped points, and true if the edge must be split there.
 struct Middle {
     split: bool,
-    // How far (V, W, R) strays from the straight edge, as a length in tube space; 0 where too little to see.
+    // Deviation of (V, W, R) from the straight edge, as a length in tube space; 0 if too small to matter.
     bow: f32,
     q: vec3f,
     mapped: vec4f,
@@ -33,9 +33,9 @@ struct Middle {
 // Four roundings of a position of size 1, the length of the light.
 const POSITION_ROUNDING = 0x1p-22;
 
-// Compares the image of the edge's middle with the middle of the images, and so the quarters: an S crosses its
-// chord in the middle. The middle of homogeneous (V, W, R) is what the rasteriser draws; on a straight cone both
-// agree.
+// Compares the image of the edge's middle with the middle of the images, and the quarters likewise, because an S-shaped
+// image crosses its chord in the middle. The rasterizer draws the middle of homogeneous (V, W, R); on a straight cone
+// both agree.
 fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     var middle = Middle(false, 0.0, (qa + qb) * 0.5, vec4f(0.0));
     if edge_is_safe(slab, qa, a, qb, b) {
@@ -44,7 +44,7 @@ fn edge_middle(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> Middle {
     let c = slabs[slab].curve;
     middle.mapped = map_to_slab(c, middle.q);
     let straight = (a + b) * 0.5;
-    // Made from both ends alike, so that the edge's other triangle finds the same bits.
+    // Symmetric in both ends, so that the edge's other triangle gets the same bits.
     let near_a = (qa + middle.q) * 0.5;
     let near_b = (qb + middle.q) * 0.5;
     let mapped_a = map_to_slab(c, near_a);
@@ -61,14 +61,14 @@ fn bow(mapped: vec4f, straight: vec4f) -> f32 {
     return length(mapped.xy - straight.xy) + abs(mapped.z - straight.z);
 }
 
-// How much faster than the centre a path at (v, w) runs on a cube; 1 else. The twin of map_speed in bendy.wgsl.
+// Ratio of a path's speed at (v, w) to that of the center, on a cube; 1 otherwise. Twin of map_speed in bendy.wgsl.
 fn stretch_at(c: Curve, vw: vec2f) -> f32 {
     let spread = curve_radius_derivative(c, 0.5) * min(length(vw), 1.5) / max(2.0 * length(curve_d(c, 0.5)), 1e-20);
     return select(1.0, length(vec2f(1.0, spread)), bent.cube_slope > 0.0);
 }
 
-// Whether a point's image lies too far from where the straight edge has it, in texels: across the map, and along
-// the light as the length it is in the scene.
+// True if a point's image is too far from the straight edge, in texels: across the map, and along the light as a length
+// in the scene.
 fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
     if min(mapped.z, straight.z) <= 0.0 {
         return false;
@@ -78,8 +78,8 @@ fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
     let stretch = stretch_at(c, vw);
     let across = (mapped.xy / mapped.z - vw) * scale;
     let along = (mapped.w - straight.w) / c.t_span * 2.0 * length(curve_d(c, 0.5)) * stretch * scale / straight.z;
-    // In a very thin tube a texel is less than the rounding of a position: what bends there is noise, and splitting
-    // for it would not end.
+    // In a very thin tube a texel is smaller than the rounding of positions: the bend there is noise, and splitting
+    // would not end.
     let rounding = POSITION_ROUNDING * (1.0 + length(q)) * stretch * scale / straight.z;
     return max(length(across), abs(along)) > max(bent.tolerance_texels, rounding);
 }
@@ -144,7 +144,7 @@ fn split_patches(@builtin(global_invocation_id) id: vec3u) {
         pass_on(slot + 3u, p, ab.q, ab.mapped, bc.q, bc.mapped, ca.q, ca.mapped);
         return;
     }
-    // Turn the triangle until a split edge comes first and, of two, the second next.
+    // Rotates the triangle until a split edge comes first and, of two, the second next.
     var qa = p.a; var qb = p.b; var qc = p.c;
     var ma = p.mapped_a; var mb = p.mapped_b; var mc = p.mapped_c;
     var first = ab;

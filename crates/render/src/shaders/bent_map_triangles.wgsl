@@ -1,5 +1,5 @@
-// Pass 2: every triangle near the slabs once: dropped, used as it is, passed on as a patch where it lies in one slab and may be
-// bent, or else listed with each slab it may touch. Follows bent_map.wgsl.
+// Pass 2: processes every triangle near the slabs once. It is dropped, used as it is, passed on as a patch if it is in
+// one slab and may be bent, or else listed with each slab that it may touch. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> mapped: array<vec4f>;
@@ -9,14 +9,15 @@
 @group(0) @binding(7) var<storage, read_write> work: array<ToClip>;
 @group(0) @binding(8) var<storage, read_write> counts: BentCounts;
 @group(0) @binding(9) var<storage, read_write> patches_out: array<Patch>;
-// Two workgroups each: the first triangle, and how many with their surface above 16 bits.
+// Entries of two workgroups per element: the first triangle, and the number of triangles with their component above 16
+// bits.
 @group(0) @binding(10) var<uniform> leaves: array<vec4u, 4096>;
 
 fn vertex_position(vertex: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// Whether the whole triangle lies on the outer side of one of the slab's planes.
+// True if the whole triangle is outside one of the slab's planes.
 fn beyond(slab: u32, plane: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
     return max(max(slab_plane(slab, plane, a), slab_plane(slab, plane, b)), slab_plane(slab, plane, c)) < 0.0;
 }
@@ -44,13 +45,13 @@ fn map_triangles(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_
         let a = mapped[corners.x];
         let b = mapped[corners.y];
         let c = mapped[corners.z];
-        // Nearly all are. Looking closer here would cost every triangle nine solves; for the few, pass 4 does.
+        // Nearly all edges are. A closer test here would cost every triangle nine solves; pass 4 does it for the few.
         let safe = edge_is_safe(slab, qa, a, qb, b) && edge_is_safe(slab, qb, b, qc, c)
             && edge_is_safe(slab, qc, c, qa, a);
         if safe && (off_map(a, b, c, 0.0) || faces_away(caster, a, b, c)) {
             return;
         }
-        // Patches know their triangle, and by it their holes.
+        // A patch knows its triangle, which the alpha test needs.
         if !safe || is_masked(caster) {
             let item = atomicAdd(&counts.items[1], 1u);
             if item < bent.patch_capacity {

@@ -1,12 +1,12 @@
-// Pass 1: every vertex of the blocks near the slabs once. Follows bent_map.wgsl.
+// Pass 1: maps every vertex of the blocks near the slabs once. Follows bent_map.wgsl.
 
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
-// (V, W, R, t) in the first slab that holds the vertex.
+// (V, W, R, t) in the first slab that contains the vertex.
 @group(0) @binding(3) var<storage, read_write> mapped: array<vec4f>;
-// That slab, or one of the two below.
+// Index of that slab, or one of the two constants below.
 @group(0) @binding(4) var<storage, read_write> vertex_slab: array<u32>;
 
-// One a workgroup.
+// One per workgroup.
 @group(0) @binding(5) var<storage, read> blocks: array<u32>;
 
 const NO_SLAB = 0xffffffffu;
@@ -35,7 +35,7 @@ fn map_vertices(
     let q = tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
     let near = all(q >= bent.box_min) && all(q <= bent.box_max);
     var slab = NO_SLAB;
-    // The bound, not a branch, is what lets a group of far vertices leave at once on a software driver.
+    // The bound, not a branch, lets a group of far vertices finish at once on a software driver.
     let end = select(0u, bent.slab_count, near);
     for (var i = 0u; i < end && slab != SEVERAL_SLABS; i++) {
         if !slab_holds(i, q) {

@@ -1,23 +1,23 @@
-// Draws mapped triangles with an alpha test into the shadow map. Follows bent_shadow.wgsl and alpha_test.wgsl.
+// Draws mapped alpha-tested triangles into the shadow map. Follows bent_shadow.wgsl and alpha_test.wgsl.
 //
-// A vertex that clipping and splitting made has no uv. Where it lies in its triangle tells that: both are flat in the
-// scene.
+// A vertex from clipping or splitting has no uv. Its position in the triangle gives the uv, because both are linear in
+// the scene.
 
 @group(0) @binding(1) var<uniform> tube_from_scene: mat4x4f;
-// Of the scene's own vertices and triangles.
+// The scene's own vertices and triangles.
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
-// Nine a vertex: normal, uv, colour.
+// Nine per vertex: normal, uv, color.
 @group(0) @binding(3) var<storage, read> attributes: array<f32>;
 @group(0) @binding(4) var<storage, read> indices: array<u32>;
 @group(1) @binding(0) var<storage, read> alpha_tests: array<AlphaTest>;
-// Eight bits a texel, four to a word, the lowest bits first.
+// Eight bits per texel, four per word, lowest bits first.
 @group(1) @binding(1) var<storage, read> alpha_texels: array<u32>;
 
 struct MaskedFragment {
     @builtin(position) position: vec4f,
     @location(0) t: f32,
     @location(1) uv: vec2f,
-    // Of vertex and material.
+    // Alpha of vertex times material.
     @location(2) alpha: f32,
     @location(3) @interpolate(flat, either) cutoff: f32,
     // See `AlphaPicture`.

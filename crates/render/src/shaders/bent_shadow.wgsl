@@ -1,10 +1,10 @@
-// Draws mapped triangles onto a face of the shadow map. Clip position (X, Y, Z/2, Z), all linear in (V, W, R): a straight
-// cone is an ordinary perspective spotlight without tessellation, a constant radius an orthographic one. Depth is t, on
-// the sides of a cube over y / depth; neither is linear on the map, so the fragment writes it.
+// Draws mapped triangles onto a face of the shadow map. The clip position is (X, Y, Z/2, Z), all linear in (V, W, R): a
+// straight cone is an ordinary perspective spotlight without tessellation, a constant radius an orthographic one. Depth
+// is t, divided by y / depth on the sides of a cube. Neither is linear on the map, so the fragment writes it.
 
 struct BentShadow {
     clip_from_mapped: mat3x3f,
-    // y / depth of a row of texels: the first plus the second for each; on the front 1.
+    // y / depth of a row of texels: the first plus the second times the row; on the front 1.
     row: vec2f,
     depth_per_t: f32,
 }
@@ -21,7 +21,7 @@ fn face_position(mapped: vec4f) -> vec4f {
     return vec4f(clip.xy, 0.5 * clip.z, clip.z);
 }
 
-// Of a fragment at `y`.
+// Depth of a fragment in row `y`.
 fn face_depth(t: f32, y: f32) -> f32 {
     return t * bent_shadow.depth_per_t / (bent_shadow.row.x + bent_shadow.row.y * y);
 }

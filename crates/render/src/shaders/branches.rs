@@ -1,22 +1,22 @@
-//! No branch and no loop of what is drawn each frame hangs on uniforms alone.
+//! No branch and no loop of a shader that runs each frame depends on uniforms alone.
 //!
-//! Mesa's software driver compiles a shader anew for every value of such a uniform, and looks for that at
-//! every draw: a frame then takes seconds, or, where a cache on disk has each of them, still twice its time.
+//! Mesa's software driver compiles a shader again for every value of such a uniform, and looks it up at every draw. A
+//! frame then takes seconds, or still twice its time if a cache on disk has each variant.
 
 use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, Statement, front::wgsl};
 
 use super::compiled::all;
 
-/// What a value is computed from; of several the last counts.
+/// Source of a value; of several, the last in this order counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Origin {
     Constants,
     Uniforms,
-    /// Something that differs from one invocation to the next, or may.
+    /// A value that differs between invocations, or may.
     Invocation,
 }
 
-/// A function with the origins of its arguments, as some caller has them.
+/// A function with the origins of its arguments at one call.
 struct Call<'a> {
     module: &'a Module,
     function: &'a Function,
@@ -54,7 +54,7 @@ impl Call<'_> {
         }
     }
 
-    /// Whether an `if` decides by uniforms alone, or ends a loop by comparing with a uniform.
+    /// True if an `if` depends on uniforms alone, or ends a loop by a comparison with a uniform.
     fn hangs_on_uniforms(&self, condition: Handle<Expression>, accept: &Block, reject: &Block) -> bool {
         let breaks = |block: &Block| block.iter().any(|statement| matches!(statement, Statement::Break));
         let ends_loop = breaks(accept) || breaks(reject);
@@ -65,7 +65,7 @@ impl Call<'_> {
         self.origin(condition) == Origin::Uniforms || (ends_loop && bound.contains(&Origin::Uniforms))
     }
 
-    /// Names of the functions, this one and all that it calls, where that is so.
+    /// Names of the functions with such a condition, among this one and all that it calls.
     fn findings(&self, block: &Block, found: &mut Vec<String>) {
         for statement in block {
             match statement {
@@ -106,7 +106,7 @@ fn findings(wgsl: &str) -> Vec<String> {
 
 #[test]
 fn no_branch_hangs_on_uniforms_alone() {
-    // Points are located once a call, not at every frame.
+    // Points are located once per call, not in every frame.
     for (name, wgsl) in all().iter().filter(|(name, _)| *name != "locate") {
         assert_eq!(findings(wgsl), Vec::<String>::new(), "{name}");
     }

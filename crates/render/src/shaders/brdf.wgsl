@@ -2,24 +2,25 @@
 // (Heitz 2014) and Schlick's Fresnel term.
 
 const PI: f32 = 3.14159265358979;
-// A point light mirrored in a perfectly smooth surface has infinite radiance, and the stored normals resolve
-// 2e-5 rad: this width keeps highlights finite and a hundred times wider than the steps of the normals.
+// Smallest GGX alpha. A point light mirrored in a perfectly smooth surface has infinite radiance, and the stored
+// normals resolve 2e-5 rad: this width keeps highlights finite, and a hundred times wider than the steps of the
+// normals.
 const MIN_ALPHA: f32 = 0.002;
 
-// f(l, v) max(0, n.l) by its lobes.
+// f(l, v) max(0, n.l), by lobe.
 struct Lobes {
     diffuse: vec3f,
     specular: vec3f,
 }
 
-// What reaches the eye of unit irradiance perpendicular to `to_light`: scattered, and mirrored.
+// Radiance towards the eye from unit irradiance perpendicular to `to_light`: scattered, and mirrored.
 fn reflected(surface: Surface, to_light: vec3f) -> Lobes {
     let n = surface.normal;
     let n_l = dot(n, to_light);
     if n_l <= 0.0 {
         return Lobes();
     }
-    // Shading normals at a silhouette may lean away from the viewer.
+    // Shading normals at a silhouette may point away from the viewer.
     let n_v = max(dot(n, surface.to_eye), 1e-4);
     let half_sum = to_light + surface.to_eye;
     let h = half_sum * inverseSqrt(max(dot(half_sum, half_sum), 1e-12));

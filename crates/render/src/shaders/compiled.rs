@@ -1,4 +1,4 @@
-//! Every module as it is compiled, for tests to walk.
+//! Every compiled module, for tests.
 
 use super::{
     BENDY, BENT_MAP_CLIP, BENT_MAP_NEXT, BENT_MAP_SPLIT, BENT_MAP_TRIANGLES, BENT_MAP_VERTICES, BENT_MASKED,
@@ -9,7 +9,7 @@ use crate::bendy_light::Baked;
 use crate::composite::TermKind;
 use crate::straight::BakedStraight;
 
-/// Every module by name, those of bent lights as several lights have them compiled.
+/// Every module by name; those of lights with several sets of constants.
 pub(super) fn all() -> Vec<(&'static str, String)> {
     let fixed = [
         ("gbuffer", GBUFFER),

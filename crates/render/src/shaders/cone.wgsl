@@ -1,15 +1,15 @@
-// Straight rays from a point, as `light` has them in cone.rs: a spotlight and where a point lies in it. Follows
+// Straight rays from a point: a spotlight and the coordinates of a point in it; twin of `light`'s cone.rs. Follows
 // profile.wgsl. Light space: source at the origin, the light shines along -z.
 
 struct Spot {
     light_from_scene: mat4x4f,
     light_profile: LightProfile,
     tan_outer: f32,
-    // Axial distance at which the light ends; 0 never.
+    // Axial distance at which the light ends; 0 for none.
     range: f32,
     // Near plane of the shadow map.
     shadow_near: f32,
-    // How far what casts shadows may stray from the surface.
+    // Largest distance of casters from the surface.
     mesh_error: f32,
     // See fit_of.
     fits: array<vec4f, 5>,
@@ -22,7 +22,7 @@ struct Located {
     place: LightCoords,
 }
 
-// Where a position in the scene lies.
+// Coordinates of a scene position in the light.
 fn locate(scene_position: vec3f) -> Located {
     let position = (spot.light_from_scene * vec4f(scene_position, 1.0)).xyz;
     let depth = -position.z;
@@ -37,7 +37,7 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(t, vw, length(position), normalize(-position * scene_axes())));
 }
 
-// Light axes from the scene's.
+// Rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     return mat3x3f(spot.light_from_scene[0].xyz, spot.light_from_scene[1].xyz, spot.light_from_scene[2].xyz);
 }

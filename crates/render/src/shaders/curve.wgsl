@@ -1,4 +1,4 @@
-// One quadratic piece of a tube, as `light` has it in curve.rs: see twins.rs. Every division is guarded: WGSL promises
+// One quadratic piece of a tube; twin of `light`'s curve.rs, see twins.rs. Every division is guarded: WGSL guarantees
 // neither NaN nor infinity.
 
 struct Curve {
@@ -58,7 +58,7 @@ fn curve_u_hat_derivative(d: vec3f, a: vec3f, u_hat: vec3f) -> vec3f {
     return vec3f(0.0);
 }
 
-// v_hat and w_hat of the rotation-minimising frame, as the columns of a matrix.
+// v_hat and w_hat of the rotation-minimizing frame, as the columns of a matrix.
 fn curve_rotation_minimizing(c: Curve, u_hat: vec3f) -> mat2x3f {
     let m = cross(c.n_hat, u_hat);
     return mat2x3f(c.n_hat * c.alpha + m * c.beta, c.n_hat * c.beta - m * c.alpha);

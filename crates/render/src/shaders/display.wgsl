@@ -1,20 +1,20 @@
-// Linear radiance to what a screen shows: exposure, Khronos PBR Neutral (KhronosGroup/ToneMapping, 2024), then sRGB.
+// Maps linear radiance to a screen: exposure, Khronos PBR Neutral (KhronosGroup/ToneMapping, 2024), then sRGB.
 
 struct Exposure {
     factor: f32,
-    // Radiance above this is cut to it, that its product with the factor stays a number.
+    // Radiance is limited to this value, so that its product with the factor stays finite.
     brightest: f32,
 }
 
 @group(0) @binding(0) var radiance: texture_2d<f32>;
 @group(0) @binding(1) var<uniform> exposure: Exposure;
 
-// Hue and colour are kept up to START; above, peaks are compressed to 1 and desaturated.
+// Hue and color are unchanged up to START; above it, peaks are compressed to 1 and desaturated.
 const START: f32 = 0.8 - 0.04;
 const DESATURATION: f32 = 0.15;
 
 fn pbr_neutral(linear: vec3f) -> vec3f {
-    // Takes off the reflection of 4 % that a dielectric adds to its base colour.
+    // Subtracts the reflection of 4 % that a dielectric adds to its base color.
     let low = min(linear.r, min(linear.g, linear.b));
     let color = linear - select(0.04, low - 6.25 * low * low, low < 0.08);
     let peak = max(color.r, max(color.g, color.b));

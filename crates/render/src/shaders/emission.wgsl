@@ -1,6 +1,6 @@
-// What leaves a light, as `light` has it in emission.rs.
+// Emission of a light; twin of `light`'s emission.rs.
 
-// Colour times intensity, neither below zero.
+// Color times intensity, neither below zero.
 fn emission(color: vec3f, intensity: f32) -> vec3f {
     return max(color, vec3f(0.0)) * max(intensity, 0.0);
 }

@@ -1,4 +1,4 @@
-// Light from everywhere: a hemisphere that goes from `ground` to `sky` with the height of a direction.
+// Light from everywhere: a hemisphere from `ground` to `sky` by the height of a direction.
 
 struct Fill {
     sky: vec3f,
@@ -17,8 +17,8 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     if !surface.exists {
         return vec4f(0.0);
     }
-    // Dielectrics scatter what arrives about the normal, metals mirror what arrives about the reflected ray;
-    // both with the base colour as their albedo, so that a white surface returns what it gets.
+    // Dielectrics scatter the light around the normal, metals mirror the light around the reflected ray. Both have the
+    // base color as their albedo, so a white surface returns the light that it receives.
     let mirrored = reflect(-surface.to_eye, surface.normal);
     let diffuse = hemisphere(surface.normal);
     let specular = hemisphere(mix(mirrored, surface.normal, surface.roughness));

@@ -1,20 +1,20 @@
-// What each pixel sees, packed in 16 bytes:
+// The surface of each pixel, packed in 16 bytes:
 //   x  shading normal towards the viewer, octahedral 2 x 16 bits
 //   y  index of the triangle + 1; 0 is the background
-//   zw base colour, metallic and roughness: material_to_bits
-// and in a texture of its own the terminator's offset.
-// The position is not stored: surface.wgsl cuts the pixel's ray with the plane of its triangle, which is more
-// exact than any depth buffer and gives the geometric normal as well.
+//   zw base color, metallic and roughness: material_to_bits
+// The terminator offset has a texture of its own. The position is not stored: surface.wgsl intersects the pixel's ray
+// with the plane of its triangle, which is more exact than any depth buffer and gives the geometric normal as well.
 
-// What materials have, in pipelines of their own: a picture of colour, one of metallic and roughness, and an alpha test.
+// Features of materials, each set a pipeline of its own: a color texture, a metallic-roughness texture, and an alpha
+// test.
 override is_colored: bool;
 override is_shiny: bool;
 override is_tested: bool;
 
 struct Corner {
     @builtin(position) clip: vec4f,
-    // Index in `planes` of the draw's first triangle, by the instance that it is drawn as: `primitive_index` begins anew with
-    // each draw, and what is drawn with one material may take several.
+    // Index in `planes` of the draw's first triangle, from the instance index: `primitive_index` restarts with each
+    // draw, and one material may take several draws.
     @location(0) @interpolate(flat, either) first_triangle: u32,
 }
 
@@ -26,22 +26,22 @@ fn vs_gbuffer(@location(0) position: vec3f, @builtin(instance_index) first_trian
 struct Seen {
     @location(0) packed: vec4u,
     @location(1) terminator_offset: f32,
-    // Of the triangle's plane. The rasteriser's own is interpolated from the corner of its target: of two surfaces that lie
-    // in one place, as a carpet and its floor, another one would be seen in each tile, in blocks.
+    // Depth on the triangle's plane. The rasterizer interpolates its own from the corner of the target. Of two
+    // coincident surfaces, such as a carpet and its floor, a different one would be visible in each tile, in blocks.
     @builtin(frag_depth) z: f32,
 }
 
-// What a triangle's vertices say of a point of it. Interpolated here and not by the rasteriser, which does so from the
-// corner of its target: tiles would differ in the last bits.
+// Vertex attributes interpolated at a point of a triangle. The rasterizer interpolates from the corner of its target,
+// so tiles would differ in the last bits.
 struct Interpolated {
     normal: vec3f,
     uv: vec2f,
-    // The same on the triangle's plane: outside of the triangle it goes on.
+    // uv on the triangle's plane, extrapolated outside of the triangle.
     plane_uv: vec2f,
     color: vec4f,
-    // How far along the shading normal shadows are looked for, so that facets do not shadow each other where light
-    // grazes: sum b_i |(p_i - P) . (n_i - m)| with m = sum b_i n_i. After Hanika, "Hacking the Shadow Terminator" (Ray
-    // Tracing Gems II, chapter 4); why not quite as he has it, see Surface::shadow_position of the reference.
+    // Distance of the shadow test along the shading normal, so that facets do not shadow each other where light grazes:
+    // sum b_i |(p_i - P) . (n_i - m)| with m = sum b_i n_i. After Hanika, "Hacking the Shadow Terminator" (Ray Tracing
+    // Gems II, chapter 4). Surface::shadow_position of the reference explains the difference.
     terminator_offset: f32,
 }
 
@@ -60,7 +60,7 @@ fn interpolated(triangle: u32, position: vec3f) -> Interpolated {
     let corners = corners_of(triangle);
     let on_plane = weights_at(corners, position);
     let inside = max(on_plane, vec3f(0.0));
-    // A triangle that is too small to tell is all one.
+    // A triangle too small to resolve gets equal weights.
     let sum = inside.x + inside.y + inside.z;
     let weights = select(vec3f(1.0 / 3.0), inside / max(sum, 1e-37), sum > 0.0);
     let n_a = normal_of(vertices.x);
@@ -92,7 +92,8 @@ fn fs_gbuffer(
     let factors = material.base_color * here.color;
     var is_there = true;
     if is_tested {
-        // At full size, whatever a pixel covers: then many pixels pass as often as points of the picture do.
+        // Sampled at full size, regardless of the pixel's footprint. Then the share of pixels that pass equals the
+        // share of the texture's points.
         let alpha = textureSampleLevel(base_color_texture, base_color_sampler, here.uv, 0.0).a;
         is_there = factors.a * alpha >= material.alpha_cutoff;
     }
@@ -107,7 +108,7 @@ fn fs_gbuffer(
     if is_shiny & is_there {
         shine = textureSampleGrad(metallic_roughness_texture, metallic_roughness_sampler, here.uv, uv_dx, uv_dy);
     }
-    // Vertex normals that cancel leave nothing to interpolate: the face's own normal then.
+    // Vertex normals that cancel leave nothing to interpolate, so the face normal is used.
     let has_normal = dot(here.normal, here.normal) > 1e-12;
     let side = select(-1.0, 1.0, front_facing);
     let normal = normalize(select(planes[triangle].xyz, here.normal, has_normal)) * side;

@@ -1,8 +1,8 @@
-// The increasing roots of one point on one curve each, for `bendylights bench solver`. Follows solve.wgsl.
+// Computes the increasing roots of one point on one curve each, for `bendylights bench solver`. Follows solve.wgsl.
 
 @group(0) @binding(0) var<storage, read> curves: array<Curve>;
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;
-// The left root and the right one, then 1 for each that there is.
+// The left root and the right one, then 1 for each that exists.
 @group(0) @binding(2) var<storage, read_write> found: array<vec4f>;
 
 @compute @workgroup_size(64)

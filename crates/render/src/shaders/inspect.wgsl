@@ -1,4 +1,4 @@
-// Quantities of the surface itself, for people and for tests.
+// AOVs of the surface itself, for people and for tests.
 
 @fragment
 fn fs_depth(@builtin(position) pixel: vec4f) -> @location(0) vec4f {

@@ -1,13 +1,13 @@
-// What one light adds to the picture, or one of its own quantities. Each kind of light brings
-// `fn sample_light(surface: Surface) -> LightSample` and `fn light_profile() -> LightProfile`; the entry points are named after
-// the AOVs. Follows profile.wgsl, and links.wgsl or no_links.wgsl. The constant SHADOWED, a bool, comes before this file:
-// whether anything shadows the light.
+// Contribution of one light to the picture, or one of its AOVs. The shape of light provides `fn sample_light(surface:
+// Surface) -> LightSample` and `fn light_profile() -> LightProfile`. Entry points are named after the AOVs. Follows
+// profile.wgsl, and links.wgsl or no_links.wgsl. The constant SHADOWED, a bool, precedes this file: true if the light
+// casts shadows.
 
 struct LightSample {
-    // Whether the light's volume holds the surface, shadow or not; the rest is 0 outside.
+    // True if the light's volume contains the surface, in shadow or not; the rest is 0 outside.
     inside: bool,
     place: LightCoords,
-    // On a surface square to the light, without the shadow and the tint.
+    // On a surface perpendicular to the light, without shadow and tint.
     irradiance: vec3f,
     // 1 lit, 0 in shadow.
     visibility: f32,
@@ -49,7 +49,7 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(radiance * view.sample_weight, 0.0);
 }
 
-// What one light alone adds before factors of all of it, scattered and mirrored: see terms.wgsl.
+// Layer of a light: scattered and mirrored radiance, before factors of the whole light. See terms.wgsl.
 @fragment
 fn fs_layer(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
     let surface = surface_at(vec2u(pixel.xy));

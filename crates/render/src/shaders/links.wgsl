@@ -1,6 +1,6 @@
-// Which of the scene's triangles count for a light that has links; no_links.wgsl is for others.
+// Triangles selected by a light's links; no_links.wgsl is for lights without links.
 
-// A bit a triangle, 32 of them a texel, row after row: whether the light shows on it, and whether it throws shadows.
+// One bit per triangle, 32 per texel, row after row: set if the light lights it, and if it casts shadows.
 @group(3) @binding(0) var links: texture_2d<u32>;
 
 fn link_bits(triangle: u32) -> vec2u {

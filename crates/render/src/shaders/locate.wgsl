@@ -1,4 +1,4 @@
-// Every in-tube root of points in tube space, for `eval` and for tests. Follows tube.wgsl.
+// Finds every in-tube root of points in tube space, for `eval` and for tests. Follows tube.wgsl.
 
 struct LocatedRoot {
     segment: u32,
@@ -6,14 +6,14 @@ struct LocatedRoot {
     v_len: f32,
     w_len: f32,
     radius: f32,
-    // Unit, in tube space, from the point to where its light comes from.
+    // Unit vector in tube space, from the point to the origin of its light.
     direction: vec3f,
 }
 
 @group(0) @binding(0) var<storage, read> points: array<vec4f>;
-// How many roots each point has.
+// Number of roots of each point.
 @group(0) @binding(1) var<storage, read_write> root_counts: array<u32>;
-// Room for two a segment and one on the extension.
+// Capacity for two per segment and one on the extension.
 @group(0) @binding(2) var<storage, read_write> located: array<LocatedRoot>;
 
 fn report(point: u32, count: u32, root: TubeRoot) {

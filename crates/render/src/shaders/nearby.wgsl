@@ -1,11 +1,11 @@
-// The last piece of light's way to a surface, followed through the scene itself. A shadow map cannot tell a caster from
-// its receiver where both lie within its tolerance, and where light grazes that is long. Follows surface.wgsl,
+// Traces the last piece of the light path to a surface through the scene. A shadow map cannot separate a caster from
+// its receiver if both are within its tolerance, which is long where light grazes. Follows surface.wgsl,
 // alpha_test.wgsl, links.wgsl or no_links.wgsl, and subgroups.wgsl or no_subgroups.wgsl.
 
-// Depth first. Of a node that is passed by, the next to look at is `next`; of others it is the following one.
+// Depth-first order. After a skipped node comes `next`, after any other the following one.
 struct HierarchyNode {
     min: vec3f,
-    // Of a leaf: how many triangles it has, from `next` on in `hierarchy_triangles`. Zero: the node has children.
+    // Number of triangles of a leaf, from `next` on in `hierarchy_triangles`. Zero: the node has children.
     triangle_count: u32,
     max: vec3f,
     next: u32,
@@ -13,21 +13,21 @@ struct HierarchyNode {
 
 @group(0) @binding(5) var<storage, read> hierarchy: array<HierarchyNode>;
 @group(0) @binding(6) var<storage, read> hierarchy_triangles: array<u32>;
-// Where no triangle has an alpha test, one that begins past the last.
+// Contains one test that begins past the last triangle if no triangle has an alpha test.
 @group(0) @binding(7) var<storage, read> alpha_tests: array<AlphaTest>;
 @group(0) @binding(8) var<storage, read> alpha_texels: array<u32>;
 
-// What f32 makes of positions of this size.
+// Rounding error in f32 of positions of this size.
 fn rounding(position: vec3f) -> f32 {
     return 0x1p-21 * max(max(abs(position.x), abs(position.y)), abs(position.z));
 }
 
-// Where light has to arrive for the surface to be lit.
+// Position of the shadow test.
 fn shadow_position(surface: Surface) -> vec3f {
     return surface.position + surface.terminator_offset * surface.normal;
 }
 
-// Whether light that comes along `arriving`, a unit vector towards it, passes through the surface's own triangle from
+// True if light from the direction `arriving`, a unit vector towards it, passes through the surface's own triangle from
 // behind.
 fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     let facing = dot(surface.geometric_normal, arriving);
@@ -42,7 +42,7 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     return met;
 }
 
-// Whether a triangle with an alpha test has a hole at a point.
+// True if an alpha-tested triangle has a hole at a point.
 fn has_hole(triangle: u32, weights: vec3f) -> bool {
     let test = alpha_tests[test_of(triangle - alpha_tests[0].first_index / 3u)];
     let first = 3u * triangle;
@@ -51,8 +51,8 @@ fn has_hole(triangle: u32, weights: vec3f) -> bool {
     return test.factor * here.z * texel_alpha(picture_of(test), here.xy) < test.cutoff;
 }
 
-// Whether light that was at `there` just before it arrives in front of the surface came through the surface's own triangle, as
-// only light that bends may.
+// True if light that was at `there` just before it arrives in front of the surface came through the surface's own
+// triangle, as only bent light may.
 fn is_behind_its_own(surface: Surface, there: vec3f) -> bool {
     let height = dot(surface.geometric_normal, there - surface.position);
     let is_behind = height < -(rounding(there) + 0x1p-21 * surface.depth) && throws_shadow(surface.triangle);
@@ -64,9 +64,9 @@ fn is_behind_its_own(surface: Surface, there: vec3f) -> bool {
     return came_through;
 }
 
-// Whether no point of a segment lies within `slack` of a node's box, by axes that may part the two: those of the box, and
-// what is square to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment is `middle`
-// plus up to once `half` either way.
+// True if a segment stays farther than `slack` from a node's box, by separating axes: those of the box, and those
+// perpendicular to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment extends
+// from `middle` by `half` in both directions.
 fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> bool {
     let between = 0.5 * (node.min + node.max) - middle;
     let box_half = (0.5 + 0x1p-21) * (node.max - node.min) + slack;
@@ -78,13 +78,13 @@ fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> boo
 // No triangle's index.
 const NONE = 0xffffffffu;
 
-// Whether a triangle lies between `start` and `start + way`, and is there: another than `own`, and none that starts within the
-// rounding of a surface so far from the viewer.
+// True if an existing triangle lies between `start` and `start + way`, other than `own`, and outside the rounding of a
+// surface at distance `depth` from the viewer.
 fn is_met(start: vec3f, way: vec3f, own: u32, depth: f32) -> bool {
     let end_point = start + way;
     let slack = rounding(start) + 0x1p-21 * depth;
     let room = slack + rounding(end_point);
-    // The bound, not a branch: a group of pixels with no way to go leaves at once on a software driver.
+    // The bound, not a branch, lets a group of pixels without a path finish at once on a software driver.
     let end = select(0u, arrayLength(&hierarchy), any(way != vec3f(0.0)));
     let first_tested = alpha_tests[0].first_index / 3u;
     var met = false;

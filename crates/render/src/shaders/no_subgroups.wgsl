@@ -1,4 +1,4 @@
-// Pixels by themselves.
+// Replaces subgroups.wgsl: each pixel by itself.
 
 fn any_in_subgroup(here: bool) -> bool {
     return here;

@@ -1,16 +1,16 @@
-// Straight rays from a point to all sides, as `light` has them in omni.rs: an omni light and where a point lies in it.
-// Follows profile.wgsl. Light space: source at the origin.
+// Straight rays from a point in all directions: an omni light and the coordinates of a point in it; twin of `light`'s
+// omni.rs. Follows profile.wgsl. Light space: source at the origin.
 
 struct Omni {
     light_from_scene: mat4x4f,
     light_profile: LightProfile,
-    // Distance at which the light ends; 0 never.
+    // Distance at which the light ends; 0 for none.
     range: f32,
     // Near plane of the shadow map's faces.
     shadow_near: f32,
-    // How far what casts shadows may stray from the surface.
+    // Largest distance of casters from the surface.
     mesh_error: f32,
-    // Middle and 1 / half size of what is drawn of each face, as slopes.
+    // Center and 1 / half size of the drawn part of each face, as slopes.
     fits: array<vec4f, 6>,
 }
 
@@ -21,7 +21,7 @@ struct Located {
     place: LightCoords,
 }
 
-// Where a position in the scene lies.
+// Coordinates of a scene position in the light.
 fn locate(scene_position: vec3f) -> Located {
     let position = (omni.light_from_scene * vec4f(scene_position, 1.0)).xyz;
     let s = length(position);
@@ -33,7 +33,7 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(t, on_cube(position), s, -(position / s) * scene_axes()));
 }
 
-// How far to the left and how far up on the face of a cube, seen from within, the ray along `way` meets it.
+// Coordinates, left and up, of the ray along `way` on the face of a cube seen from within.
 fn on_cube(way: vec3f) -> vec2f {
     let size = abs(way);
     let is_y = size.y > max(size.x, size.z);
@@ -44,7 +44,7 @@ fn on_cube(way: vec3f) -> vec2f {
     return select(select(on_z, on_x, is_x), on_y, is_y);
 }
 
-// Light axes from the scene's.
+// Rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     return mat3x3f(omni.light_from_scene[0].xyz, omni.light_from_scene[1].xyz, omni.light_from_scene[2].xyz);
 }

@@ -1,18 +1,18 @@
-// Parallel rays from infinitely far away, as `light` has them in parallel.rs: a directional light and where a point lies
-// in it. Follows profile.wgsl. Light space: the light's axes about the scene's origin; light travels along -z.
+// Parallel rays from infinity: a directional light and the coordinates of a point in it; twin of `light`'s parallel.rs.
+// Follows profile.wgsl. Light space: the light's axes around the scene's origin; light travels along -z.
 
 struct Directional {
     light_from_scene: mat4x4f,
-    // The place across the window is (-x, y) times the first two plus the others: 0 where it has no end.
+    // Coordinates in the window are (-x, y) times the first two plus the others: 0 along an unbounded axis.
     window: vec4f,
-    // Middle and 1 / half size of what the shadow map shows.
+    // Center and 1 / half size of the shadow map.
     fit: vec4f,
     light_profile: LightProfile,
-    // The z that has the map's depth 0: none of the scene is below.
+    // The z of map depth 0: all of the scene is above it.
     bottom: f32,
-    // The map's depth a world unit along z.
+    // Map depth per world unit along z.
     depth_scale: f32,
-    // How far what casts shadows may stray from the surface.
+    // Largest distance of casters from the surface.
     mesh_error: f32,
 }
 
@@ -23,7 +23,7 @@ struct Located {
     place: LightCoords,
 }
 
-// Where a position in the scene lies.
+// Coordinates of a scene position in the light.
 fn locate(scene_position: vec3f) -> Located {
     let across = (scene_axes() * scene_position).xy * vec2f(-1.0, 1.0);
     let vw = across * directional.window.xy + directional.window.zw;
@@ -33,12 +33,12 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(0.0, vw, 0.0, direction()));
 }
 
-// Unit vector to where all of the light comes from.
+// Unit vector to the origin of all of the light.
 fn direction() -> vec3f {
     return vec3f(0.0, 0.0, 1.0) * scene_axes();
 }
 
-// Light axes from the scene's.
+// Rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     let columns = directional.light_from_scene;
     return mat3x3f(columns[0].xyz, columns[1].xyz, columns[2].xyz);

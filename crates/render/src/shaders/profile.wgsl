@@ -1,44 +1,45 @@
-// What becomes of light on its way, as `light` has it in filter/: functions of the place alone, for lights of every
-// shape. Constants that come before this file:
-//   PROFILE       u32   by which curve it falls off across
-//   SUPERELLIPSE  bool  whether its outline is one, or a circle
-//   RADIAL        bool  whether its edge lies farther out to one side than to another
-//   CUT           bool  whether it begins or ends somewhere along its way
+// Falloff of light along its path; twin of `light`'s profile/. Functions of the coordinates alone, for lights of every
+// shape. Constants precede this file:
+//   PROFILE       u32   curve of the falloff across the light
+//   SUPERELLIPSE  bool  the outline is a superellipse, else a circle
+//   RADIAL        bool  the edge is farther out on one side than on another
+//   CUT           bool  the light begins or ends somewhere along its path
 
-// Where a point lies in a light, whatever its shape.
+// Coordinates of a point in a light of any shape.
 struct LightCoords {
     t: f32,
     // Across the light, in radii.
     vw: vec2f,
-    // Length of the way from the source, in world units; 0 where nothing depends on it.
+    // Length of the path from the source, in world units; 0 if nothing depends on it.
     s: f32,
-    // Unit vector from the point to where its light comes from.
+    // Unit vector from the point to the origin of its light.
     direction: vec3f,
 }
 
 struct LightProfile {
-    // Factor of all that the light emits.
+    // Factor of all emission.
     tint: vec3f,
     // Light falls off no further nearer to its source.
     least_distance: f32,
     // Irradiance falls as 1 / (x + y s + z s^2).
     decay: vec3f,
-    // The profile: see light::Profile.
+    // The profile: see light::CrossFalloff.
     profile_power: f32,
-    // What reaches what is in its shadow.
+    // Share of the light that arrives in shadow.
     shadow_color: vec3f,
     tan2_outer: f32,
-    // Factors of what surfaces scatter and mirror.
+    // Factors of scattered and mirrored light.
     lobes: vec2f,
     edge: f32,
     inverse_span: f32,
-    // The cut: see light::Cut.
+    // Cut-on and cut-off: see light::DistanceRamps.
     cut_starts: vec2f,
     cut_inverse_widths: vec2f,
-    // The section: see light::Section.
+    // The outline: see light::SectionOutline.
     section_scale: vec2f,
     section_power: f32,
-    // Where its edge lies around it: degrees, shares at both ends of a piece, 1 over its length. See light::Piece.
+    // Position of the edge around the light: degrees, shares at both ends of a piece, 1 over its length. See
+    // light::LinearPiece.
     radial: array<vec4f, RADIAL_PIECES>,
 }
 
@@ -52,21 +53,22 @@ const PROFILE_COSINE = 3u;
 // Largest emission that stays finite through decay and the BRDF.
 const MAX_EMISSION = 1e15;
 
-// Largest factor of decay that stays finite through the BRDF: the source itself has none that is finite.
+// Largest factor of decay that stays finite through the BRDF; the factor at the source is infinite.
 const MAX_DECAY = 1e15;
 
-// Irradiance on a surface square to the light, without visibility and `tint`. What is emitted is held to what stays finite.
+// Irradiance on a surface perpendicular to the light, without visibility and `tint`. Emission is limited to finite
+// results.
 fn irradiance(f: LightProfile, emission: vec3f, place: LightCoords) -> vec3f {
     let along = distance_ramps_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
     return min(emission, vec3f(MAX_EMISSION)) * (across(f, place.vw) * along);
 }
 
-// The share of the light that arrives where `visibility` of it is not in the way of anything.
+// Share of the light that arrives with that `visibility`.
 fn light_profile_arriving(f: LightProfile, visibility: f32) -> vec3f {
     return mix(f.shadow_color, vec3f(1.0), visibility);
 }
 
-// What becomes of light across: nothing is left outside of an outline that the light does not end at by itself.
+// Falloff across the light: zero outside of an outline at which the light does not end by itself.
 fn across(f: LightProfile, vw: vec2f) -> f32 {
     let share = edge_outline_share(f, vw);
     let rho2 = section_outline_rho2(f, vw) / (share * share);
@@ -74,7 +76,7 @@ fn across(f: LightProfile, vw: vec2f) -> f32 {
     return select(cross_falloff_at(f, rho2), 0.0, is_outside);
 }
 
-// The square of how far out a place lies, 1 on the outline.
+// Square of the distance from the axis, 1 on the outline.
 fn section_outline_rho2(f: LightProfile, vw: vec2f) -> f32 {
     if !SUPERELLIPSE {
         return dot(vw, vw);
@@ -86,7 +88,7 @@ fn section_outline_rho2(f: LightProfile, vw: vec2f) -> f32 {
     return rho * rho;
 }
 
-// The share of its way out at which the light has its edge, in the direction of `vw`.
+// Share of the distance to the outline at which the light has its edge, in the direction of `vw`.
 fn edge_outline_share(f: LightProfile, vw: vec2f) -> f32 {
     if !RADIAL {
         return 1.0;
@@ -101,8 +103,9 @@ fn edge_outline_share(f: LightProfile, vw: vec2f) -> f32 {
     return share;
 }
 
-// Degrees from V, the left as seen along the light, towards W, its top: 0 to 360. An arc tangent of a GPU's own may be off by 4096 ulp; this one, the polynomial in
-// z = x^2 that has the least largest relative error from 0 to 1, by 2e-8 and its roundings.
+// Degrees from V, the left seen along the light, towards W, its top: 0 to 360. A GPU's own arc tangent may be wrong by
+// 4096 ulp. This one, the polynomial in z = x^2 with the least largest relative error from 0 to 1, is wrong by 2e-8 and
+// its roundings.
 fn angle_around(vw: vec2f) -> f32 {
     let extents = abs(vw);
     let x = min(extents.x, extents.y) / max(max(extents.x, extents.y), 1e-37);
@@ -122,7 +125,8 @@ fn angle_around(vw: vec2f) -> f32 {
     return select(degrees_around, 360.0 - degrees_around, vw.y < 0.0);
 }
 
-// In the cosine of the angle that rho = |(v, w)| stands for, by 1 - cos as a share of that at the edge; or in rho itself.
+// Falloff in the cosine of the angle that rho = |(v, w)| stands for, from 1 - cos as a share of that at the edge; or in
+// rho itself.
 fn cross_falloff_at(f: LightProfile, rho2: f32) -> f32 {
     if PROFILE == PROFILE_COSINE {
         return pow(1.0 + rho2 * f.tan2_outer, -0.5 * f.profile_power);

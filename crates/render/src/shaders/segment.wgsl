@@ -1,4 +1,4 @@
-// A curve and what it carries, as `light` has it in segment.rs. Follows curve.wgsl and emission.wgsl.
+// A curve with its color and intensity; twin of `light`'s segment.rs. Follows curve.wgsl and emission.wgsl.
 
 struct Segment {
     curve: Curve,
@@ -11,7 +11,7 @@ struct Segment {
     arc_start: f32,
 }
 
-// What leaves the light at u: colour times intensity.
+// Emission at u: color times intensity.
 fn segment_emission(s: Segment, u: f32) -> vec3f {
     let w = 1.0 - u;
     let basis = vec3f(w * w, 2.0 * w * u, u * u);

@@ -1,4 +1,4 @@
-// Depth of the scene as a light sees it, by ordinary rasterisation. Reversed z, no far plane.
+// Depth of the scene from the light, by ordinary rasterization. Reversed z, no far plane.
 
 struct ShadowView {
     clip_from_scene: mat4x4f,

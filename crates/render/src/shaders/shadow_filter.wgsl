@@ -1,11 +1,10 @@
-// Percentage-closer filter: each texel is compared by itself, and the answers are blended. The constant comes before
-// this file:
+// Percentage-closer filter: compares each texel by itself, and blends the results. A constant precedes this file:
 //   SHADOW_FILTER  u32  one of the FILTER_ constants
-// Each kind of light brings, for its own map:
-//   struct Receiver      with its place `texel`, counted from the centre of the first one
+// Each shape of light provides, for its own map:
+//   struct Receiver      with its position `texel`, relative to the center of the first texel
 //   fn lit_texels(receiver: Receiver, corner: vec2f) -> mat2x4f
-//                        which of the four texels from `corner` on let the light through, in the order of textureGather:
-//                        by all that the map can tell, and if what is near to the receiver is left to the scene
+//                        flags of the four texels from `corner` on that let the light through, in the order of
+//                        textureGather: by the map's error alone, and if the scene decides on near casters
 
 const FILTER_NEAREST = 0u;
 const FILTER_BILINEAR = 1u;
@@ -16,15 +15,15 @@ fn filter_blend(blend: vec2f) -> vec2f {
     return select(blend, round(blend), SHADOW_FILTER == FILTER_NEAREST);
 }
 
-// Which of the four texels from `first` on lie beyond a map of so many texels, in the order of textureGather. Nothing throws
-// shadows there: maps are fitted to what does, and floors and walls that they are not fitted to are drawn up to the border.
+// Flags of the four texels from `first` on that are beyond the map, in the order of textureGather. There are no casters
+// there: maps are fitted to them, and floors and walls outside the fit are drawn up to the border.
 fn beyond_map(first: vec2f, resolution: vec2f) -> vec4<bool> {
     let columns = first.x + vec4f(0.0, 1.0, 1.0, 0.0);
     let rows = first.y + vec4f(1.0, 1.0, 0.0, 0.0);
     return (min(columns, rows) < vec4f(0.0)) | (columns >= vec4f(resolution.x)) | (rows >= vec4f(resolution.y));
 }
 
-// Sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit where all are lit.
+// Sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit if all are lit.
 fn weighted(lit: vec4f, columns: vec2f, rows: vec2f) -> f32 {
     return dot(rows, vec2f(dot(columns, lit.wz), dot(columns, lit.xy)));
 }
@@ -33,7 +32,7 @@ fn weighted_both(lit: mat2x4f, columns: vec2f, rows: vec2f) -> vec2f {
     return vec2f(weighted(lit[0], columns, rows), weighted(lit[1], columns, rows));
 }
 
-// Shares of the light that the filter lets through, both ways of `lit_texels`.
+// Shares of the light that the filter lets through, by both results of `lit_texels`.
 fn filtered(receiver: Receiver) -> vec2f {
     let first = floor(receiver.texel);
     let blend = filter_blend(receiver.texel - first);
@@ -50,8 +49,8 @@ fn filtered(receiver: Receiver) -> vec2f {
     return weighted_both(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
 }
 
-// Whether the scene is to tell of what is near, and the map of the rest, given both shares of `filtered`: where light grazes
-// and the texels around do not all let it through.
+// True if the scene must decide on near casters, and the map on the rest, given both shares of `filtered`: where light
+// grazes and the texels around do not all let it through.
 fn asks_scene(shares: vec2f, grazes: bool) -> bool {
     return grazes && shares.x < 1.0 && shares.y > 0.0;
 }
@@ -61,7 +60,7 @@ fn decided(shares: vec2f, asks: bool, is_blocked: bool) -> f32 {
     return select(shares.x, select(shares.y, 0.0, is_blocked), asks);
 }
 
-// The same where the last piece of light's way, reversed, is the straight `way`.
+// Share of the light that reaches the surface, if the last piece of the light path, reversed, is the straight `way`.
 fn decided_along(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
     let asks = asks_scene(shares, grazes);
     let asked_way = select(vec3f(0.0), way, asks);

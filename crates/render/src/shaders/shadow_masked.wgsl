@@ -1,4 +1,4 @@
-// Casters with holes: the same alpha test as in the G-buffer.
+// Alpha-tested casters, with the alpha test of the G-buffer.
 
 struct MaskedVaryings {
     @builtin(position) clip: vec4f,

@@ -57,7 +57,8 @@ fn polish(c: Curve, q: vec3f, u: f32, low: f32, high: f32) -> f32 {
     let n = dot(r, d);
     let slope = 2.0 * dot(d, d) - dot(r, c.a);
     var step = 0.0;
-    // So short that the slope changes by less than half: near a cusp both n and the slope may be rounding noise.
+    // Limited to steps over which the slope changes by less than half: near a cusp both n and the slope may be rounding
+    // noise.
     let half_curvature = 3.0 * dot(c.a, d);
     if abs(n) <= slope * 0.015625 && abs(n * half_curvature) <= 0.25 * slope * slope && slope > 0.0 {
         step = n / slope;
@@ -72,7 +73,7 @@ struct Roots {
     has_right: bool,
 }
 
-// The value that a piece's split point has: the caller's at an end, the cubic's inside.
+// Value at a piece's split point: the caller's at an end, the cubic's inside.
 fn at_split(u: f32, start: f32, end: f32, inside: f32) -> f32 {
     return select(select(inside, end, u == 1.0), start, u == 0.0);
 }
@@ -107,14 +108,14 @@ fn increasing_roots(c: Curve, q: vec3f, f0: f32, f1: f32) -> Roots {
         ch = cl;
     }
 
-    // From the geometry: near P' = 0 the roots lie so close together that the rounding of the coefficients is
-    // larger than all of f between them.
+    // Computed from the geometry: near P' = 0 the roots are so close together that the rounding of the coefficients
+    // exceeds all values of f between them.
     let fl = at_split(cl, f0, f1, f_at(c, q, cl));
     let fh = at_split(ch, f0, f1, min(f_at(c, q, ch), fl));
     let sl = at_split(cl, e0, e1, fl);
     let sh = at_split(ch, e0, e1, fh);
 
-    // A piece without length counts only where f rises.
+    // A piece without length counts only if f rises there.
     var roots = Roots(0.0, 0.0, false, false);
     if e0 <= 0.0 && 0.0 <= sl && (cl > 0.0 || cubic_slope(cubic, cl) >= 0.0) {
         let g = max(cubic_slope(cubic, cl), 0.0);

@@ -1,4 +1,4 @@
-// Whether something holds for some pixel of those that are drawn together; no_subgroups.wgsl is for devices that cannot say.
+// True if the condition holds for some pixel of the subgroup; no_subgroups.wgsl is for devices without subgroups.
 
 fn any_in_subgroup(here: bool) -> bool {
     return subgroupAny(here);

@@ -1,9 +1,9 @@
-// The surface that a pixel sees, rebuilt from the G-buffer. Every lighting pass starts here.
+// The surface of a pixel, rebuilt from the G-buffer. Every lighting pass starts here.
 
 struct Surface {
     // False in the background; the rest is then 0.
     exists: bool,
-    // Scene space.
+    // In scene space.
     position: vec3f,
     // Distance along the view axis.
     depth: f32,
@@ -11,7 +11,7 @@ struct Surface {
     geometric_normal: vec3f,
     // Unit shading normal.
     normal: vec3f,
-    // Its shadow is looked for so far along `normal`: see gbuffer.wgsl.
+    // Distance of the shadow test along `normal`: see gbuffer.wgsl.
     terminator_offset: f32,
     // Index in `planes`.
     triangle: u32,

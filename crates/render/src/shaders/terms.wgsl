@@ -1,10 +1,11 @@
-// Layers with factors, or sums of some, added up in their order. Follows encoding.wgsl.
+// Sums layers with factors, or sums of layers, in order. Follows encoding.wgsl.
 //
-// A texel of a layer is what a light scatters, and what it mirrors, each as radiance_to_bits has it. Radiance far apart can
-// lie in one place, and either may count for nothing: so each has an exponent of its own. One of a sum is radiance.
+// A texel of a layer is a light's scattered and its mirrored radiance, each encoded by radiance_to_bits. The two may
+// differ by orders of magnitude at one point, and either may have a factor of zero, so each has an exponent of its own.
+// A texel of a sum is radiance.
 //
-// A constant comes before this:
-//   OF_SUMS  bool  whether all terms are sums
+// A constant precedes this file:
+//   OF_SUMS  bool  all terms are sums
 
 const TERMS = 8u;
 
@@ -32,7 +33,7 @@ fn weighed(term: u32, lobes: vec4u) -> vec3f {
     return terms.diffuse[term].rgb * radiance_from_bits(lobes.xy) + terms.specular[term].rgb * radiance_from_bits(lobes.zw);
 }
 
-// Of the first `count`, which hangs on the pixel too: see branches.rs.
+// Sum of the first `count` terms. `count` depends on the pixel, too: see branches.rs.
 fn sum_at(pixel: vec2u, count: u32) -> vec3f {
     var total = vec3f(0.0);
     if count > 0u { total += weighed(0u, textureLoad(term_0, pixel, 0)); }

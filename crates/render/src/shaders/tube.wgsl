@@ -1,6 +1,6 @@
-// A BendyLight and where a point lies in it, as `light` has it in tube.rs. Follows curve.wgsl, frame.wgsl, solve.wgsl,
-// arc.wgsl, segment.wgsl and profile.wgsl.
-// Positions `q` are in tube space; the caller goes there with a matrix composed in f64.
+// A BendyLight and the coordinates of a point in it; twin of `light`'s tube.rs. Follows curve.wgsl, frame.wgsl,
+// solve.wgsl, arc.wgsl, segment.wgsl and profile.wgsl. Positions `q` are in tube space; the caller transforms them with
+// a matrix composed in f64.
 
 struct BendyLight {
     // Columns; the translation is in the last one.
@@ -8,21 +8,21 @@ struct BendyLight {
     // Rotation only.
     world_from_tube: mat3x3f,
     up: vec3f,
-    // Number of quadratic segments; one more follows where the light is extended.
+    // Number of quadratic segments; one more follows if the light is extended.
     segment_count: u32,
     world_per_tube: f32,
-    // The shadow map's depth is (t - map_t_base) / map_t_span; nothing casts shadows beyond map_t_last.
+    // The shadow map's depth is (t - map_t_base) / map_t_span; there are no casters beyond map_t_last.
     map_t_base: f32,
     map_t_span: f32,
     map_t_last: f32,
-    // Radius over the depth of the map's cube; 1 where the map is even in v and w.
+    // Radius divided by the depth of the map's cube; 1 if the map is uniform in v and w.
     slope: f32,
     // Texels a side of each face.
     shadow_resolution: f32,
     shadow_tolerance_texels: f32,
-    // How far what casts shadows may stray from the surface, in tube space.
+    // Largest distance of casters from the surface, in tube space.
     mesh_error: f32,
-    // These segments are a part of the light: its own t is t_start + t_span t.
+    // These segments are a part of the light, whose own t is t_start + t_span t.
     t_start: f32,
     t_span: f32,
     light_profile: LightProfile,
@@ -30,28 +30,26 @@ struct BendyLight {
     fits: array<vec4f, 5>,
 }
 
-// What does not change while a light is bent is compiled into the shader: a software driver runs both sides
-// of a branch, and gathers from an index that it does not know. What does change decides no branch and ends
-// no loop by itself: that driver would compile the shader anew for each value. The constants come before this
-// file:
-//   BAKED_SEGMENTS  u32   segments to visit in straight code, the extension not counted; 0 for as many as the
-// light has, in a loop
-//   EXTENDED        bool  the light goes on past its last control point
-//   FRAME_UP        bool  the frame is oriented by `up`, else rotation-minimising
+// Values that do not change while a light is bent are compiled into the shader: a software driver runs both sides of a
+// branch, and gathers from an index that it does not know. Values that change decide no branch and end no loop by
+// themselves: that driver would compile the shader again for each value. The constants precede this file:
+//   BAKED_SEGMENTS  u32   segments to visit without a loop, the extension not counted; 0 to loop over all of them
+//   EXTENDED        bool  the light continues past its last control point
+//   FRAME_UP        bool  the frame is oriented by `up`, else rotation-minimizing
 //   DIRECTION_PATH  bool  light arrives along the path, else along the tube
-//   PATH_LENGTH     bool  the light falls off with the length of its way
+//   PATH_LENGTH     bool  the light falls off with the length of its path
 
 @group(2) @binding(0) var<uniform> light: BendyLight;
-// Uniform rather than storage: far faster on a software driver, and light::MAX_SEGMENTS and the extension fit
-// into the size that all have.
+// A uniform, not storage: far faster on a software driver, and light::MAX_SEGMENTS and the extension fit into the size
+// that all devices have.
 @group(2) @binding(1) var<uniform> segments: array<Segment, 257>;
 
 const JOINT_MERGE = 1e-5;
 const DIRECTION_FLOOR = 1e-18;
-// Further than any point that is asked for.
+// Farther than any point that is evaluated.
 const FAR = 1e30;
 
-// A root that lies in the tube, before its frame is known: what a search for the nearest compares.
+// A root inside the tube, before its frame is known, for the search of the nearest.
 struct RootInTube {
     found: bool,
     segment: u32,
@@ -77,9 +75,9 @@ struct TubeRoot {
     radius_derivative: f32,
     // Half the radius's second derivative.
     ar: f32,
-    // Colour times intensity.
+    // Color times intensity.
     emission: vec3f,
-    // Length of the way from the source, in world units; 0 where nothing asks for it.
+    // Length of the path from the source, in world units; 0 if nothing needs it.
     s: f32,
 }
 
@@ -87,7 +85,7 @@ fn tube_root_t(root: TubeRoot) -> f32 {
     return f32(root.segment) + root.u;
 }
 
-// The root at `u` of segment `i`, found where it lies in the tube: |r| <= R.
+// The root at `u` of segment `i`; `found` is true if it is in the tube: |r| <= R.
 fn inside_at(i: u32, q: vec3f, u: f32) -> RootInTube {
     let r = curve_offset(segments[i].curve, q, u);
     let radius = curve_radius(segments[i].curve, u);
@@ -95,8 +93,7 @@ fn inside_at(i: u32, q: vec3f, u: f32) -> RootInTube {
     return RootInTube(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
 }
 
-// Segment `i`, picked from all where their number is known: a software driver gathers one number after the
-// other.
+// Segment `i`, selected among all if their number is compiled in: a software driver gathers one number after another.
 fn segment_at(i: u32) -> Segment {
     if BAKED_SEGMENTS == 0u {
         return segments[i];
@@ -111,13 +108,13 @@ fn segment_at(i: u32) -> Segment {
     return s;
 }
 
-// Length of the way to a root, from the arc length along the curve and the offset from it.
+// Length of the light path to a root, from the arc length along the curve and the offset from it.
 fn path_length(s: Segment, u: f32, r: vec3f) -> f32 {
     let along = s.arc_start + arc_length(s.curve, u);
     return length(vec4f(along, r)) * light.world_per_tube;
 }
 
-// All that is known at a root.
+// All values at a root.
 fn root_at(inside: RootInTube, q: vec3f) -> TubeRoot {
     let s = segment_at(inside.segment);
     let c = s.curve;
@@ -142,8 +139,7 @@ fn root_at(inside: RootInTube, q: vec3f) -> TubeRoot {
     return root;
 }
 
-// f at the start of the first segment; the loop over segments carries f from joint to joint, one value for
-// both sides.
+// f at the start of the first segment. The loop over segments carries f from joint to joint, one value for both sides.
 fn first_joint(q: vec3f) -> f32 {
     return -dot(q - segments[0].curve.b0, segments[0].curve.d0);
 }
@@ -152,8 +148,7 @@ fn end_joint(i: u32, q: vec3f) -> f32 {
     return -dot(q - segments[i].curve.b2, segments[i].curve.d1);
 }
 
-// The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has one
-// without end.
+// The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has no end.
 fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     let c = segments[i].curve;
     if EXTENDED && i == segment_count() {
@@ -166,19 +161,19 @@ fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     return Roots(0.0, 0.0, false, false);
 }
 
-// Whether `a` has the smaller |r| / R, asked without dividing.
+// True if `a` has the smaller |r| / R, compared without division.
 fn nearer(a: RootInTube, b: RootInTube) -> bool {
     return a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius;
 }
 
-// Segments without the extension.
+// Number of segments without the extension.
 fn segment_count() -> u32 {
     return select(BAKED_SEGMENTS, light.segment_count, BAKED_SEGMENTS == 0u);
 }
 
 struct Search {
     best: RootInTube,
-    // f at the joint that comes next.
+    // f at the next joint.
     f0: f32,
 }
 
@@ -201,8 +196,8 @@ fn visit_segment(search: ptr<function, Search>, i: u32, q: vec3f) {
     (*search).f0 = f1;
 }
 
-// The place that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides,
-// equal but for rounding; either will do.
+// The root that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides, equal except
+// for rounding; either will do.
 fn nearest_inside(q: vec3f) -> RootInTube {
     var search = Search(RootInTube(), first_joint(q));
     if BAKED_SEGMENTS == 0u {
@@ -238,7 +233,7 @@ fn u_hat_derivative(root: TubeRoot) -> vec3f {
     return curve_u_hat_derivative(root.d, root.a, root.u_hat);
 }
 
-// Unit direction in tube space from the surface to where its light comes from.
+// Unit direction in tube space from the surface to the origin of its light.
 fn direction_at(root: TubeRoot) -> vec3f {
     let spread = root.r * root.radius_derivative;
     var tangent = root.d * (2.0 * root.radius) + spread;
@@ -254,7 +249,7 @@ fn direction_at(root: TubeRoot) -> vec3f {
     return -tangent / len;
 }
 
-// The place of a root, its direction in world axes.
+// Coordinates of a root, with its direction in world axes.
 fn place_at(root: TubeRoot) -> LightCoords {
     let vw = root.vw_len / select(1.0, root.radius, root.radius > 0.0);
     let t = light.t_start + light.t_span * tube_root_t(root);

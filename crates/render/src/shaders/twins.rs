@@ -1,12 +1,12 @@
-//! What is written in Rust and in WGSL has one name: where a light is followed in f32, each function and struct of a shader is
-//! one of `light`'s, in the file of the same name.
+//! The same function or struct has the same name in Rust and in WGSL. Shaders that evaluate a light in f32 mirror the
+//! file of the same name in `light`.
 //!
-//! A method `offset` of `Curve` is `curve_offset` in WGSL; those of `Tube`, `Cone`, `Omni` or `Parallel`, the one light that
-//! a shader has, go by their own names.
+//! A method `offset` of `Curve` is `curve_offset` in WGSL. Methods of `Tube`, `Cone`, `Omni` or `Parallel`, the one
+//! light of a shader, have no prefix.
 
 use std::collections::BTreeSet;
 
-/// Rust and WGSL of the same name, and what only WGSL has: loops and closures spelled out.
+/// Rust and WGSL files of the same name, and functions that only WGSL has: spelled-out loops and closures.
 const TWINS: [(&str, &str, &[&str]); 11] = [
     (include_str!("../../../light/src/curve.rs"), include_str!("curve.wgsl"), &[]),
     (include_str!("../../../light/src/frame.rs"), include_str!("frame.wgsl"), &["cross_section"]),
@@ -35,12 +35,12 @@ const TWINS: [(&str, &str, &[&str]); 11] = [
     ),
 ];
 
-/// Where else structs of those shaders are in Rust.
+/// Another Rust file with structs of those shaders.
 const PLACE: &str = include_str!("../../../light/src/light_coords.rs");
-/// Structs that only WGSL has: lights as uniforms, and what Rust returns as an option or keeps in a closure.
+/// Structs that only WGSL has: lights as uniforms, and values that Rust returns as an option or keeps in a closure.
 const STRUCTS_OF_WGSL: [&str; 5] = ["BendyLight", "Directional", "Spot", "Located", "Search"];
 
-/// What a method's name begins with in WGSL, by the type that it is of.
+/// Prefix of a method's name in WGSL, by its type.
 fn prefix(type_name: &str) -> String {
     if ["Tube", "Cone", "Omni", "Parallel"].contains(&type_name) {
         return String::new();
@@ -52,7 +52,7 @@ fn prefix(type_name: &str) -> String {
     words.collect::<String>() + "_"
 }
 
-/// The functions of a Rust file, as WGSL would call them.
+/// Functions of a Rust file by their WGSL names.
 fn rust_functions(rust: &str) -> BTreeSet<String> {
     let mut of = String::new();
     let mut found = BTreeSet::new();
@@ -78,7 +78,7 @@ fn wgsl_functions(wgsl: &str) -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// Names of structs, and in Rust of types.
+/// Names of structs, and in Rust also of type aliases.
 fn structs(source: &str) -> BTreeSet<&str> {
     source
         .lines()
@@ -89,7 +89,7 @@ fn structs(source: &str) -> BTreeSet<&str> {
         .collect()
 }
 
-/// WGSL's functions without a twin, but for those that are known to have none.
+/// WGSL functions without a Rust twin, except the `known` ones.
 fn alone(rust: &str, wgsl: &str, known: &[&str]) -> Vec<String> {
     let rust = rust_functions(rust);
     let mut alone: Vec<_> = wgsl_functions(wgsl).into_iter().filter(|name| !rust.contains(name)).collect();
@@ -104,7 +104,7 @@ fn functions_have_one_name_in_rust_and_in_wgsl() {
         assert!(wgsl_functions(wgsl).len() > known.len());
         assert!(known.iter().all(|name| wgsl_functions(wgsl).contains(*name)));
     }
-    // The planted faults: another name, and a method that names another type.
+    // Planted faults: another name, and a method that names another type.
     let rust = "impl<F: Lanes> TubeBox<F> {\n    pub fn contains(&self) {}\n}\npub fn arc_length() {}\n";
     assert!(alone(rust, "fn tube_box_contains() {}\nfn arc_length() {}", &[]).is_empty());
     assert_eq!(alone(rust, "fn length() {}\nfn curve_contains() {}", &[]), ["curve_contains", "length"]);
@@ -118,7 +118,7 @@ fn structs_have_one_name_in_rust_and_in_wgsl() {
     let mut known = STRUCTS_OF_WGSL.to_vec();
     known.sort_unstable();
     assert_eq!(alone, known);
-    // The planted fault: a name that only one side has.
+    // Planted fault: a name that only one side has.
     assert_eq!(structs("pub struct Curve<F: Real> {\nstruct Piece {\n"), BTreeSet::from(["Curve", "Piece"]));
     assert!(structs("struct Piece {").is_disjoint(&rust));
     assert!(

@@ -1,15 +1,14 @@
-// The camera of the picture. Everything happens in scene space: world axes, origin at the centre of the
-// scene's bounds.
+// The camera of the picture. All positions are in scene space: world axes, origin at the center of the scene's bounds.
 
 struct View {
-    // Reversed z: 1 at the near plane, 0 at the far one. Holds the offset of the sample in its pixel.
+    // Reversed z: 1 at the near plane, 0 at the far one. Includes the offset of the sample in its pixel.
     clip_from_scene: mat4x4f,
     // The sample of pixel (x, y) lies on the ray that starts at ray_origin + x ray_origin_dx + y ray_origin_dy;
     // likewise its direction, which advances one unit along the view axis.
     ray_origin: vec3f,
     sample_weight: f32,
     ray_origin_dx: vec3f,
-    // How much of the scene's fill the beauty has: 0 is none, 1 all of it.
+    // Share of the scene's fill in the beauty: 0 is none, 1 all of it.
     fill_factor: f32,
     ray_origin_dy: vec3f,
     ray_direction: vec3f,
@@ -17,29 +16,29 @@ struct View {
     ray_direction_dy: vec3f,
     // Distance along the view axis = (c.x + c.y z) / (c.z + c.w z).
     depth_from_z: vec4f,
-    // The pixel of the picture that the target's first one is.
+    // Position of the target's first pixel in the picture.
     tile_origin: vec2f,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
-// One a triangle: n.xyz . position = w on it, n of length 1 towards its front, or 0 where it has no area.
+// One per triangle: n.xyz . position = w on it, n of length 1 towards its front, or 0 if its area is 0.
 @group(0) @binding(1) var<storage, read> planes: array<vec4f>;
-// The scene's triangles: three positions' coordinates a vertex, three vertices a triangle, and a vertex's normal, uv
-// and colour.
+// The scene's triangles: three coordinates per vertex, three vertices per triangle, and the normal, uv and color of
+// each vertex.
 @group(0) @binding(2) var<storage, read> positions: array<f32>;
 @group(0) @binding(3) var<storage, read> indices: array<u32>;
 @group(0) @binding(4) var<storage, read> attributes: array<f32>;
 
 const ATTRIBUTES = 9u;
 
-// All that a pixel sees lies on it.
+// Ray through a pixel's sample.
 struct ViewRay {
     origin: vec3f,
-    // As long as one unit along the view axis.
+    // Scaled to one unit along the view axis.
     direction: vec3f,
 }
 
-// `pixel` counts from the corner of the target.
+// `pixel` is relative to the corner of the target.
 fn ray_through(pixel: vec2u) -> ViewRay {
     let at = vec2f(pixel) + view.tile_origin;
     return ViewRay(
@@ -48,8 +47,8 @@ fn ray_through(pixel: vec2u) -> ViewRay {
     );
 }
 
-// Where a ray meets the plane of the triangle that the rasteriser found there at depth `z`: along the view axis. The
-// rasteriser's depth is right to a few thousandths of a percent; it only serves where the plane is seen edge on.
+// Distance along the view axis at which a ray meets the plane of the triangle that was rasterized there at depth `z`.
+// The rasterizer's depth is correct to a few thousandths of a percent; it only serves if the plane is seen edge on.
 fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
     let c = view.depth_from_z;
     let rough = (c.x + c.y * z) / (c.z + c.w * z);
@@ -58,8 +57,8 @@ fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
     return select(clamp(exact, 0.5 * rough, 2.0 * rough), rough, closing == 0.0);
 }
 
-// The z of a depth along the view axis; `z` is the rasteriser's, which stays where a plane is seen so nearly edge on that
-// its depth may be off by more than that.
+// The z of a depth along the view axis. `z` is the rasterizer's. It is returned if the plane is seen so nearly edge on
+// that its depth may have a larger error.
 fn z_at(depth: f32, z: f32) -> f32 {
     let c = view.depth_from_z;
     let rough = (c.x + c.y * z) / (c.z + c.w * z);
@@ -87,8 +86,8 @@ fn corners_of(triangle: u32) -> Corners {
     return Corners(position_of(indices[first]), position_of(indices[first + 1u]), position_of(indices[first + 2u]));
 }
 
-// Weights of the corners at a point of the triangle's plane, one of them below zero outside of it; 0 where the triangle
-// has no area.
+// Weights of the corners at a point of the triangle's plane, one of them negative outside of it; 0 if the triangle has
+// no area.
 fn weights_at(corners: Corners, point: vec3f) -> vec3f {
     let ab = corners.b - corners.a;
     let ac = corners.c - corners.a;

@@ -1,27 +1,27 @@
-// A bent shadow map as a drawing: the triangles that it is made of, with their edges. Their clip position is that of
-// bent_shadow.wgsl on one face, but for the picture's shape.
+// A drawing of a bent shadow map's triangles, with their edges. The clip position is that of bent_shadow.wgsl on one
+// face, except for the picture's aspect ratio.
 
 struct Wireframe {
     // Clip units per unit of v and w: the map's square is as large as the picture's shorter side.
     clip_per_vw: vec2f,
-    // The segments are a part of the light: its own t is t_start + t_span t.
+    // The segments are a part of the light, whose own t is t_start + t_span t.
     t_start: f32,
     t_span: f32,
-    // What is mapped has t from map_t_base on, over map_t_span.
+    // The t of mapped vertices is relative to map_t_base, over map_t_span.
     map_t_base: f32,
     map_t_span: f32,
 }
 
 @group(0) @binding(0) var<uniform> wireframe: Wireframe;
-// (V, W, R, t): of the scene's vertices, or three a triangle of what was clipped and split.
+// (V, W, R, t): of the scene's vertices, or three per clipped or split triangle.
 @group(0) @binding(1) var<storage, read> mapped: array<vec4f>;
-// Three a triangle: which of the scene's vertices.
+// Three vertex indices per triangle.
 @group(0) @binding(2) var<storage, read> whole_indices: array<u32>;
 
 struct Fragment {
     @builtin(position) position: vec4f,
     @location(0) t: f32,
-    // Of the triangle's corners.
+    // Weights of the triangle's corners.
     @location(1) weights: vec3f,
 }
 

@@ -1,4 +1,4 @@
-//! Whatever lies in a light lies on its faces.
+//! Tests that the faces contain every caster in the light.
 
 use glam::DQuat;
 use light::Light;
@@ -6,13 +6,13 @@ use light::parameters::CONE_ANGLE;
 
 use super::*;
 
-/// Points and lights that repeat themselves from run to run.
+/// Vectors for points and lights, the same in every run.
 fn vector(k: usize) -> DVec3 {
     let k = k as f64 + 1.0;
     DVec3::new(k * 0.754_877_666, k * 0.569_840_29, k * 0.362_3).fract() * 2.0 - 1.0
 }
 
-/// The face that a position in light space belongs to, and x / depth, y / depth and depth there.
+/// The face of a position in light space, and x / depth, y / depth and depth there.
 fn place(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
     let on = |face: &SpotFace| face.axes * position;
     let aside = |p: DVec3| p.x.abs().max(p.y.abs()) / p.z;
@@ -22,7 +22,7 @@ fn place(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
     (index, DVec3::new(p.x / p.z, p.y / p.z, p.z))
 }
 
-/// Whether a face, its size times `share`, shows a place with two texels around it.
+/// True if a face, its size times `share`, contains a position with a margin of two texels.
 fn shows(fitted: &FittedFaces, side: f64, position: DVec3, share: f64) -> bool {
     let (index, p) = place(&fitted.faces, position);
     let face = &fitted.faces[index];
@@ -40,7 +40,7 @@ fn faces_show_all_that_casts_shadows() {
         let rotation = DQuat::from_scaled_axis(vector(k) * 3.0);
         let light_from_scene = DAffine3::from_rotation_translation(rotation, vector(k + 100) * 2.0);
         let scene_from_light = light_from_scene.inverse();
-        // Most of them ahead.
+        // Most of them are ahead.
         let lumps = (0..=k % 3).map(|lump| {
             (
                 scene_from_light.transform_point3(vector(k + 200 + 17 * lump) * 2.0 - DVec3::Z),
@@ -73,7 +73,7 @@ fn faces_show_all_that_casts_shadows() {
         }
         checked += in_light.len();
         empty += usize::from(fitted.nearest == f64::INFINITY);
-        // The planted fault: faces that are a little too small.
+        // Planted fault: faces that are slightly too small.
         caught += usize::from(in_light.iter().any(|&position| !shows(&fitted, side, position, 0.9)));
     }
     println!("{checked} places, {empty} empty, {caught} caught");

@@ -1,4 +1,4 @@
-//! The G-buffer in memory against what pictures show of it.
+//! Compares the G-buffer in CPU memory with pictures of it.
 
 use scene::{Projection, View};
 
@@ -7,12 +7,11 @@ use crate::bendy_light::tests::{renderer, view};
 use crate::casters::tests::ball_over;
 use crate::{Picture, Renderer, readback};
 
-/// Rows of what is packed, of offsets and of depths all have gaps where devices copy them: none is a multiple of 256
-/// bytes.
+/// Size whose rows of packed surfaces, offsets and depths all have padding in copies: none is a multiple of 256 bytes.
 const SIZE: [u32; 2] = [150, 140];
 
-/// Rasterisers snap corners to a 16th of a pixel at the coarsest that Vulkan allows, and from one pixel to the next
-/// depths of this view change by less than a 12th.
+/// Largest error of depth from rasterization. Corners snap to a 16th of a pixel at the coarsest that Vulkan permits,
+/// and depths of this view change by less than a 12th per pixel.
 const SNAPPED: f32 = 1.0 / 16.0 / 12.0;
 
 fn seen(aov: Aov, yaw: f64) -> View {
@@ -21,14 +20,14 @@ fn seen(aov: Aov, yaw: f64) -> View {
     view
 }
 
-/// The targets of a picture of depths, and that picture.
+/// The targets of a depth picture, and that picture.
 fn drawn(renderer: &mut Renderer, yaw: f64) -> (Targets, Picture) {
     let view = seen(Aov::Depth, yaw);
     let picture = renderer.render(&view, &[]).expect("drawn");
     (renderer.take_targets(&view), picture)
 }
 
-/// Whether depths in `texels` are those that `picture` shows.
+/// True if the depths in `texels` agree with those of `picture`.
 fn agree(texels: &GbufferTexels, picture: &Picture) -> bool {
     let Projection::Perspective { znear, .. } = seen(Aov::Depth, 0.0).camera.projection else { return false };
     texels.depth.iter().zip(&picture.pixels).all(|(&depth, shown)| match shown[0] {
@@ -50,7 +49,7 @@ fn a_gbuffer_in_memory_is_what_was_drawn() {
     let texels = targets.gbuffer_texels(gpu).expect("read");
     assert!(texels.packed == packed && texels.offset == offset);
     assert!(agree(texels, &picture));
-    // The planted fault: rows that begin where the one before has its gap.
+    // Planted fault: rows that begin at the padding of the one before.
     let mut shifted = std::mem::take(&mut targets.texels.1);
     shifted.depth.rotate_right(SIZE[0] as usize + 42);
     assert!(!agree(&shifted, &picture));
@@ -63,9 +62,9 @@ fn a_gbuffer_is_read_back_when_it_has_changed() {
     let pixels = u64::from(SIZE[0]) * u64::from(SIZE[1]);
     assert_eq!(targets.bytes(), pixels * 44);
     targets.gbuffer_texels(renderer.gpu_scene().0).expect("read");
-    // Rows of 2,400 and 600 bytes are copied with gaps.
+    // Rows of 2,400 and 600 bytes are padded in copies.
     assert_eq!(targets.bytes(), pixels * (44 + 24) + (2560 + 2 * 768) * u64::from(SIZE[1]));
-    // What is in memory stays while the G-buffer does: a mark shows it.
+    // The copy in CPU memory stays while the G-buffer does: a mark shows it.
     let nowhere = targets.texels.1.depth.iter().position(|&depth| depth == 0.0).expect("background");
     targets.texels.1.depth[nowhere] = 7.0;
     renderer.put_targets(targets);

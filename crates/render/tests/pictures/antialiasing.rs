@@ -1,4 +1,4 @@
-//! Many samples a pixel.
+//! Tests of several samples per pixel.
 
 use glam::DVec3;
 use render::{Aov, View};
@@ -38,7 +38,7 @@ fn coverage_is_the_area() {
             partly += usize::from(color[3] > 0.01 && color[3] < 0.99);
         }
         assert!(partly > 20);
-        // The planted fault: one sample a pixel knows no parts.
+        // Planted fault: a single sample per pixel has no partial coverage.
         assert!(renderer.render(&edges(1), &[]).unwrap().pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
     }
 }

@@ -1,5 +1,5 @@
-//! A BendyLight in the picture: equal to the spotlight it was made from, and its quantities those of the
-//! light model in f64.
+//! Tests of BendyLights in pictures: one made from a spotlight equals it, and its AOVs are those of the light model in
+//! f64.
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{
@@ -32,8 +32,8 @@ fn tilted() -> Scene {
 
 const EYE: DVec3 = DVec3::new(2.0, 2.5, 3.5);
 
-/// Pixels within one of which (3 x 3) either light's visibility is not the same whole number: the shadow's
-/// boundary, filtered differently by two maps of different orientation.
+/// True if in the 3 x 3 pixels around `pixel` either light's visibility is not the same whole number: the shadow's
+/// edge, which two maps of different orientation filter differently.
 fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
     let (width, height) = (a.width as usize, a.height as usize);
     let (x, y) = (pixel % width, pixel / width);
@@ -44,7 +44,7 @@ fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
     around.into_iter().any(|i| key(a, i) != whole || key(b, i) != whole)
 }
 
-/// The largest difference in radiance off the boundary, and the share of lit pixels on it.
+/// Largest difference in radiance off the shadow edge, and the share of lit pixels on it.
 fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
     let scene = tilted();
     let shoot = |aov, lights: &[Light]| picture(&scene, &view(EYE, DVec3::Y * 0.3, [200, 150], aov), lights);
@@ -67,9 +67,8 @@ fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
     (worst, boundary as f64 / lit as f64)
 }
 
-/// The promise is 1/255. Both lights are the same formulas in f32 but for the cosine of the profile and the
-/// distance; 1e-4 of a radiance up to 1 leaves room for a thousand roundings and would still show any wrong
-/// factor.
+/// The promise is 1/255. Both lights have the same formulas in f32 except for the cosine of the profile and the
+/// distance. 1e-4 of a radiance up to 1 leaves room for a thousand roundings, and would still show any wrong factor.
 #[test]
 fn a_bent_spotlight_is_that_spotlight() {
     let base = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::new(0.1, 0.0, 0.0));
@@ -84,7 +83,7 @@ fn a_bent_spotlight_is_that_spotlight() {
         assert!(worst < 1e-4, "{segments} segments: {worst} off {light:?}");
         assert!(boundary < 0.25, "{boundary} of the lit pixels are left out");
     }
-    // The planted faults: no decay, and a cone one percent wider.
+    // Planted faults: no decay, and a cone one percent wider.
     let bent = bend(&with_range, 3).expect("valid");
     assert!(difference(&with_range, &bent.clone().with(DECAY, Decay::None)).0 > 1.0 / 255.0);
     let wider = bent.map_points(|_, point| point.radius *= 1.01);
@@ -99,7 +98,7 @@ fn winding() -> Light {
         .with_transform(spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform())
 }
 
-/// The largest error of the AOVs t, vw and direction over their bound, and at how many pixels.
+/// Largest error of the AOVs t, vw and direction relative to their bound, and the number of compared pixels.
 fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
     let scene = tilted();
     let shoot = |aov, light: &Light| {
@@ -116,7 +115,7 @@ fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
         let world = origin + ray * f64::from(pixel[0]);
         let q = tube.placement.tube_from_world(world);
         let Some(root) = tube.nearest_root(q) else { continue };
-        // A pixel whose point lies within rounding of the tube's edge may fall on either side.
+        // A pixel within rounding of the tube's edge may be on either side.
         let rim = root.r.length() / root.radius > 1.0 - 1e-4;
         if rim || t.pixels[i][3] == 0.0 {
             assert!(rim, "pixel {i} lies in the light, and the picture says it does not");
@@ -127,7 +126,7 @@ fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
         let speed = 2.0 * segment.d(root.u).length();
         let bend = segment.u_hat_derivative(root.u, root.u_hat).dot(root.r) / speed;
         let length = segment.d0.length() + segment.d1.length();
-        // Light model, section 5; the position comes through f32 at the camera's distance and the scene's size.
+        // Light model, section 5; positions pass through f32 at the camera's distance and the scene's size.
         let reach = (pixel[0] as f64 * ray.length() + scene_reach()) / size;
         let cond = (root.r.length() + length) / (speed * (1.0 - bend)) * (1.0 + reach);
         let expected = tube.tube_point(&root);
@@ -145,7 +144,6 @@ fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
     (worst, count)
 }
 
-/// Half the diagonal of the scene.
 fn scene_reach() -> f64 {
     DVec3::new(3.0, 0.6, 3.0).length()
 }
@@ -161,12 +159,12 @@ fn aovs_are_the_models() {
             assert!(worst <= 1.0, "{worst} times the bound with {frame:?}, {direction:?}");
         }
     }
-    // The planted fault: a control point moved by a ten-thousandth of the light's length.
+    // Planted fault: a control point moved by a ten-thousandth of the light's length.
     let moved = light.clone().map_points(|i, point| point.position.x += if i == 2 { 4e-4 } else { 0.0 });
     assert!(worst_over_bound(&light, &moved).0 > 1.0);
 }
 
-/// No NaN and no infinity (`picture` asserts it) under lights that are legal and unkind, in any AOV.
+/// No AOV has NaN or infinity (`picture` asserts it) under valid but extreme lights.
 #[test]
 fn unkind_lights_have_no_nan() {
     let bright = winding().map_points(|_, point| {
@@ -197,7 +195,7 @@ fn unkind_lights_have_no_nan() {
     picture(&Scene::default(), &view(EYE, DVec3::ZERO, [5, 4], Aov::Visibility), &bendy(winding()));
 }
 
-/// A light out of reach of f32 is refused; one that folds says so, and never comes to a renderer.
+/// A light out of f32's reach is refused. A light that folds is an error before it gets to a renderer.
 #[test]
 fn impossible_lights_are_refused() {
     let refused = |light: Light| {
@@ -211,7 +209,7 @@ fn impossible_lights_are_refused() {
     assert!(matches!(CheckedLight::new(folded), Err(LightError::Fold { .. })));
 }
 
-/// The world moved by a million units, lights and all, gives the same picture: everything is composed in f64.
+/// The world moved by a million units, lights included, gives the same picture, because everything is composed in f64.
 /// Shadows may differ where rounding of the offset, 1e-10, moves a texel.
 #[test]
 fn far_from_the_origin_nothing_changes() {
@@ -229,7 +227,7 @@ fn far_from_the_origin_nothing_changes() {
     assert!(differ <= near.pixels.len() / 500, "{differ} pixels differ");
 }
 
-/// A change of colour, intensity or decay draws no shadow map; one of shape draws one; no change draws none.
+/// A change of color, intensity or decay draws no shadow map; one of shape draws one; no change draws none.
 #[test]
 fn shadow_maps_are_kept_while_the_shape_is() {
     let mut renderer = renderer(&tilted());
@@ -248,7 +246,7 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     assert_eq!(shadows_after(moved), (2, 1));
 }
 
-/// How many pixels of a floor alone are shadowed by it, and how many lie in the light, which falls straight down.
+/// Number of pixels of a floor that shadows itself, and number in the light, which shines straight down.
 fn self_shadowed(light: &Light) -> (usize, usize) {
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     let seen = view(DVec3::new(0.3, 1.5, 0.6), DVec3::ZERO, [160, 120], Aov::Visibility);
@@ -257,20 +255,20 @@ fn self_shadowed(light: &Light) -> (usize, usize) {
     (inside.clone().filter(|pixel| pixel[0] < 1.0).count(), inside.count())
 }
 
-/// A light with control points at these distances down its axis, two units above a floor.
+/// A light two units above a floor, with control points at these distances down its axis.
 fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> Light {
     Light::bendy(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec())
         .with_transform(spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform())
 }
 
-/// Where two control points coincide the curve stops for a moment; what lies past it is lit all the same.
+/// At coincident control points the curve's speed is zero. Points beyond are lit all the same.
 #[test]
 fn coincident_points_shadow_nothing() {
     let (shadowed, inside) = self_shadowed(&straight_down(&[0.0, 1.5, 1.5, 3.0], &[0.3; 4], 0.0));
     assert!(inside > 1000 && shadowed == 0, "{shadowed} of {inside} lie in shadow");
 }
 
-/// An edge through the middle of a bulging tube is an S on the map, whose middle lies on its chord: it is split all
+/// An edge through the middle of a bulging tube is S-shaped on the map, with its middle on its chord. It is split all
 /// the same.
 #[test]
 fn an_edge_through_the_axis_is_split() {
@@ -281,7 +279,7 @@ fn an_edge_through_the_axis_is_split() {
     }
 }
 
-/// A tube thinner than f32 tells positions apart is drawn, if by noise, and not split until no buffer holds it.
+/// A tube thinner than f32 resolves is drawn, even if as noise, and is not split until no buffer holds it.
 #[test]
 fn a_tube_as_thin_as_rounding_is_drawn() {
     for radius in [1e-6, 1e-9, 1e-12] {
@@ -290,7 +288,7 @@ fn a_tube_as_thin_as_rounding_is_drawn() {
     }
 }
 
-/// A spotlight below zero is dark, as the BendyLight that is made from it is.
+/// A spotlight with negative intensity is dark, like the BendyLight made from it.
 #[test]
 fn no_light_takes_light_away() {
     let below = spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).with(INTENSITY, -3.0);

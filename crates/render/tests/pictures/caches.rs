@@ -1,4 +1,4 @@
-//! What is drawn again, and what is not.
+//! Tests of caches: the passes that each change runs again.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ fn key() -> Light {
     spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO)
 }
 
-/// Which passes `change` makes run again.
+/// Number of passes that `change` causes.
 fn runs(backend: Backend, change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassCounts {
     let mut renderer = renderer_of(backend, &tables());
     let mut view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
@@ -49,7 +49,7 @@ fn only_what_changed_is_drawn_again() {
         assert_eq!(runs(backend, |_, _, lights| edit(lights, COLOR.to(DVec3::X))), LIT);
         assert_eq!(runs(backend, |_, _, lights| edit(lights, CONE_SOFTNESS.to(0.5))), LIT);
         if backend == Backend::Wgpu {
-            // Bent for the processor, the light would be of that length.
+            // On the wgpu backend only: a spotlight that is bent for the CPU has this range as its length.
             assert_eq!(runs(backend, |_, _, lights| edit(lights, RANGE.to(Some(9.0)))), LIT);
         }
         let shadow = PassCounts { shadow: 1, ..LIT };
@@ -73,20 +73,20 @@ fn only_what_changed_is_drawn_again() {
             PassCounts { gbuffer: 4, lighting: 4, ..LIT }
         );
         assert_eq!(runs(backend, |renderer, view, _| renderer.drop_view(view.slot)), everything);
-        // Quantities of the surface need no light, those of a light only that one.
+        // AOVs of the surface need no light, those of a light only that one.
         let one_light = |renderer: &mut Renderer, view: &mut View, lights: &mut Vec<Light>| {
             (view.aov, view.light) = (Aov::T, 1);
             edit(lights, CONE_ANGLE.to(20.0));
             let lights = instances(lights);
             assert_eq!(renderer.render(view, &lights).unwrap().pixels.len(), 33 * 21);
         };
-        // The device draws those, and has no map of the processor's.
+        // The GPU draws those, and lacks a map that the CPU has drawn.
         let map = u64::from(backend == Backend::Native);
         assert_eq!(runs(backend, one_light), PassCounts { shadow: map, ..LIT });
     }
 }
 
-/// A view that is exposed otherwise is shown anew, and that is all.
+/// Another exposure of the view only runs the display pass.
 #[test]
 fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     let mut renderer = renderer(&tables());
@@ -99,14 +99,14 @@ fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     assert_eq!(renderer.render_display(&view, &lights).unwrap(), first);
     let shown = PassCounts { display: 2, ..PassCounts::default() };
     assert_eq!(since(before, renderer.counts()), shown);
-    // The planted fault: how soft a light's edge is is the light's.
+    // Planted fault: the softness of a light's edge belongs to the light.
     let soft = instances(&[named(key().with(CONE_SOFTNESS, 0.7))]);
     renderer.render_display(&view, &soft).unwrap();
     assert_eq!(since(before, renderer.counts()), PassCounts { layers: 1, display: 3, ..shown });
 }
 
-/// Maps are fitted to the scene, whatever the camera sees of it: where only that moves, near to where little is to be
-/// seen and back, no map is drawn again, and a picture is that of a renderer that has seen nothing else.
+/// Maps are fitted to the scene, regardless of the camera's view. A camera that moves close to a small part and back
+/// draws no map, and its picture is that of a fresh renderer.
 #[test]
 fn a_moved_camera_draws_no_map() {
     let wide = key().with(CONE_ANGLE, 85.0);
@@ -122,13 +122,13 @@ fn a_moved_camera_draws_no_map() {
         assert_eq!(kept.counts().shadow, 4, "camera {k}");
         assert_eq!(drawn, picture(&tables(), &view, &lights));
     }
-    // The planted fault: a scene that changes has maps of its own.
+    // Planted fault: a changed scene has maps of its own.
     kept.set_scene(&scene::pose(scene_of([floor(3.0, 0.0)], vec![Material::default()]))).unwrap();
     kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &instances(&lights)).unwrap();
     assert_eq!(kept.counts().shadow, 8);
 }
 
-/// A light with nothing in it lights nothing and shades nothing, and one whose scene is empty is drawn all the same.
+/// A light without anything in it lights and shadows nothing. In an empty scene a light is drawn all the same.
 #[test]
 fn a_light_with_nothing_in_it_has_an_empty_map() {
     let up = spot(DVec3::new(0.0, 1.5, 0.0), DVec3::new(0.1, 9.0, 0.0));
@@ -141,7 +141,7 @@ fn a_light_with_nothing_in_it_has_an_empty_map() {
     }
 }
 
-/// What each picture makes run, in a renderer that has drawn nothing before.
+/// Passes of each picture, in a renderer that has drawn nothing before.
 fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [LightInstance])>) -> Vec<PassCounts> {
     let mut renderer = renderer(&tables());
     let mut step = |(view, lights): (&View, &[LightInstance])| {
@@ -152,7 +152,7 @@ fn steps<'a>(pictures: impl IntoIterator<Item = (&'a View, &'a [LightInstance])>
     pictures.into_iter().map(&mut step).collect()
 }
 
-/// Two viewers who move nothing cost each other nothing; in one slot they would.
+/// Two viewers that change nothing cause each other no passes. In one slot they would.
 #[test]
 fn viewers_keep_their_pictures() {
     let lights = [key(), key().with(INTENSITY, 3.0)].map(|light| instances(&[named(light)]));
@@ -165,11 +165,11 @@ fn viewers_keep_their_pictures() {
     let first = PassCounts { gbuffer: 1, shadow: 1, ..LIT };
     let second = PassCounts { gbuffer: 1, ..LIT };
     assert_eq!(turns(&far), [first, second, LIT, LIT]);
-    // The planted fault: one slot for both.
+    // Planted fault: one slot for both.
     assert_eq!(turns(&View { slot: near.slot, ..far.clone() }), [first, second, second, second]);
 }
 
-/// The pictures of the viewers above are their own.
+/// Each of those viewers gets its own picture.
 #[test]
 fn viewers_see_their_own_cameras() {
     for backend in BACKENDS {
@@ -186,7 +186,7 @@ fn viewers_see_their_own_cameras() {
     }
 }
 
-/// A light that comes or goes in the middle leaves the shadow maps of the others, and finds its own again.
+/// A light added or removed in the middle leaves the shadow maps of the others, and finds its own again.
 #[test]
 fn shadow_maps_follow_their_lights() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
@@ -196,7 +196,7 @@ fn shadow_maps_follow_their_lights() {
     let [first, bent, last, late] = &all[..] else { unreachable!("an instance a light") };
     let lists = [
         vec![first, bent, last],
-        // One more in the middle; two gone; the order turned; one back at the front.
+        // One more in the middle; two removed; the order reversed; one back at the front.
         vec![first, late, bent, last],
         vec![late, last],
         vec![last, late],
@@ -212,11 +212,11 @@ fn shadow_maps_follow_their_lights() {
         let lights: Vec<_> = lights.iter().map(|instance| instance.light.light().clone()).collect();
         assert_eq!(*kept, picture(&tables(), &view, &lights));
     }
-    // The planted fault: a map that stayed at its old place would show another light's shadow.
+    // Planted fault: a map that stayed at its old index would show another light's shadow.
     assert_ne!(pictures[0], pictures[1]);
 }
 
-/// Maps are known by their lights' ids: two lights of one place and cone have a map each, and colours of their own.
+/// Maps are keyed by light id: two lights with the same position and cone have a map each, and their own colors.
 #[test]
 fn each_light_has_a_map_of_its_own() {
     let view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
@@ -228,10 +228,10 @@ fn each_light_has_a_map_of_its_own() {
     assert_eq!(kept.counts().shadow, 2);
     let lit = picture.pixels.iter().filter(|p| p[0] > 0.0 || p[2] > 0.0);
     assert!(lit.clone().count() > 50 && lit.clone().all(|p| p[0] == p[2]), "as much of each");
-    // The planted fault: one colour for both.
+    // Planted fault: one color for both.
     let twice = kept.render(&view, &instances(&[named(red.clone()), named(red)])).unwrap();
     assert!(twice.pixels.iter().any(|p| p[0] != p[2]));
-    // Another colour needs no other map.
+    // Another color needs no other map.
     assert_eq!(kept.counts().shadow, 2);
 }
 
@@ -255,7 +255,7 @@ fn what_is_kept_shows_the_new_state() {
             pictures.push(from_kept);
         }
         assert_eq!(pictures[0], pictures[4]);
-        // The fault: what was kept hiding a change.
+        // The fault would be a cache that hides a change.
         assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]));
     }
 }
@@ -281,7 +281,7 @@ fn renderers_share_a_device() {
     assert!(empty.render(&view, &[]).unwrap().pixels.iter().all(|p| *p == [0.0; 4]));
     assert!(!gpu.adapter_name().is_empty());
 
-    // By the same pipelines, and still each its own scene, viewers and counts.
+    // Shared pipelines, but each renderer has its own scene, viewers and counts.
     let mut another = full.with_same_pipelines().unwrap();
     assert_eq!(another.render(&view, &[]).unwrap(), empty.render(&view, &[]).unwrap());
     another.set_scene(&scene::pose(tables())).unwrap();
@@ -289,7 +289,7 @@ fn renderers_share_a_device() {
     assert_eq!(another.counts(), PassCounts { gbuffer: 2, lighting: 2, ..PassCounts::default() });
 }
 
-/// Drawing every pipeline once changes nothing that can be seen.
+/// Drawing every pipeline once changes no picture.
 #[test]
 fn warming_up_leaves_the_scene() {
     let mut renderer = renderer(&tables());
@@ -303,8 +303,8 @@ fn warming_up_leaves_the_scene() {
     assert_eq!(renderer.render(&view, &lights).unwrap(), before);
 }
 
-/// A map of half a side is one of its own: the full one stays, serves where half is enough, and is there when all is asked for
-/// again. So going back and forth draws nothing.
+/// A map at half scale is separate: the full one stays, serves where half is enough, and is there when full is needed
+/// again. Alternating between them draws nothing.
 #[test]
 fn maps_of_half_a_side_stand_beside_full_ones() {
     let mut renderer = renderer(&tables());
@@ -331,7 +331,7 @@ fn maps_of_half_a_side_stand_beside_full_ones() {
     for view in [&half, &full, &half] {
         assert_eq!(draws(view, &lights).0, [0, 0]);
     }
-    // What is seen at last is what a renderer shows that has drawn nothing else.
+    // The last picture is that of a renderer that has drawn nothing else.
     let mut fresh = crate::support::renderer(&tables());
     assert_eq!(fresh.render_display(&full, &instances(&lights)).unwrap(), fine);
     let coarse_alone =

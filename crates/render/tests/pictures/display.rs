@@ -1,4 +1,4 @@
-//! The bytes of a screen.
+//! Tests of the bytes of a screen.
 
 use glam::DVec3;
 use render::{Aov, Background, FileNeeds, RenderError, View};
@@ -6,7 +6,7 @@ use scene::Material;
 
 use crate::support::{floor, instances, named, renderer, scene_of, spot, view};
 
-/// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), to 0 to 255.
+/// Khronos PBR Neutral, as published, then sRGB (IEC 61966-2-1), scaled to 0 to 255.
 fn expected(linear: DVec3) -> DVec3 {
     let (start, desaturation) = (0.8 - 0.04, 0.15);
     let low = linear.min_element();
@@ -36,7 +36,7 @@ fn radiance_is_tone_mapped_and_encoded() {
         DVec3::splat(1e6),
     ];
     for color in colors {
-        // A white floor returns what the fill gives it.
+        // A white floor returns the fill's light.
         let mut scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
         scene.fill.sky = color;
         scene.fill.ground = color;
@@ -53,12 +53,12 @@ fn radiance_is_tone_mapped_and_encoded() {
         }
         assert_eq!(pixel[3], 255);
     }
-    // The planted fault, truncation instead of rounding, is off by more than that somewhere.
+    // Planted fault: truncation instead of rounding has a larger error somewhere.
     assert!(colors.iter().any(|c| (expected(*c).x.floor() - expected(*c).x).abs() > 0.51));
 }
 
-/// A stop more is twice the radiance before tone mapping, also in the file of another renderer's picture; what is too
-/// bright for single precision is white.
+/// One stop doubles the radiance before tone mapping, also in a file from another renderer's picture. Radiance too
+/// bright for f32 is white.
 #[test]
 fn exposure_multiplies_radiance_before_tone_mapping() {
     let color = DVec3::new(0.02, 0.15, 0.4);
@@ -78,10 +78,10 @@ fn exposure_multiplies_radiance_before_tone_mapping() {
             let bytes = pixels.iter().flat_map(|pixel| pixel.iter().zip(expected));
             bytes.map(|(byte, expected)| (f64::from(*byte) - expected).abs()).fold(0.0, f64::max)
         };
-        // As above; where the tone map is steepest, its sRGB's straight part, a byte is 3e-4 of radiance, of which f32's
-        // roundings are far less than a hundredth.
+        // Same tolerance as above. On the steepest part of the tone map, sRGB's linear part, a byte is 3e-4 of
+        // radiance, and f32's roundings are far below a hundredth of that.
         assert!(off(exposure) <= 0.5 + 1e-2, "{exposure}: {pixels:?}");
-        // The planted fault: a factor of e in place of 2.
+        // Planted fault: a factor of e in place of 2.
         let fault = exposure * std::f64::consts::LOG2_E;
         assert!(exposure == 0.0 || exposure.abs() > 16.0 || off(fault) > 1.0, "{exposure}");
         assert_eq!(renderer.render(&view, &[]).unwrap(), raw, "values know no exposure");
@@ -106,7 +106,7 @@ fn the_background_is_black() {
     assert_eq!(renderer(&scene).render_display(&view, &[]).unwrap(), [0, 0, 0, 255].repeat(9));
 }
 
-/// A PNG holds the picture of the screen, or the values made readable.
+/// A PNG holds the screen's picture, or the values in a readable form.
 #[test]
 fn files_hold_the_picture() {
     let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
@@ -120,22 +120,22 @@ fn files_hold_the_picture() {
     assert_eq!(shades.iter().max(), Some(&255));
     let screen = renderer.render_display(&view, &lights).unwrap();
     let screen: Vec<u8> = screen.as_chunks::<4>().0.iter().flat_map(|pixel| pixel[..3].to_vec()).collect();
-    // By itself and beside an EXR it has the bytes of the screen.
+    // With or without an EXR, it has the bytes of the screen.
     for exr in [false, true] {
         let needs = FileNeeds::of(Aov::Beauty, Some(Background::Black), exr);
         let pixels = renderer.render_for_files(&view, &lights, needs, |_| {}).unwrap();
         assert_eq!(pixels.values().is_some(), exr);
         assert_eq!(decoded(pixels.to_png(&view, &lights, Background::Black).unwrap()).into_raw(), screen);
     }
-    // Of the values of another renderer the same, rounding apart, which f32's power function decides.
+    // Values of another renderer give the same, except for rounding in f32's power function.
     let beauty = renderer.render(&view, &lights).unwrap();
     let ours = decoded(beauty.to_png(&view, &lights, Background::Black).unwrap());
     assert!(ours.as_raw().iter().zip(&screen).all(|(a, b)| a.abs_diff(*b) <= 1));
-    // The planted fault: one AOV taken for another.
+    // Planted fault: one AOV in place of another.
     assert_ne!(beauty, renderer.render(&View { aov: Aov::Depth, ..view }, &lights).unwrap());
 }
 
-/// A position lies where its depth says, by whichever way it is drawn.
+/// Positions are those of depths, by every method of drawing.
 #[test]
 fn positions_are_those_of_depths() {
     let mut renderer = renderer(&scene_of([floor(1.0, 0.0)], vec![Material::default()]));
@@ -146,7 +146,8 @@ fn positions_are_those_of_depths() {
     let seen: Vec<_> = drawn.pixels.iter().filter(|pixel| pixel[3] > 0.0).collect();
     assert!(seen.len() > 9);
     for [x, y, z, _] in seen {
-        // On the floor, to what a depth of 2.5 is kept to: half a step of 1 / z over a near plane of 0.01, 2^-25 * 2.5^2 / 0.01.
+        // On the floor, within the error of a depth of 2.5: half a step of 1 / z over a near plane of 0.01, 2^-25 *
+        // 2.5^2 / 0.01.
         assert!(y.abs() < 2e-5 && x.abs() <= 1.0 && z.abs() <= 1.0, "{x} {y} {z}");
     }
 }

@@ -1,4 +1,4 @@
-//! Exposure: `2^exposure` times the light, whatever its shape.
+//! Tests of exposure: `2^exposure` times the light, for every shape.
 
 use glam::DVec3;
 use light::Light;
@@ -19,8 +19,8 @@ fn lights() -> [Light; 2] {
     [spot, bent]
 }
 
-/// What is to be the same but for the factor is the same code, so only these round apart: `exp2`, which WGSL lets err by
-/// `3 + 2 |x|` ulp (of 2 EPS), and the factor's way through five products.
+/// Pictures that should differ only by the factor run the same code, so only these round differently: `exp2`, for which
+/// WGSL permits an error of `3 + 2 |x|` ulp (of 2 EPS), and the factor's five products.
 #[test]
 fn a_stop_is_twice_the_light() {
     let view = view(DVec3::new(0.0, 4.0, 3.0), DVec3::ZERO, [48, 32], Aov::Beauty);
@@ -39,21 +39,21 @@ fn a_stop_is_twice_the_light() {
             let tolerance = (3.0 + 2.0 * exposure.abs()) * 2.0 * EPS + 10.0 * EPS;
             let off = apart(exposure.exp2());
             assert!(off <= tolerance, "{exposure} stops: off by {off:e}, {tolerance:e} allowed");
-            // The planted faults: a stop as a doubling of what is added, and decibels.
+            // Planted faults: a doubling of the added light per stop, and decibels.
             assert!(apart(1.0 + exposure) > tolerance || exposure == 1.0);
             assert!(apart(10_f64.powf(exposure / 10.0)) > tolerance);
         }
     }
 }
 
-/// As far as the slider's row allows either way, and at the source itself.
+/// Covers the range of the slider's row in both directions, also at the source itself.
 #[test]
 fn no_exposure_is_too_much_for_single_precision() {
     let view = view(DVec3::new(0.0, 4.0, 3.0), DVec3::ZERO, [24, 16], Aov::Beauty);
     for light in lights() {
         for exposure in [-100.0, 100.0] {
             let light = light.clone().with(EXPOSURE, exposure).with(DECAY, light::Decay::InverseSquare);
-            // `picture` refuses what is not finite.
+            // `picture` asserts finite values.
             let brightest =
                 picture(&table(), &view, &[light]).pixels.iter().flatten().copied().fold(0.0, f32::max);
             assert!(brightest > 0.0, "{exposure} stops");

@@ -1,4 +1,4 @@
-//! How much of the scene's fill a picture has.
+//! Tests of the share of the scene's fill in a picture.
 
 use glam::DVec3;
 use light::LightInstance;
@@ -30,14 +30,14 @@ fn without_fill_nothing_is_left_where_no_light_reaches() {
         let covered = f64::from(none[3]);
         (dark, lit) =
             (dark + u32::from(covered == 1.0 && alone == DVec3::ZERO), lit + u32::from(alone.x > 0.0));
-        // A white floor that faces up returns what the sky gives it. A pixel is a sum of two samples of fill and light,
-        // each rounded at most four times.
+        // A white floor that faces up returns the sky's light. A pixel is a sum of two samples of fill and light, each
+        // rounded at most four times.
         let fits = |picture: DVec3, factor: f64| {
             let expected = alone + SKY * factor * covered;
             (picture - expected).abs().cmple(expected * (8.0 * EPS)).all()
         };
         assert!(fits(whole, 1.0) && fits(more, 2.5), "{alone} {whole} {more}");
-        // The planted fault: a fill as large as another.
+        // Planted fault: another share of the fill.
         assert!(covered == 0.0 || !fits(more, 2.4), "{alone} {more}");
     }
     assert!(dark > 500 && lit > 40, "{dark} {lit}");

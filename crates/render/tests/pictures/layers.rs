@@ -1,5 +1,4 @@
-//! What each light alone adds is kept: an edit draws the light that it is of, and the picture is the one that a renderer draws
-//! which has seen nothing else.
+//! Tests of layers: an edit draws only the edited light, and the picture is that of a fresh renderer.
 
 use std::sync::Arc;
 use std::task::Poll;
@@ -25,7 +24,7 @@ fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![shiny])
 }
 
-/// Lights of every shape in turn, around the table, each with factors of its own.
+/// Lights of every shape in turn, around the table, each with its own factors.
 fn lights(count: usize) -> Vec<Light> {
     let light = |k: usize| {
         let (z, x) = (k as f64 * 2.4).sin_cos();
@@ -52,7 +51,7 @@ fn camera() -> View {
     view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [75, 61], Aov::Beauty)
 }
 
-/// The same picture with lights added to it one after the other.
+/// The same picture with lights added one after another.
 fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
     let mut picture = TiledPicture::for_screen(&View { slot: ViewSlot(9), ..camera() }, lights).unwrap();
     while !renderer.advance_tiled(&mut picture, Duration::from_secs(9)).unwrap() {}
@@ -65,7 +64,7 @@ fn farthest(a: &[u8], b: &[u8]) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(*b)).max().unwrap()
 }
 
-/// Turns of no time, a piece each, with a picture of another view between each two of them.
+/// Draws in turns of zero time, one piece each, with a picture of another view between every two.
 fn in_turns(renderer: &mut Renderer, lights: &[LightInstance]) -> (Vec<u8>, usize) {
     let other = View { slot: ViewSlot(8), width: 40, ..camera() };
     let mut turns = 1;
@@ -79,7 +78,7 @@ fn in_turns(renderer: &mut Renderer, lights: &[LightInstance]) -> (Vec<u8>, usiz
     }
 }
 
-/// A picture that others come between is the same, and nothing of it is drawn twice.
+/// A picture with others in between is the same, and no part of it is drawn twice.
 #[test]
 fn a_picture_in_turns_is_the_picture() {
     for backend in BACKENDS {
@@ -89,12 +88,12 @@ fn a_picture_in_turns_is_the_picture() {
             let drawn = whole.render_display(&camera(), &lights).unwrap();
             let (bytes, turns) = in_turns(&mut turned, &lights);
             assert_eq!(bytes, drawn, "{count} lights, {backend:?}");
-            // The G-buffer, then each light's map and its layer; those that light straight over a pixel have no map apart.
+            // The G-buffer, then each light's map and its layer. A light without a map has no turn for it.
             assert!(turns > count, "{turns} turns for {count} lights, {backend:?}");
             let (of_whole, of_turned) = (whole.counts(), turned.counts());
             assert_eq!(of_turned.shadow, of_whole.shadow, "maps, {backend:?}");
             assert_eq!(of_turned.layers, 2 * of_whole.layers, "layers of two views, {backend:?}");
-            // The planted fault: a picture of the first turn alone lacks lights.
+            // Planted fault: a picture of the first turn alone lacks lights.
             let (mut begun, later) = (renderer_of(backend, &tables()), &lights[..count - 1]);
             assert!(begun.advance_display(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
             assert_ne!(begun.render_display(&camera(), later).unwrap(), drawn);
@@ -102,8 +101,8 @@ fn a_picture_in_turns_is_the_picture() {
     }
 }
 
-/// Layers, groups of them, and groups of groups add up to the picture, but for what is rounded in another order: a byte may
-/// fall to the other side of a step.
+/// Layers, groups of them, and groups of groups add up to the picture, except for another order of roundings: a byte
+/// may fall to the other side of a step.
 #[test]
 fn layers_add_up_to_the_picture() {
     for backend in BACKENDS {
@@ -113,10 +112,10 @@ fn layers_add_up_to_the_picture() {
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
             assert_eq!(renderer.counts().layers, count as u64);
             let farthest_byte = farthest(&drawn, &added_up(&mut renderer, &lights));
-            // The processor adds up to eight layers, in floats, in the order of the lights.
+            // The CPU adds up to eight layers, in floats, in the order of the lights.
             let most = u8::from(backend == Backend::Wgpu || count > 8);
             assert!(farthest_byte <= most, "{count} lights, {backend:?}: {farthest_byte}");
-            // The planted fault: a group's worth of lights is missing.
+            // Planted fault: the lights of one group are missing.
             if count > 0 {
                 lights.truncate(count - count.div_ceil(8));
                 let other = renderer.render_display(&camera(), &lights).unwrap();
@@ -126,8 +125,8 @@ fn layers_add_up_to_the_picture() {
     }
 }
 
-/// Where layers took more than half of what may be kept, lights are added one after the other, as in tiles: the same bytes,
-/// and no layer is kept. They differ from layers' as above.
+/// Lights are added one after another, as in tiles, if their layers would take more than half of the budget: the bytes
+/// are those of tiles, and no layer is cached. The difference from layers is as above.
 #[test]
 fn more_lights_than_layers_fit_are_added_one_by_one() {
     for backend in BACKENDS {
@@ -143,7 +142,7 @@ fn more_lights_than_layers_fit_are_added_one_by_one() {
             let drawn = renderer.render_display(&camera(), &lights).unwrap();
             (drawn, renderer.counts().layers, added_up(&mut renderer, &lights))
         };
-        // Twelve layers and sums of 75 x 61 pixels: 240 bytes a pixel by the device, 360 by the processor.
+        // Twelve layers and sums of 75 x 61 pixels: 240 bytes per pixel on the GPU, 360 on the CPU.
         let (rich, layers, _) = draw(1 << 30);
         let (poor, none, in_tiles) = draw(2 * 75 * 61 * 239);
         assert_eq!([layers, none], [12, 0], "{backend:?}");
@@ -152,8 +151,8 @@ fn more_lights_than_layers_fit_are_added_one_by_one() {
     }
 }
 
-/// What a light mirrors may be ten thousand times as bright as what it scatters there, and switched off leaves that as it is:
-/// with one exponent for both it would be in steps of 2^-18 of the highlight, each some bytes.
+/// Mirrored light may be ten thousand times as bright as scattered light at the same point. Without it, the scattered
+/// light is unchanged. With one exponent for both, it would have steps of 2^-18 of the highlight, several bytes each.
 #[test]
 fn a_highlight_does_not_take_from_what_is_scattered() {
     let black =
@@ -175,7 +174,6 @@ fn a_highlight_does_not_take_from_what_is_scattered() {
     assert!(middle(&bright) == 255 && (64..192).contains(&middle(&dark)), "{}", middle(&dark));
 }
 
-/// Each pass says why it was not spared.
 #[test]
 fn passes_say_why_they_ran() {
     let (mut renderer, mut lights, mut view) = (renderer(&tables()), lights(2), camera());
@@ -209,7 +207,7 @@ fn passes_say_why_they_ran() {
     renderer.set_scene(&scene::pose(tables())).unwrap();
     let scene = both(Some(Cause::Scene), Cause::Gbuffer);
     assert_eq!(ran(&mut renderer, &view, &lights), all(base(Cause::Scene), scene));
-    // Coarser maps serve until finer ones are asked for.
+    // Coarser maps serve until finer ones are needed.
     lights[1] = lights[1].clone().with(TRANSLATION, DVec3::new(0.5, 3.0, 0.2));
     view.shadow_map = MapScale::Half;
     assert_eq!(
@@ -221,14 +219,14 @@ fn passes_say_why_they_ran() {
     assert_eq!(ran(&mut renderer, &view, &lights), all(Vec::new(), finer));
 }
 
-/// A light that reaches nothing that is seen draws neither map nor layer, whatever is done to it, and the picture is the
-/// one without it. Seen, it is drawn.
+/// A light that reaches no visible surface draws neither map nor layer, whatever its edits, and the picture is the one
+/// without it. In view, it is drawn.
 #[test]
 fn lights_outside_of_the_view_draw_nothing() {
     let away_by = DVec3::new(40.0, 0.0, 60.0);
     for count in [4, 16] {
         let lit = lights(count);
-        // The fourth of each four is directional: it shines everywhere.
+        // Every fourth light is directional: it shines everywhere.
         let away = |k: usize| k % 4 < 2;
         let beside: Vec<Light> = lit
             .iter()
@@ -252,13 +250,13 @@ fn lights_outside_of_the_view_draw_nothing() {
         moved[0] = moved[0].clone().with(INTENSITY, 9.0).with(TRANSLATION, DVec3::new(41.0, 3.0, 61.0));
         assert_eq!(draw(&mut renderer, &moved), drawn);
         assert_eq!(since(before, renderer.counts()), PassCounts { display: 1, ..PassCounts::default() });
-        // The planted fault: they are there.
+        // Planted fault: they are in view.
         assert!(farthest(&draw(&mut renderer, &lit), &drawn) > 1);
         assert_eq!(since(before, renderer.counts()).shadow, (count - without.len()) as u64);
     }
 }
 
-/// What an edit of the first light draws in a picture of `count` lights.
+/// Passes after an edit of the first light in a picture of `count` lights.
 fn drawn_by(backend: Backend, count: usize, edit: impl FnOnce(&mut View, &mut Vec<Light>)) -> PassCounts {
     let mut renderer = renderer_of(backend, &tables());
     let (mut view, mut lights) = (camera(), lights(count));
@@ -272,11 +270,11 @@ fn drawn_by(backend: Backend, count: usize, edit: impl FnOnce(&mut View, &mut Ve
     since(before, now)
 }
 
-/// Each edit draws what it touches, and what comes of it is what a fresh renderer draws, to the last bit.
+/// Each edit draws only what depends on it, and the result is that of a fresh renderer, to the last bit.
 #[test]
 fn an_edit_draws_what_it_touches() {
     for backend in BACKENDS {
-        // Beyond eight there are sums; a map a light on one core is what takes time.
+        // Beyond eight lights there are sums. On one core, a map per light dominates the time.
         for count in if backend == Backend::Wgpu { [3, 30] } else { [3, 9] } {
             let shown = PassCounts { display: 1, ..PassCounts::default() };
             let edit = |change: fn(Light) -> Light| {
@@ -290,12 +288,12 @@ fn an_edit_draws_what_it_touches() {
             assert_eq!(edit(|light| light.with(SPECULAR, 0.0)), shown);
             assert_eq!(edit(|light| light.with(ENABLED, false)), shown);
             assert_eq!(drawn_by(backend, count, |view, _| view.exposure = 1.0), shown);
-            // The planted fault: what a light's layer depends on.
+            // Planted fault: an edit that the light's layer depends on.
             let layer = PassCounts { layers: 1, ..shown };
             assert_eq!(edit(|light| light.with(SHADOW_COLOR, DVec3::X)), layer);
             let moved = edit(|light| light.with(TRANSLATION, DVec3::new(0.2, 3.0, 0.9)));
             assert_eq!(moved, PassCounts { shadow: 1, ..layer });
-            // The fill is no pass of its own where the processor shows it with the lights.
+            // The CPU has no separate pass for the fill; it shows the fill with the lights.
             let lighting = u64::from(backend == Backend::Wgpu);
             let all = PassCounts { gbuffer: 1, lighting, layers: count as u64, ..shown };
             assert_eq!(drawn_by(backend, count, |view, _| view.camera.translation.x += 0.1), all);
@@ -319,7 +317,7 @@ fn lights_that_come_back_are_still_held() {
     }
 }
 
-/// In whatever order edits come, the picture is that of the lights as they are.
+/// The picture depends only on the current lights, not on the order of edits.
 #[test]
 fn the_picture_knows_no_history() {
     for backend in BACKENDS {
@@ -342,10 +340,10 @@ fn the_picture_knows_no_history() {
     }
 }
 
-/// Views share a budget: layers of the one that was looked at longest ago go, and are made again.
+/// Views share a budget: layers of the least recently used view are evicted, and drawn again on demand.
 #[test]
 fn layers_are_bounded_and_made_again() {
-    // Textures have 16 bytes a pixel for a layer and 8 for a sum, the processor holds six floats and three.
+    // Textures have 16 bytes per pixel of a layer and 8 of a sum; the CPU holds six floats and three.
     for (backend, layer, sum) in [(Backend::Wgpu, 16, 8), (Backend::Native, 24, 12)] {
         are_bounded_and_made_again(backend, (20 * layer + 5 * sum) * 75 * 61);
     }
@@ -362,7 +360,7 @@ fn are_bounded_and_made_again(backend: Backend, bytes_of_a_view: u64) {
         let mut most = 0;
         let pictures: Vec<Vec<u8>> = (0..12)
             .map(|turn| {
-                // Then each view needs a layer of each group anew for its sums.
+                // Then each view needs a new layer of each group for its sums.
                 if turn % 4 == 0 {
                     for light in &mut lights {
                         light.set(INTENSITY.to(0.3 + 0.1 * f64::from(turn)));

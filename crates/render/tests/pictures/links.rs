@@ -1,5 +1,5 @@
-//! What lights light and what throws shadows in them, by their links. What the reference says of it is in
-//! `tests/links.rs`.
+//! Tests of links: the nodes that a light lights, and those that cast its shadows. `tests/links.rs` tests the
+//! reference.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use scene::{Material, Mesh, Node, Scene};
 
 use crate::support::{instances, picture, renderer, spot, square, unstraightened, view};
 
-/// A floor, and a group of two tables that have one mesh and one name, the second above a corner of the first.
+/// A floor, and a group of two tables with one mesh and one name, the second above a corner of the first.
 fn tables() -> Scene {
     let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
     (scene.fill.sky, scene.fill.ground) = (DVec3::splat(0.125), DVec3::splat(0.125));
@@ -49,7 +49,7 @@ fn seen(aov: Aov) -> View {
     view(DVec3::new(1.5, 3.5, 3.0), DVec3::new(0.0, 0.3, 0.0), [60, 44], aov)
 }
 
-/// Which pixels show a node.
+/// For each pixel, true if it shows the node.
 fn shows(node: usize) -> Vec<bool> {
     let depths = [tables(), without(node)].map(|scene| picture(&scene, &seen(Aov::Depth), &[]).pixels);
     let pixels: Vec<bool> = depths[0].iter().zip(&depths[1]).map(|(with, without)| with != without).collect();
@@ -80,7 +80,7 @@ fn other() -> Light {
     spot(DVec3::new(-1.5, 2.5, 0.5), DVec3::ZERO).with(NAME, "other".into())
 }
 
-/// Whether pictures are the same on the pixels that `shows` tells, and on the others.
+/// Compares pictures: true if they agree on the pixels in `shows`, and true if they agree on the others.
 fn same(a: &Picture, b: &Picture, shows: &[bool]) -> [bool; 2] {
     [true, false].map(|there| {
         let mut pixels = a.pixels.iter().zip(&b.pixels).zip(shows).filter(|(_, shows)| **shows == there);
@@ -104,7 +104,7 @@ fn a_node_that_is_left_out_loses_that_light_and_nothing_else() {
             assert_eq!(same(&alone, &all, &shows), [true, false], "{path}");
             assert_eq!(same(&alone, &dark, &shows), [false, true], "{path}");
         }
-        // What names nothing changes nothing. The planted fault is the other table, above.
+        // A path that names no node changes nothing. The planted fault is the other table, above.
         let none = key
             .clone()
             .with(LIGHT_LINK, links(&[], &["tables/chair"]))
@@ -113,7 +113,7 @@ fn a_node_that_is_left_out_loses_that_light_and_nothing_else() {
     }
 }
 
-/// A group stands for what is under it, but for what is told of more closely.
+/// A group's entry holds for its descendants, except for those with an entry of their own.
 ///
 /// Rules: LINK-2
 #[test]
@@ -124,7 +124,7 @@ fn the_deepest_entry_decides() {
         assert_eq!(group, under(links(&[FIRST], &[])));
         assert_eq!(group, under(links(&[], &["floor", SECOND])));
         assert_eq!(under(links(&[SECOND], &["tables"])), under(links(&[SECOND], &[])));
-        // The planted fault: the group alone.
+        // Planted fault: the group alone.
         assert_ne!(group, under(links(&["tables"], &[])));
     }
 }
@@ -135,11 +135,11 @@ fn what_throws_no_shadow_receives_some() {
     for key in keys() {
         let all = drawn(&tables(), std::slice::from_ref(&key));
         let linked = |path: &str| drawn(&tables(), &[key.clone().with(SHADOW_LINK, links(&[], &[path]))]);
-        // The lower table lies in the shadow of the upper one, as before; the floor has lost its own.
+        // The lower table is in the shadow of the upper one, as before; the floor no longer has its shadow.
         let lower = shows(2);
         assert_eq!(same(&linked(FIRST), &all, &lower), [true, false]);
-        // The upper one has the light that it had; with it gone, the scene is lit as without it. Each map is fitted to
-        // all of the scene, so edges of what stays may lie elsewhere by a part of a texel: it stays alone.
+        // The upper one has its light as before. Without it, the scene is lit as if it were absent. Each map is fitted
+        // to all of the scene, so remaining edges may move by a part of a texel: it stays alone.
         let upper = shows(3);
         let nothing = drawn(&tables(), &[key.clone().with(SHADOW_LINK, links(&["floor"], &[]))]);
         assert_eq!(same(&nothing, &all, &upper), [true, false]);
@@ -148,7 +148,7 @@ fn what_throws_no_shadow_receives_some() {
         let is_lit = |picture: &Picture| picture.pixels.iter().filter(|p| p[3] == 1.0).all(|p| p[0] == 1.0);
         assert!(is_lit(&visible(links(&["floor"], &[]))));
         assert!(is_lit(&visible(links(&[], &["tables"]))));
-        // The planted faults: one table still throws its own.
+        // Planted faults: one table still casts its shadow.
         assert!(!is_lit(&visible(links(&[], &[FIRST]))) && !is_lit(&visible(links(&[], &[SECOND]))));
         assert_ne!(linked(FIRST), linked(SECOND));
     }
@@ -175,7 +175,7 @@ fn another_scene_may_have_the_node() {
     }
 }
 
-/// Lights without links keep nothing for them, those with the same links share it, and what nobody needs goes.
+/// Lights without links store nothing for them, lights with the same links share it, and unused data is freed.
 #[test]
 fn only_lights_with_links_take_room() {
     let gpu = Arc::new(Gpu::new().expect("a graphics driver"));
@@ -199,7 +199,7 @@ fn only_lights_with_links_take_room() {
     assert_eq!(taken(&[key, bent]), unlinked);
 }
 
-/// Which nodes are lit draws no map, and which throw shadows draws that light's.
+/// A change of lit nodes draws no map, and a change of shadow casters draws that light's map.
 #[test]
 fn links_draw_what_depends_on_them() {
     for key in keys() {

@@ -1,4 +1,4 @@
-//! Pictures against closed forms. One binary, so that all tests share one device.
+//! Compares pictures with closed forms. One binary, so that all tests share one device.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 

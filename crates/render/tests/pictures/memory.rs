@@ -1,4 +1,4 @@
-//! What is kept, in how little memory it can be done, and when it is given back.
+//! Tests of cached memory, of small budgets, and of its release.
 
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -21,7 +21,7 @@ fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
 }
 
-/// A renderer of its own device, which keeps at most so much.
+/// A renderer with a device of its own, and that budget in bytes.
 fn renderer(backend: Backend, budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
     let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
@@ -51,7 +51,7 @@ fn camera(slot: u64) -> View {
     View { samples: 2, slot, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [150, 140], Aov::Beauty) }
 }
 
-/// At once and in tiles; the most that was kept meanwhile.
+/// Draws at once and in tiles. Also returns the largest number of cached bytes.
 fn pictures(
     renderer: &mut Renderer,
     memory: &MemoryBudget,
@@ -66,8 +66,8 @@ fn pictures(
     (whole, picture.into_pixels(), most)
 }
 
-/// Where there is no room for all maps, those that do not fit are made one after another and used at once: the
-/// picture is the same to the last bit.
+/// Maps that do not fit into the budget are drawn one after another and used at once. The picture is the same to the
+/// last bit.
 #[test]
 fn little_memory_makes_the_same_pictures() {
     for backend in BACKENDS {
@@ -83,7 +83,7 @@ fn little_memory_makes_the_same_pictures() {
         assert!(poor_whole == whole && poor_tiled == tiled);
         assert!(poor.counts().shadow > 7, "maps were made again");
         assert!(most <= budget + MAP, "{most} bytes, and one map more may be in use");
-        // The planted fault: a light whose map was another's.
+        // Planted fault: a light with the map of another.
         let mut other = lights.clone();
         other.swap(0, 2);
         other.truncate(6);
@@ -91,7 +91,7 @@ fn little_memory_makes_the_same_pictures() {
     }
 }
 
-/// A very wide light's map has five faces of half the size, and no other light's room will do for it.
+/// A very wide light's map has five faces of half the size, and cannot reuse the memory of another light.
 #[test]
 fn wide_lights_are_counted_by_their_faces() {
     let backend = Backend::Wgpu;
@@ -108,26 +108,26 @@ fn wide_lights_are_counted_by_their_faces() {
     };
     assert_eq!(maps(&[25.0], &mut renderer), 2 * MAP);
     assert_eq!(maps(&[25.0, 85.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
-    // In the place of the one is no room for the other.
+    // The memory of the one cannot hold the other.
     assert_eq!(maps(&[70.0], &mut renderer), 2 * MAP + 2 * 5 * MAP / 4);
     assert_eq!(renderer.counts().shadow, 6);
 }
 
-/// One device for the tests of what is given back.
+/// One device for the tests of released memory.
 fn shared(backend: Backend) -> &'static Arc<Gpu> {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     GPUS[backend as usize].get_or_init(|| Arc::new(open()))
 }
 
-/// What views of 150 x 140 pixels take, each with the lights of a picture.
+/// Bytes of `count` views of 150 x 140 pixels, each with the lights of a picture.
 fn bytes_of_views(backend: Backend, count: u64) -> std::ops::RangeInclusive<u64> {
     let pixels = 150 * 140;
     match backend {
         // The G-buffer, radiance and a screen's bytes.
         Backend::Wgpu => count * pixels * 44..=count * pixels * 44,
-        // The G-buffer here and there, copied by rows of 2,400 and 600 bytes with gaps, and radiance; what pixels see and what
-        // is added to that, 64 bytes a pixel, in whole blocks of those that see something.
+        // The G-buffer on device and CPU, its copy with padded rows of 2,400 and 600 bytes, and radiance; surfaces and
+        // their sum, 64 bytes per pixel, in whole blocks with at least one surface.
         Backend::Native => {
             let least = pixels * (24 + 24 + 16) + (2560 + 2 * 768) * 140;
             count * least..=count * (least + 64 * 152 * 140)
@@ -149,7 +149,7 @@ fn what_nobody_looks_at_is_given_back() {
         renderer.drop_view(ViewSlot(1));
         let before = memory.total();
 
-        // Views that close; the maps go with the last who needs them.
+        // Views close. Maps are freed with the last view that needs them.
         renderer.render(&camera(1), &lights).unwrap();
         renderer.render(&camera(2), &lights[..2]).unwrap();
         assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
@@ -160,7 +160,7 @@ fn what_nobody_looks_at_is_given_back() {
         renderer.drop_view(ViewSlot(2));
         assert_eq!(memory.total(), before);
 
-        // A still that is given up in the middle.
+        // A still that is cancelled in the middle.
         let mut still = TiledPicture::for_files(&camera(3), &lights, FileNeeds::Values).unwrap();
         for _ in 0..4 {
             assert!(!renderer.advance_tiled(&mut still, Duration::ZERO).unwrap());
@@ -178,7 +178,7 @@ fn what_nobody_looks_at_is_given_back() {
             renderer.render(&camera(1), &instances(&moved)).unwrap();
             assert_eq!(memory.bytes(MemoryKind::ShadowMaps), 3 * MAP);
         }
-        // Nor does one that others watch: each shows a step of it, and a picture under way loses nothing by that.
+        // Neither does a drag that other views watch: each shows a step of it, and a picture under way loses nothing.
         let moved = |step: u32| {
             let mut moved = at_rest.clone();
             let translation = moved[0].transform().translation + DVec3::X * (0.1 * f64::from(step));
@@ -192,7 +192,7 @@ fn what_nobody_looks_at_is_given_back() {
         }
         for step in 6..12 {
             renderer.render_display(&camera(10 + u64::from(step)), &moved(step)).unwrap();
-            // The planted fault: what every view has shown is needed.
+            // Planted fault: every map that a view has shown is needed.
             assert!(memory.bytes(MemoryKind::ShadowMaps) <= 4 * MAP, "{backend:?}, step {step}");
         }
         assert_eq!(renderer.counts().shadow, before + 7);
@@ -203,14 +203,14 @@ fn what_nobody_looks_at_is_given_back() {
     }
 }
 
-/// A light that nothing shadows has a map of no size, and one only, however many pictures it is in; the map from before
+/// A light without shadows has a single map of minimal size, regardless of the number of pictures. The map from before
 /// stays for when shadows are back.
 #[test]
 fn pictures_of_a_light_without_shadows_keep_nothing_more() {
     for backend in BACKENDS {
         let (mut renderer, memory) = renderer(backend, 1 << 30);
         let kept = |memory: &MemoryBudget| memory.bytes(MemoryKind::ShadowMaps);
-        // A map of the processor serves lights of every shape: the second light would take the first one's.
+        // A map of the CPU serves lights of every shape: the second light would take the first one's.
         let shapes = if backend == Backend::Wgpu { 2 } else { 1 };
         for light in lights(shapes) {
             let with = instances(std::slice::from_ref(&light));
@@ -240,7 +240,7 @@ fn pictures_of_a_light_without_shadows_keep_nothing_more() {
     }
 }
 
-/// What lies in buffers lies in memory too where the processor draws lights, is counted, and goes with the scene.
+/// On the native backend, buffers have copies in CPU memory. They are counted, and freed with the scene.
 #[test]
 fn arrays_of_scenes_are_counted_where_the_processor_draws() {
     // Two white texels: a color of four times 16 bits, and data of four times 8.

@@ -1,4 +1,4 @@
-//! Input that is legal and unkind.
+//! Tests of valid but extreme input.
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, Vec4};
 use light::parameters::{CONE_ANGLE, INTENSITY, NAME, RANGE, SCALE, TRANSLATION};
@@ -32,7 +32,7 @@ fn every_size_works() {
 
 #[test]
 fn rows_come_from_the_top_and_columns_from_the_left() {
-    // A patch to the right of and nearer than the middle, seen from above: in the lower right of the picture.
+    // A patch right of the center and nearer than it, seen from above: in the lower right of the picture.
     let patch = (
         square(),
         DAffine3::from_scale_rotation_translation(
@@ -48,8 +48,8 @@ fn rows_come_from_the_top_and_columns_from_the_left() {
     assert!(there.iter().all(|i| i % 9 > 4 && i / 9 > 4), "{there:?}");
 }
 
-/// So much lies in one place that the device is given it in parts, which begin in the midst of what has one material. Without
-/// parts, as of two sheets, the same is seen.
+/// The depth complexity is so great that the device gets the scene in parts, which begin in the middle of a material.
+/// Without parts, as with two sheets, the picture is the same.
 #[test]
 fn the_topmost_of_many_sheets_is_seen() {
     let camera = |aov| view(DVec3::new(0.0, 3.0, 0.1), DVec3::ZERO, [301, 301], aov);
@@ -197,7 +197,7 @@ fn impossible_views_are_refused_with_a_sentence() {
     assert!(ALL.iter().all(|aov| aov.name().parse() == Ok(*aov)));
 }
 
-/// One that holds no numbers never comes to a renderer; one that is out of reach has no picture of its own.
+/// A light with invalid numbers never gets to a renderer; an AOV of a light out of reach is an error.
 #[test]
 fn impossible_lights_are_refused() {
     let good = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [5, 4], Aov::Beauty);
@@ -207,7 +207,7 @@ fn impossible_lights_are_refused() {
     assert!(matches!(refused(&View { aov: Aov::T, ..good }, &[far]), RenderError::OutOfReach(_)));
 }
 
-/// What is out of reach is left out, and the other lights shine.
+/// A light out of reach is left out, and the other lights still count.
 #[test]
 fn lights_out_of_reach_are_left_out() {
     let near = named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO));
@@ -227,7 +227,7 @@ fn lights_out_of_reach_are_left_out() {
         assert_eq!(SceneBounds::from(&tables()).undrawable_of([&checked(&light)]).len(), 1, "{light:?}");
         assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
     }
-    // The planted fault: the near one left out as well.
+    // Planted fault: the near one left out as well.
     assert_ne!(picture(&tables(), &view, &[]), alone);
     // Just within reach everything is finite.
     let edge = [

@@ -1,4 +1,4 @@
-//! A spotlight without obstacles, against the formulas in f64.
+//! Compares a spotlight without occluders with the formulas in f64.
 
 use std::f64::consts::PI;
 
@@ -61,11 +61,11 @@ fn brdf(to_light: DVec3, to_eye: DVec3, base: f64, metallic: f64, roughness: f64
     (1.0 - fresnel) * (1.0 - metallic) * base / PI + fresnel * distribution * 0.5 / correlated
 }
 
-/// Largest difference between a beauty picture of the floor and `radiance`, over 1e-4 of it plus 1e-5 of its
+/// Largest difference between a beauty picture of the floor and `radiance`, relative to 1e-4 of it plus 1e-5 of its
 /// maximum.
 ///
-/// 1e-4: the smoothstep's slope at the edge of the cone, 1.5 over a range of 0.05 in the cosine, makes some
-/// 40 of each of the few 6e-8 that the position is rounded by; a roughness of whole tenths is stored exactly.
+/// 1e-4: the smoothstep's slope at the edge of the cone, 1.5 over a range of 0.05 in the cosine, amplifies each of the
+/// few 6e-8 by which the position is rounded to about 40. A roughness that is a multiple of a tenth is stored exactly.
 fn worst_ratio(beauty: &Picture, radiance: impl Fn(DVec3) -> f64) -> f64 {
     let view = camera(Aov::Beauty);
     let pixels: Vec<_> = on_plane(beauty, &view, DVec3::Y, 0.0).map(|(p, c)| (radiance(p), c[0])).collect();
@@ -90,7 +90,7 @@ fn radiance_is_the_closed_form() {
             };
             let scene = plane(base as f32, metallic as f32, roughness as f32);
             let beauty = picture(&scene, &camera(Aov::Beauty), &[named(light.clone())]);
-            // A base colour of 1/4 is stored as 127.5 / 255, rounded: its own half step comes on top.
+            // A base color of 1/4 is stored as 127.5 / 255, rounded: its own half step is added.
             let storage = if base == 0.25 { 0.5 / 127.5 * 2.0 * 1e4 } else { 0.0 };
             let worst = worst_ratio(&beauty, radiance);
             assert!(
@@ -128,7 +128,7 @@ fn narrow_wide_hard_and_soft_cones_keep_their_edge() {
                     continue;
                 }
                 let (cosine, _) = polar(&light, point);
-                // f32 places a point of size 20 to 1e-6, which at 3 away is 1e-6 rad.
+                // f32 places a point of size 20 to 1e-6, which at distance 3 is 1e-6 rad.
                 if (cosine.min(1.0).acos() - cone_angle.to_radians()).abs() > 1e-5 {
                     assert_eq!(value[3] == 1.0, cosine > edge, "{cone_angle} {cone_softness} {point}");
                     let bright = cosine.acos() < cone_angle.to_radians() * (1.0 - cone_softness).min(0.99);

@@ -1,4 +1,4 @@
-//! Shadows of a spotlight where similar triangles say.
+//! Compares shadows of a spotlight with those by similar triangles.
 
 use glam::{DAffine3, DQuat, DVec3};
 use light::parameters::{CONE_ANGLE, DECAY};
@@ -26,8 +26,8 @@ fn camera() -> View {
     view(DVec3::new(0.0, 0.9, 3.0), DVec3::ZERO, [211, 151], Aov::Visibility)
 }
 
-/// How many pixels of the floor, further than two texels from the edge of a square shadow of `half`, are
-/// wrong, and how many are in that shadow.
+/// Number of wrong pixels of the floor, farther than two texels from the edge of a square shadow of `half_size`, and
+/// number in that shadow.
 fn wrong(half_size: f64) -> (usize, usize) {
     let view = camera();
     let lit = picture(&blocker(), &view, &[named(lamp())]);
@@ -49,20 +49,20 @@ fn a_square_casts_the_square_that_similar_triangles_say() {
     let (wrong_pixels, in_shadow) = wrong(0.25 * 1.5);
     assert!(in_shadow > 200, "{in_shadow}");
     assert_eq!(wrong_pixels, 0);
-    // The planted faults: no perspective, and a shadow three texels too large.
+    // Planted faults: no perspective, and a shadow three texels too large.
     assert!(wrong(0.25).0 > 0);
     assert!(wrong(0.25 * 1.5 + 3.0 * 2.46e-3).0 > 0);
 }
 
-/// Maps are fitted to what throws shadows that can be seen, which a floor does not: beyond that a floor is lit, however much
-/// farther away or nearer it lies there under a slanted light.
+/// Maps are fitted to casters with visible shadows, which a floor is not. Beyond the map a floor is lit, however much
+/// farther or nearer it is there under a slanted light.
 #[test]
 fn a_floor_is_lit_beyond_what_stands_on_it() {
     let view = camera();
     let source = DVec3::new(0.9, 3.0, 0.6);
     let lamp = spot(source, DVec3::ZERO).with(CONE_ANGLE, 40.0).with(DECAY, Decay::None);
     let lit = picture(&blocker(), &view, &[named(lamp)]);
-    // Where light to the floor passes the blocker's height, two thirds of the way.
+    // The point where light to the floor passes the blocker's height, two thirds of the way.
     let aside = |point: DVec3| {
         let at = source + (point - source) * (2.0 / 3.0);
         at.x.abs().max(at.z.abs()) - 0.25
@@ -78,8 +78,8 @@ fn a_floor_is_lit_beyond_what_stands_on_it() {
     assert!(counts[0] > 100 && counts[1] > 5_000, "{counts:?}");
 }
 
-/// From straight down to grazing, near the camera's near plane and far from it; nor do two planes in one place shadow each
-/// other, a carpet on its floor.
+/// From straight down to grazing, near the camera's near plane and far from it. Two coincident planes, such as a carpet
+/// on its floor, do not shadow each other either.
 #[test]
 fn a_bare_plane_never_shadows_itself() {
     let bare = scene_of([floor(50.0, 0.0)], vec![Material::default()]);
@@ -96,7 +96,7 @@ fn a_bare_plane_never_shadows_itself() {
             dark
         };
         assert_eq!([&bare, &carpeted].map(counts), [0, 0], "height {height}, near plane {znear}");
-        // The planted fault: a carpet that hangs over its floor.
+        // Planted fault: a carpet that hangs over its floor.
         let hanging = scene_of([floor(50.0, 0.0), floor(1.3, 0.04)], vec![Material::default()]);
         assert!(counts(&hanging) > 10, "height {height}");
     }
@@ -104,8 +104,7 @@ fn a_bare_plane_never_shadows_itself() {
 
 #[test]
 fn contact_shadows_reach_the_contact() {
-    // An upright wall on the floor, lit from behind at 45 degrees: the floor in front of it is dark from its
-    // foot on.
+    // An upright wall on the floor, lit from behind at 45 degrees: the floor in front of it is dark from its foot on.
     let wall = DAffine3::from_scale_rotation_translation(
         DVec3::splat(0.5),
         DQuat::from_rotation_x(std::f64::consts::FRAC_PI_2),
@@ -121,8 +120,7 @@ fn contact_shadows_reach_the_contact() {
     let texel = 2.0 * 18.0_f64.sqrt() * 30.0_f64.to_radians().tan() / 2048.0;
     let (mut compared, mut leaking) = (0, 0);
     for (point, value) in on_plane(&lit, &view, DVec3::Y, 0.0) {
-        // In front of the wall, from two texels (sqrt 2 longer on the floor) off its foot; the shadow is 1
-        // long.
+        // In front of the wall, from two texels (sqrt 2 longer on the floor) off its foot; the shadow is 1 long.
         if point.x.abs() < 0.4 && point.z > 3.0 * texel && point.z < 0.5 {
             compared += 1;
             leaking += usize::from(value[0] > 0.0);

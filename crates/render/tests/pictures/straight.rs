@@ -1,4 +1,4 @@
-//! A BendyLight that is still straight is drawn as the spotlight that it is.
+//! A BendyLight that is still straight is drawn as the equal spotlight.
 
 use glam::DVec3;
 use light::parameters::{
@@ -21,7 +21,7 @@ fn seen(aov: Aov) -> View {
     view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [97, 71], aov)
 }
 
-/// As pictures are drawn for people.
+/// A renderer with default settings.
 fn as_for_people() -> Renderer {
     let mut renderer = renderer(&tables());
     renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
@@ -32,7 +32,7 @@ fn key() -> Light {
     named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.1, 0.0, -0.2)))
 }
 
-/// Spotlights that differ in each way that a lighting pass is compiled or placed by.
+/// Spotlights that differ in each property that a lighting pass is compiled or placed by.
 fn spots() -> Vec<Light> {
     let key = key();
     let scaled = light::Transform { scale: 0.3, ..key.transform() };
@@ -57,7 +57,7 @@ fn spots() -> Vec<Light> {
     ]
 }
 
-/// To the bit, whatever its parameters, in every quantity that does not show its curve.
+/// Equal to the bit, for all parameters, in every AOV that does not show the curve.
 #[test]
 fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
     let mut renderer = as_for_people();
@@ -74,7 +74,7 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
             assert!(draw(&bent, aov) == expected, "{aov:?} of {spot:?}");
         }
     }
-    // The planted faults: an end that lies a hundredth beside the cone, and the same light by another technique.
+    // Planted faults: an end that is a hundredth beside the cone, and the same light drawn as a bent one.
     let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
     let aside = bent.clone().map_points(|k, point| {
         if k == 4 {
@@ -87,7 +87,7 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
     assert!(own != expected);
 }
 
-/// Bending draws nothing at all, a control point that moves by a hair its own map, and no more when it is back.
+/// Bending draws nothing. A control point that moves minimally draws its own map, and nothing once it is back.
 #[test]
 fn bending_draws_nothing() {
     let mut renderer = as_for_people();
@@ -110,7 +110,7 @@ fn bending_draws_nothing() {
     assert_eq!(drawn(&key()), [0, 0, 0]);
 }
 
-/// Its place along the curve is a BendyLight's: t and the wireframe are drawn by its own way.
+/// AOVs along the curve, t and the wireframe, are those of the BendyLight.
 #[test]
 fn what_shows_the_curve_is_a_bendy_lights() {
     let (mut straight, mut by_itself) = (as_for_people(), renderer(&tables()));
@@ -122,7 +122,7 @@ fn what_shows_the_curve_is_a_bendy_lights() {
     let t = straight.render(&seen(Aov::T), &bent).expect("drawn");
     let most = t.pixels.iter().map(|pixel| pixel[0]).fold(0.0, f32::max);
     assert!(most > 2.5, "t goes on to {most}");
-    // The planted fault: a spotlight's own t, which is 0 without a range.
+    // Planted fault: a spotlight's own t, which is 0 without a range.
     let spot = straight.render(&seen(Aov::T), &instances(&[key()])).expect("drawn");
     assert!(spot.pixels.iter().all(|pixel| pixel[0] == 0.0));
     assert_ne!(unstraightened(), ShadowSettings::default());

@@ -1,4 +1,4 @@
-//! Scenes small enough to know everything about, and the device that all tests share.
+//! Small scenes with known results, and the device that all tests share.
 
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
@@ -11,22 +11,20 @@ use scene::{Camera, Material, Mesh, Node, Primitive, Projection, Scene};
 /// 2^-24: half an ulp of 1 in f32.
 pub const EPS: f64 = f64::EPSILON * 268_435_456.0;
 
-/// Who may draw shadows and lights.
 pub const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
-/// The device.
 pub fn gpu() -> Arc<Gpu> {
     gpu_of(Backend::Wgpu)
 }
 
-/// The device, with lights drawn by `backend`.
+/// The shared device, with lights drawn by `backend`.
 pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     Arc::clone(GPUS[backend as usize].get_or_init(|| Arc::new(open())))
 }
 
-/// BendyLights are drawn by their own way, straight ones too: tests compare them with spotlights.
+/// Settings that draw straight BendyLights with bent maps: tests compare them with spotlights.
 pub fn unstraightened() -> ShadowSettings {
     ShadowSettings { straighten: false, ..ShadowSettings::default() }
 }
@@ -36,7 +34,7 @@ pub fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// A renderer of `scene` whose lights `backend` draws, with those settings.
+/// A renderer of `scene` with those settings, on `backend`.
 pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     let mut renderer = Renderer::new(gpu_of(backend)).expect("the device works");
@@ -45,13 +43,12 @@ pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     renderer
 }
 
-/// One picture of `scene`, by a renderer that all tests share: compiling for a new one takes longer than
-/// drawing.
+/// A picture of `scene`, from a renderer that all tests share: compiling for a new one takes longer than drawing.
 pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     scene.check().expect("test scenes keep their promises");
     let shared = SHARED.get_or_init(|| Mutex::new(renderer(&Scene::default())));
-    // A test that failed with the lock held has left nothing half done: drawing starts anew with the scene.
+    // A test that failed with the lock held has left nothing incomplete: drawing restarts with the scene.
     let mut shared = shared.lock().unwrap_or_else(PoisonError::into_inner);
     shared.set_scene(&scene::pose(scene.clone())).expect("test scenes fit");
     let picture = shared.render(view, &instances(lights)).expect("test pictures can be made");
@@ -71,7 +68,7 @@ pub fn square() -> Primitive {
     }
 }
 
-/// A scene of meshes, each in its place; without fill.
+/// A scene of meshes, each with its transform; without fill.
 pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, materials: Vec<Material>) -> Scene {
     let mut scene = Scene { materials, ..Scene::default() };
     scene.fill.sky = DVec3::ZERO;
@@ -84,7 +81,7 @@ pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, material
     scene
 }
 
-/// A square of `half` the size, at `height`, in a material that is white and rough.
+/// A square scaled by `half`, at `height`, in a white and rough material.
 pub fn floor(half: f64, height: f64) -> (Primitive, DAffine3) {
     let placement =
         DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, DVec3::Y * height);
@@ -128,7 +125,7 @@ pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
     LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
-/// Origin and direction of the ray through the centre of a pixel; the direction is 1 long along the view axis.
+/// Origin and direction of the ray through the center of a pixel; the direction is 1 long along the view axis.
 pub fn ray_in_world(view: &View, x: usize, y: usize) -> (DVec3, DVec3) {
     let ndc_x = (2 * x + 1) as f64 / f64::from(view.width) - 1.0;
     let ndc_y = 1.0 - (2 * y + 1) as f64 / f64::from(view.height);
@@ -160,7 +157,6 @@ pub fn on_plane<'a>(
     })
 }
 
-/// What passes have run between two counts.
 pub fn since(before: PassCounts, after: PassCounts) -> PassCounts {
     PassCounts {
         gbuffer: after.gbuffer - before.gbuffer,

@@ -1,4 +1,4 @@
-//! Where the surface is, and which way it faces.
+//! Tests of the position and orientation of surfaces.
 
 use glam::{DAffine3, DQuat, DVec3, Vec2, Vec3};
 use render::{Aov, Picture, View};
@@ -6,19 +6,18 @@ use scene::{Image, Material, Projection, Sampler, Scene, TextureRef};
 
 use crate::support::{EPS, floor, picture, ray_in_world, scene_of, square, view};
 
-/// A square tilted in all axes about `middle`, and its unit normal.
+/// A square tilted in all axes about `center`, and its unit normal.
 fn tilted(center: DVec3) -> (Scene, DVec3) {
     let rotation = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(-0.3);
     let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(2.0), rotation, center);
     (scene_of([(square(), placement)], vec![Material::default()]), rotation * DVec3::Y)
 }
 
-/// The largest error of a depth picture of the plane through `middle`, over its bound; and how many pixels
-/// were compared.
+/// Largest error of a depth picture of the plane through `center`, relative to its bound, and the number of compared
+/// pixels.
 ///
-/// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of
-/// three products of rounded numbers no larger than the scene and the eye's distance from its centre: 8
-/// roundings.
+/// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of three
+/// products of rounded numbers no larger than the scene and the eye's distance from its center: 8 roundings.
 fn depth_error(depths: &Picture, view: &View, center: DVec3, normal: DVec3) -> (f64, usize) {
     let mut worst = (0.0, 0);
     for (i, pixel) in depths.pixels.iter().enumerate().filter(|(_, p)| p[3] == 1.0) {
@@ -48,7 +47,7 @@ fn depth_is_where_the_ray_meets_the_plane() {
         let (worst, compared) = depth_error(&depths, &view, DVec3::ZERO, normal);
         assert!(compared > 300);
         assert!(worst <= 1.0, "{projection:?}: {worst} times the bound");
-        // The planted fault: rays through the corners of the pixels instead of their centres.
+        // Planted fault: rays through the corners of the pixels instead of their centers.
         let shift = ray_in_world(&view, 1, 1).1 - ray_in_world(&view, 0, 0).1;
         let mut shifted = view.clone();
         match &mut shifted.camera.projection {
@@ -105,7 +104,7 @@ fn normals_face_the_viewer_and_one_sided_backs_are_not_drawn() {
 
 #[test]
 fn normals_of_stretched_spheres_stay_perpendicular() {
-    // A square with a slanted normal field, stretched: normals go with the inverse transpose.
+    // A square with a slanted normal field, stretched: normals transform with the inverse transpose.
     let mut primitive = square();
     primitive.normals = vec![Vec3::new(0.6, 0.8, 0.0); 4];
     let scene =
@@ -114,11 +113,11 @@ fn normals_of_stretched_spheres_stay_perpendicular() {
     let [x, y, z, _] = middle(&scene, DVec3::new(0.3, 2.0, 0.2)).map(f64::from);
     // Octahedral in 16 bits: half a step of 1 / 32767 in each of two coordinates, stretched up to sqrt(3) / 1.
     assert!((DVec3::new(x, y, z) - expected).length() < 1.0 / 32767.0 * 3.0_f64.sqrt());
-    // The fault: normals taken along like directions.
+    // The fault: normals transformed like directions.
     assert!((DVec3::new(0.6 * 4.0, 0.8 * 0.5, 0.0).normalize() - expected).length() > 0.5);
 }
 
-/// A texture whose left half is one colour and whose right half another.
+/// A texture whose left and right halves have different colors.
 fn halves(left: [u8; 4], right: [u8; 4]) -> (Image, TextureRef) {
     let image = Image { width: 2, height: 1, rgba8: [left, right].concat() };
     let sampler = Sampler { nearest: true, ..Sampler::default() };
@@ -147,7 +146,7 @@ fn alpha_below_the_cutoff_is_not_there() {
 
 #[test]
 fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
-    // 188 in sRGB is 0.5029 linear; the red factor is 0.5; a vertex colour halves green.
+    // 188 in sRGB is 0.5029 linear; the red factor is 0.5; a vertex color halves green.
     let (image, texture) = halves([188, 188, 0, 255], [255, 255, 255, 255]);
     let mut primitive = textured_floor();
     primitive.colors = vec![glam::Vec4::new(1.0, 0.5, 1.0, 1.0); 4];
@@ -158,8 +157,7 @@ fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
     scene.fill.sky = DVec3::ONE;
     scene.fill.ground = DVec3::ONE;
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[]);
-    // A fill of 1 returns the base colour, stored as its square root in 8 bits: half a step is 1 / 255
-    // relative at 1/4.
+    // A fill of 1 returns the base color, stored as its square root in 8 bits: half a step is 1 / 255 relative at 1/4.
     let near = |a: [f32; 4], b: [f32; 3]| {
         a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1.1 * b.sqrt() / 255.0 + 1e-4)
     };
@@ -172,7 +170,7 @@ fn textures_vertex_colours_and_factors_multiply_in_linear_light() {
 
 #[test]
 fn metal_and_roughness_come_from_blue_and_green() {
-    // A metal mirrors the fill; this one is seen from above, so rough or not it mirrors what is above: the sky.
+    // A metal mirrors the fill. This one is seen from above, so it mirrors the sky, whether rough or not.
     let (image, texture) = halves([0, 255, 255, 255], [0, 0, 0, 255]);
     let material =
         Material { metallic: 1.0, metallic_roughness_texture: Some(texture), ..Material::default() };
@@ -180,8 +178,8 @@ fn metal_and_roughness_come_from_blue_and_green() {
     scene.images.push(image);
     let light = crate::support::named(crate::support::spot(DVec3::new(0.0, 3.0, 0.0), DVec3::ZERO));
     let beauty = picture(&scene, &view(DVec3::Y * 2.0, DVec3::ZERO, [9, 9], Aov::Beauty), &[light]);
-    // Rough metal next to a perfectly smooth dielectric: off the highlight, the first is GGX of a white
-    // metal, the second Lambert.
+    // Rough metal next to a perfectly smooth dielectric: off the highlight, the first is GGX of a white metal, the
+    // second Lambert.
     let (metal, dielectric) = (beauty.pixels[4 * 9 + 2][0], beauty.pixels[4 * 9 + 6][0]);
     assert!(metal > 0.0 && dielectric > 0.0 && (metal - dielectric).abs() > 0.05 * dielectric);
 }
@@ -190,7 +188,7 @@ fn metal_and_roughness_come_from_blue_and_green() {
 fn hidden_surfaces_are_hidden() {
     let scene = scene_of([floor(3.0, 0.0), floor(0.5, 1.0), floor(0.2, -1.0)], vec![Material::default()]);
     let depths = picture(&scene, &view(DVec3::Y * 4.0, DVec3::ZERO, [31, 31], Aov::Depth), &[]);
-    // Heights are rounded in f32 against the scene's centre: a few ulps of 4.
+    // Heights are rounded in f32 relative to the scene's center: a few ulps of 4.
     let is = |pixel: [f32; 4], depth: f32| (pixel[0] - depth).abs() < 8.0 * f32::EPSILON;
     assert!(is(depths.pixels[15 * 31 + 15], 3.0));
     assert!(is(depths.pixels[2 * 31 + 2], 4.0));

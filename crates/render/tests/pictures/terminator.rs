@@ -1,4 +1,4 @@
-//! Where light grazes a smooth mesh of few facets.
+//! Tests of grazing light on a smooth mesh of few facets.
 
 use glam::{DAffine3, DVec3, Vec3};
 use light::Light;
@@ -23,8 +23,8 @@ fn ball(n: u32) -> Primitive {
     Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
 }
 
-/// Pixels in the light that are lit where their normal faces away from it, or dark where it faces it, by more than a
-/// cosine of `margin`; and all pixels in the light.
+/// Number of wrong pixels in the light: lit although their normal faces away, or dark although it faces the light, by
+/// more than a cosine of `margin`. Also the number of all pixels in the light.
 fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
     let draw = |aov| -> Picture {
         let seen = view(DVec3::new(0.5, 1.0, 4.0), DVec3::ZERO, [160, 120], aov);
@@ -52,12 +52,12 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
     for facets in [6, 12, 24] {
         let scene = scene_of([(ball(facets), DAffine3::IDENTITY)], vec![Material::default()]);
         for light in [&key, &bent] {
-            // Normals are packed to 2^-15 an axis.
+            // Normals are packed to 2^-15 per axis.
             let (wrong, in_light) = wrong(&scene, light, 1e-4);
             assert!(in_light > 2500);
             assert_eq!(wrong, 0, "{facets} facets, of {in_light}");
         }
-        // The planted fault, and how it was: by the facets' own normals.
+        // Planted fault, and the former behavior: the facets' own normals.
         let mut faceted = ball(facets);
         let corners: Vec<_> = faceted.indices.iter().map(|&k| faceted.positions[k as usize]).collect();
         let facet = |[a, b, c]: &[Vec3; 3]| [(*b - *a).cross(*c - *a).normalize_or_zero(); 3];

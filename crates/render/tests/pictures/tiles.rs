@@ -1,4 +1,4 @@
-//! Pictures that are drawn in tiles are the pictures that are drawn at once.
+//! Pictures drawn in tiles equal those drawn at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -51,7 +51,7 @@ fn things_with_holes() -> Scene {
     scene
 }
 
-/// Of radius 0.5, with normals of its own.
+/// A ball of radius 0.5, with its own normals.
 fn ball() -> Primitive {
     let (rows, columns) = (12_u32, 24_u32);
     let normals: Vec<Vec3> = (0..=rows)
@@ -86,7 +86,7 @@ fn camera(size: [u32; 2], aov: Aov, samples: u32) -> View {
     View { samples, ..view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, size, aov) }
 }
 
-/// In tiles as small as they get; other pictures come between.
+/// Draws in tiles of the smallest size, with other pictures in between.
 fn tiled(
     renderer: &mut Renderer,
     mut picture: TiledPicture,
@@ -122,7 +122,7 @@ fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Pictu
     (picture, turns)
 }
 
-/// A floor of one colour, and on it a carpet of another that lies higher by less than f32 can tell.
+/// A floor of one color, and on it a carpet of another that is higher by less than f32 resolves.
 fn carpeted() -> Scene {
     let colored = |base_color| Material { base_color, ..Material::default() };
     let carpet = Primitive { material: 1, ..square() };
@@ -137,7 +137,7 @@ fn carpeted() -> Scene {
     scene_of([(carpet, turned), floor, lamp], colors.map(colored).into())
 }
 
-/// Which of two surfaces in one place is seen does not depend on where a tile begins, and is the same all over.
+/// The choice between two coincident surfaces does not depend on the start of a tile, and is the same all over.
 #[test]
 fn surfaces_in_one_place_are_the_same_ones_in_every_tile() {
     for backend in BACKENDS {
@@ -154,8 +154,8 @@ fn surfaces_in_one_place_are_the_same_ones_in_every_tile() {
     }
 }
 
-/// The same pixels are covered and every ray is the same to the last bit, so what depends on those is, too: holes, colours of
-/// textures and all.
+/// The same pixels are covered and every ray is the same to the last bit, and so is everything that depends on them:
+/// holes, colors of textures and the rest.
 #[test]
 fn tiles_make_up_the_picture() {
     for backend in BACKENDS {
@@ -168,7 +168,7 @@ fn tiles_make_up_the_picture() {
             assert_eq!(count, 0, "{aov:?}: {count} values differ, by up to {error}");
             // 3 x 2 tiles of at least 128 x 128 pixels, each with its samples and lights.
             assert!(turns >= 6, "{turns}");
-            // The planted faults: a tile one pixel beside its place, and one sample for two.
+            // Planted faults: a tile shifted by one pixel, and one sample in place of two.
             let mut shifted = tiled.clone();
             shifted.pixels.rotate_right(1);
             assert!(differences(&whole, &shifted).1 > 1e-2, "{aov:?}");
@@ -180,7 +180,7 @@ fn tiles_make_up_the_picture() {
     }
 }
 
-/// What a screen shows is as near.
+/// A screen's picture agrees as closely.
 #[test]
 fn tiles_make_up_the_screen() {
     for backend in BACKENDS {
@@ -192,14 +192,14 @@ fn tiles_make_up_the_screen() {
             panic!("bytes")
         };
         assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
-        // The planted fault: rows in another order.
+        // Planted fault: rows in another order.
         let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
         assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
     }
 }
 
-/// A file's picture is drawn as one long turn draws it, and says on the way how much of it is drawn: in samples of pixels,
-/// after every sample of every tile.
+/// A file's picture equals that of one long turn. It reports its progress in samples of pixels, after every sample of
+/// every tile.
 #[test]
 fn a_file_says_how_far_it_is() {
     for backend in BACKENDS {
@@ -225,7 +225,7 @@ fn a_file_says_how_far_it_is() {
     }
 }
 
-/// Where no uv is interpolated nothing at all differs, however many samples there are and however often others come between.
+/// Without interpolated uv nothing differs, for any number of samples and interruptions.
 #[test]
 fn samples_in_tiles_are_those_of_the_picture_to_the_bit() {
     for backend in BACKENDS {
@@ -236,14 +236,14 @@ fn samples_in_tiles_are_those_of_the_picture_to_the_bit() {
         // 2 x 2 tiles or more, with a turn for each light of each sample.
         assert!(turns >= 4 * 3 * 3, "{turns}");
         assert_eq!(differences(&whole, &tiled), (0, 0.0), "{backend:?}");
-        // The planted fault: lights in another order add up to other bits.
+        // Planted fault: lights in another order add up to other bits.
         let mut turned = lights();
         turned.rotate_left(1);
         assert_ne!(differences(&whole, &renderer.render(&view, &turned).unwrap()).0, 0);
     }
 }
 
-/// However many turns it takes, each shadow map is made once, and a picture at rest has those of the one that moved.
+/// Each shadow map is drawn once, for any number of turns, and a final picture uses those of the moving one.
 #[test]
 fn tiles_share_their_shadow_maps() {
     for backend in BACKENDS {
@@ -262,7 +262,7 @@ fn tiles_share_their_shadow_maps() {
     }
 }
 
-/// A bent map that the device draws gives way in its middle; wherever a picture is given up, the next one is right.
+/// A bent map on the GPU yields in the middle. After a cancellation at any point, the next picture is correct.
 #[test]
 fn a_bent_map_of_the_device_gives_way_in_its_middle() {
     let left = Arc::new(AtomicU32::new(u32::MAX));
@@ -290,7 +290,7 @@ fn a_bent_map_of_the_device_gives_way_in_its_middle() {
             bent.light.light().clone().with(TRANSLATION, at),
         ])
     });
-    // The picture, and how often it gives way; given up where it would do so more often than `most`.
+    // The picture and its number of yields; cancelled if there would be more than `most`.
     let mut draw = |lights: &[LightInstance], most: u32| {
         left.store(most + 1, Ordering::Relaxed);
         let mut picture = TiledPicture::for_screen(&view, lights).unwrap();

@@ -1,10 +1,10 @@
-//! Paths of nodes, and what links leave of a scene.
+//! Paths of nodes, and the nodes that links select.
 
 use glam::DAffine3;
 use light::Links;
 use scene::{Node, NodeTree, Scene};
 
-/// Nodes by names and parents; all have a mesh but those that are called `empty`.
+/// Makes nodes from names and parents. All have a mesh except those named `empty`.
 fn tree(nodes: &[(&str, Option<usize>)]) -> NodeTree {
     let node = |&(name, parent): &(&str, Option<usize>)| Node {
         name: name.into(),
@@ -67,12 +67,12 @@ fn the_deepest_entry_decides() {
     assert_eq!(left(&["room", "room/table/vase#2"], &["room/table"]), [1, 0, 0, 1, 0]);
     assert_eq!(left(&["room/table"], &["room"]), [0, 1, 1, 1, 0], "whichever list it stands in");
     assert_eq!(left(&["room/table"], &["room/table"]), [0; 5], "of two exclude counts");
-    // What names nothing changes nothing; and who includes only that includes nothing.
+    // Unknown paths have no effect, but a list of unknown includes still includes nothing.
     assert_eq!(left(&[], &["room/chair"]), [1; 5]);
     assert_eq!(left(&["room/chair"], &[]), [0; 5]);
 }
 
-/// Paths are told within limits, however deep a scene is.
+/// Lists stay within their limits however deep a scene is.
 #[test]
 fn what_is_drawn_is_listed_within_limits() {
     let tree = tree(&[("empty", None), ("lid", Some(0)), ("empty", None), ("empty", Some(2)), ("pot", None)]);

@@ -1,4 +1,4 @@
-//! Poses, the framing camera, and what `Scene::check` catches.
+//! Poses, the framing camera, and errors of `Scene::check`.
 
 #![expect(clippy::disallowed_methods, reason = "what is expected is computed within bounds, not to the bit")]
 
@@ -10,7 +10,7 @@ fn node(parent: Option<usize>, parent_from_local: DAffine3, mesh: Option<usize>)
     Node { name: String::new(), parent, parent_from_local, mesh }
 }
 
-/// One triangle, on a node under a moved and a scaled one.
+/// One triangle. Its node lies under a moved and a scaled node.
 fn nested() -> Scene {
     let primitive = Primitive {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.0, 2.0, 1.0)],
@@ -37,9 +37,9 @@ fn placements_are_composed_from_the_root() {
     let posed = pose(scene.clone());
     let [primitive] = posed.primitives[..] else { panic!("one node has a mesh") };
     assert_eq!((primitive.node, primitive.mesh_and_primitive), (2, [0, 0]));
-    // 10 + 2 (10 + 1): outer first.
+    // 10 + 2 (10 + 1): the outermost transform applies last.
     assert_eq!(primitive.world_from_local.transform_point3(DVec3::X), DVec3::new(32.0, 0.0, 0.0));
-    // Scene space begins in the middle of the bounds.
+    // The origin of scene space is the centre of the bounds.
     assert_eq!(posed.origin_in_world, DVec3::new(31.0, 2.0, 1.0));
     assert_eq!(posed.half_extent, DVec3::new(1.0, 2.0, 1.0));
     assert_eq!(posed.positions[1], DVec3::new(1.0, -2.0, -1.0));
@@ -47,7 +47,7 @@ fn placements_are_composed_from_the_root() {
     assert_eq!(world_bounds(&Scene::default()), None);
 }
 
-/// A node that mirrors exchanges two corners, so that triangles keep their front; others do not.
+/// A mirroring node swaps two corners, so that triangles keep their front. Other nodes keep the order.
 #[test]
 fn mirrored_triangles_keep_their_front() {
     for (scale, triangle) in [(DVec3::ONE, [0, 1, 2]), (DVec3::NEG_X + DVec3::Y + DVec3::Z, [0, 2, 1])] {
@@ -62,7 +62,7 @@ fn mirrored_triangles_keep_their_front() {
     }
 }
 
-/// Every corner of the bounds is in the picture, wide or tall, and in front of the near plane.
+/// Every corner of the bounds is in the picture, wide or tall, and behind the near plane.
 #[test]
 fn the_framing_camera_sees_everything() {
     let scene = nested();
@@ -87,7 +87,7 @@ fn the_framing_camera_sees_everything() {
     }
 }
 
-/// A square of a side, so high above the ground.
+/// Horizontal square of side `side` at `height`.
 fn square(side: f32, height: f32) -> Primitive {
     let half = side / 2.0;
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];
@@ -99,7 +99,7 @@ fn square(side: f32, height: f32) -> Primitive {
     }
 }
 
-/// A model on a floor three times as wide is framed as if it stood there alone; a floor alone, or a table, is itself.
+/// A model on a floor three times as wide is framed without the floor. A floor alone is framed, and so is a table top.
 #[test]
 fn what_stands_on_a_floor_is_framed() {
     let framed = |primitives: &[Primitive]| {
@@ -117,7 +117,7 @@ fn what_stands_on_a_floor_is_framed() {
     let floor = square(3.0, 0.0);
     assert_eq!(framed(&[&model[..], std::slice::from_ref(&floor)].concat()), alone);
     assert_eq!(framed(&[floor]), (DVec3::new(5.0, 1.0, 0.0), DVec3::new(3.0, 0.0, 3.0)));
-    // A table top is no floor: it is not at the bottom.
+    // A table top is not at the bottom, so it is not a floor.
     let table = [square(3.0, 1.0), square(1.0, 0.0)];
     assert_eq!(framed(&table).1, DVec3::new(3.0, 1.0, 3.0));
 }

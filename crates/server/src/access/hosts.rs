@@ -1,7 +1,7 @@
-//! The names that the server answers to.
+//! Host names of the server.
 //!
-//! A page of another place can have its own name lead to this machine, and then read what the server here answers it: DNS
-//! rebinding. A browser says by `Host` which name it used, and no stranger's page can use an address or `localhost`.
+//! A foreign page can let its own name lead to this machine, and then read the server's answers: DNS rebinding. A
+//! browser tells by `Host` which name it used, and a foreign page cannot use an IP address or `localhost`.
 
 use std::net::{IpAddr, SocketAddr};
 use std::str::FromStr;
@@ -12,27 +12,27 @@ use axum::http::uri::{Authority, Scheme};
 /// An address under which browsers find the server: `https://lights.example.org`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PublicUrl {
-    /// As browsers write it in `Origin`.
+    /// Form that browsers use in `Origin`.
     origin: String,
-    /// Without the port.
+    /// Host name without the port.
     name: String,
 }
 
-/// Whom the server answers.
+/// Host names that the server accepts.
 #[derive(Clone, Debug)]
 pub struct Hosts {
     public: Vec<PublicUrl>,
-    /// Whether any name will do: others can reach the server anyway, and nobody has said what it is called.
+    /// True if any name is accepted: others can reach the server anyway, and no public name is configured.
     allows_any_name: bool,
 }
 
 impl Hosts {
-    /// Of a server that listens on `address`.
+    /// Makes the names of a server that listens on `address`.
     pub fn new(address: SocketAddr, public: &[PublicUrl]) -> Self {
         Self { allows_any_name: !address.ip().is_loopback() && public.is_empty(), public: public.to_vec() }
     }
 
-    /// Whether a request with this `Host` may be meant for the server.
+    /// True if a request with this `Host` may be meant for the server.
     pub fn is_known_host(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let name = authority.host();
@@ -43,7 +43,7 @@ impl Hosts {
             || self.public.iter().any(|url| name.eq_ignore_ascii_case(&url.name))
     }
 
-    /// Whether a page of this `Origin`, which has sent this `Host`, is the server's own.
+    /// True if a page of this `Origin`, whose request has this `Host`, is the server's own.
     pub fn is_own_origin(&self, origin: &str, host: &str) -> bool {
         let place = origin.strip_prefix("http://").or_else(|| origin.strip_prefix("https://"));
         place == Some(host) || self.public.iter().any(|url| url.origin == origin)

@@ -1,4 +1,4 @@
-//! Who may ask: the names that the server answers to, the token, and who somebody is that has shown it.
+//! Access: host names of the server, its token, and the principals of requests.
 
 mod hosts;
 mod principal;

@@ -1,25 +1,24 @@
-//! Who asks: a credential that the server has checked and, under it, the actor that the client names.
+//! A principal: a credential that the server has checked, and the actor that the client names with it.
 //!
-//! The credential is what the server knows; the actor is what it is told, and takes at its word (SPEC, WHO-1). Sessions
-//! are given both in one value, so that credentials of other kinds need no change there.
+//! The server verifies the credential and trusts the client about the actor (SPEC, WHO-1). Sessions get both in one
+//! value, so other kinds of credentials need no change there.
 
 use std::fmt;
 
 use edit::Actor;
 
-/// What somebody has shown to be let in. Made where it is checked, and nowhere else.
+/// Proof of access. Only the check of the proof makes one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Credential {
-    /// The server's token, which all who may use it share.
+    /// The server's token, which all its users share.
     SharedToken,
 }
 
-/// Who asks.
+/// A credential and an actor.
 #[derive(Clone, Debug)]
 pub struct Principal {
-    /// What the server knows of them.
     pub credential: Credential,
-    /// Who they say they are.
+    /// The actor by the client's own claim.
     pub actor: Actor,
 }
 

@@ -1,4 +1,4 @@
-//! The one secret: who has the token may use the server.
+//! The server's only secret: a client with the token may use the server.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -9,7 +9,7 @@ use subtle::ConstantTimeEq;
 use super::principal::Credential;
 use crate::ServerError;
 
-/// 128 random bits, kept in the data folder so that pages stay signed in over a restart.
+/// 128 random bits, stored in the data folder, so pages stay signed in over a restart.
 #[derive(Clone)]
 pub struct Token([u8; DIGITS]);
 
@@ -17,12 +17,13 @@ const DIGITS: usize = 32;
 const FILE: &str = "token";
 
 impl Token {
-    /// The data folder's token.
+    /// Reads or makes the token of the data folder.
     pub(crate) fn in_folder(folder: &Path) -> Result<Self, ServerError> {
         Self::from_file(&folder.join(FILE))
     }
 
-    /// The token in a file, made at the first start. Only the owner can read that, and it is there whole or not at all.
+    /// Reads the token from a file, or makes it at the first start. Only the owner can read the file, which is there as
+    /// a whole or not at all.
     pub(crate) fn from_file(path: &Path) -> Result<Self, ServerError> {
         let unusable = |reason| ServerError::Data { path: path.into(), reason };
         match fs::read_to_string(path) {
@@ -36,7 +37,7 @@ impl Token {
         }
     }
 
-    /// First beside its place. Temporary files are their owner's alone.
+    /// Writes a temporary file and renames it. Only the owner can read temporary files.
     fn write(&self, path: &Path) -> io::Result<()> {
         let folder = path.parent().filter(|folder| *folder != "").unwrap_or(Path::new("."));
         let mut file = tempfile::NamedTempFile::new_in(folder)?;
@@ -55,7 +56,8 @@ impl Token {
         text.as_bytes().try_into().ok().filter(|_| sound).map(Self)
     }
 
-    /// What `text` lets somebody in as, if it is the token. How long that takes says nothing of where they differ.
+    /// Returns the credential if `text` is the token. The time it takes reveals nothing about the position of a
+    /// difference.
     pub(crate) fn verify(&self, text: &str) -> Option<Credential> {
         let is_equal: bool = self.0.as_slice().ct_eq(text.as_bytes()).into();
         is_equal.then_some(Credential::SharedToken)
@@ -67,7 +69,7 @@ impl Token {
     }
 }
 
-/// 128 random bits as hexadecimal digits.
+/// 128 random bits in hexadecimal.
 pub fn random_digits() -> io::Result<String> {
     let mut bytes = [0; DIGITS / 2];
     getrandom::fill(&mut bytes).map_err(io::Error::from)?;

@@ -1,4 +1,4 @@
-//! What handlers answer.
+//! Answers of handlers.
 
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
@@ -8,7 +8,7 @@ use serde::Serialize;
 use crate::ServerError;
 use crate::limits::RETRY_AFTER;
 
-/// What a handler answers.
+/// Result of a handler.
 pub type HandlerResult = Result<Response, ServerError>;
 
 impl IntoResponse for ServerError {
@@ -17,7 +17,7 @@ impl IntoResponse for ServerError {
         let status = StatusCode::from_u16(problem.code.http_status()).unwrap_or(StatusCode::BAD_REQUEST);
         let code = problem.code;
         let mut answer = (status, json(&ErrorBody { error: problem })).into_response();
-        // For who counts them.
+        // The middleware that counts errors reads it.
         answer.extensions_mut().insert(code);
         if matches!(status, StatusCode::SERVICE_UNAVAILABLE | StatusCode::TOO_MANY_REQUESTS) {
             answer.headers_mut().insert(header::RETRY_AFTER, RETRY_AFTER.as_secs().into());
@@ -26,22 +26,22 @@ impl IntoResponse for ServerError {
     }
 }
 
-/// A body of JSON.
+/// Makes an answer with a body of JSON.
 pub fn json(value: &impl Serialize) -> Response {
     ([(header::CONTENT_TYPE, "application/json")], json_text(value)).into_response()
 }
 
-/// A body of another kind.
+/// Makes an answer with a body of another media type.
 pub fn file(kind: &'static str, bytes: Vec<u8>) -> Response {
     ([(header::CONTENT_TYPE, kind)], bytes).into_response()
 }
 
-/// A line of JSON.
+/// JSON in one line.
 pub fn json_text(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("plain data with string keys") + "\n"
 }
 
-/// 201 with a body of JSON.
+/// Makes a 201 answer with a body of JSON.
 pub fn created(value: &impl Serialize) -> Response {
     (StatusCode::CREATED, json(value)).into_response()
 }

@@ -23,10 +23,10 @@ struct Query {
     name: Option<String>,
 }
 
-/// Keeps a scene's file once it is known to decode, and names it.
+/// Stores a scene's file with its name once it was decoded.
 pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> HandlerResult {
     let Query { name } = read_query(&uri)?;
-    // Before the file has come, which may take long.
+    // Checked before the file arrives, which may take long.
     name.as_deref().map_or(Ok(()), check_scene_name)?;
     check_length(body.size_hint().exact().unwrap_or_default())?;
     let too_many = |_| ServerError::TooMany { what: "scenes on their way here", limit: MAX_UPLOADS };
@@ -35,8 +35,8 @@ pub async fn add(State(state): State<Arc<AppState>>, uri: Uri, body: Body) -> Ha
     Ok(created(&state.backend.scenes.add(file, name).await?))
 }
 
-/// Puts what comes into a file in `folder` that has no name, and so never outlives the request: a slow sender takes room
-/// on the disk, not in memory.
+/// Receives the body into an unnamed file in `folder`, which never outlives the request. So a slow sender takes space
+/// on disk and not in memory.
 async fn receive(body: Body, folder: &Path) -> Result<File, ServerError> {
     let unusable = |reason| ServerError::Data { path: folder.into(), reason };
     let mut file = tokio::fs::File::from_std(tempfile::tempfile_in(folder).map_err(unusable)?);

@@ -1,4 +1,4 @@
-//! Answers that are compressed on their way, for who takes that (SPEC, HTTP-31).
+//! Compression of answers for clients that accept it (SPEC, HTTP-31).
 
 use axum::http::{HeaderValue, header};
 use axum::response::Response;
@@ -8,7 +8,7 @@ use tower_http::compression::predicate::{NotForContentType, Predicate, SizeAbove
 
 use crate::limits::COMPRESSED_FROM_BYTES;
 
-/// Compresses by gzip what is long and is not compressed already, quickly rather than well.
+/// Compresses long answers by gzip unless they are compressed already. Prefers speed to size.
 pub fn compression() -> CompressionLayer<impl Predicate> {
     let is_worth_it = SizeAbove::new(COMPRESSED_FROM_BYTES)
         .and(NotForContentType::const_new("image/"))
@@ -16,7 +16,7 @@ pub fn compression() -> CompressionLayer<impl Predicate> {
     CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(is_worth_it)
 }
 
-/// A strong tag is of the very bytes that are sent (RFC 9110, section 8.8.3): compressed ones have a weak one.
+/// Weakens the tag of a compressed answer. A strong tag belongs to exactly the sent bytes (RFC 9110, section 8.8.3).
 pub async fn weaken_tag(mut answer: Response) -> Response {
     let headers = answer.headers_mut();
     if headers.contains_key(header::CONTENT_ENCODING)

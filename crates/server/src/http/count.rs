@@ -1,4 +1,4 @@
-//! Counts requests, for `GET /metrics`.
+//! Counts of requests for `GET /metrics`.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -12,11 +12,11 @@ use protocol::ErrorCode;
 use crate::metrics::RequestLabel;
 use crate::state::AppState;
 
-/// Counts a request, what was answered, and how long that took up to the answer's first byte, waits included. One that is given
-/// up before counts for nothing.
+/// Counts a request, its answer, and the time to the answer's first byte, waits included. A request that is abandoned
+/// earlier is not counted.
 pub async fn count_requests(State(state): State<Arc<AppState>>, request: Request, next: Next) -> Response {
     let metrics = &state.backend.metrics;
-    // Of an address that no route has, the page answers.
+    // Paths without a route are answered by the page.
     let route = request.extensions().get::<MatchedPath>().map_or("page", MatchedPath::as_str).to_owned();
     let method = match *request.method() {
         Method::GET => "GET",

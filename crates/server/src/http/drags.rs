@@ -1,4 +1,4 @@
-//! `POST /sessions/S/drags`: where drags of features would lead, without an edit.
+//! `POST /sessions/S/drags`: solves drags of features without an edit.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -25,16 +25,16 @@ use crate::scenes::DecodedScene;
 use crate::solver::SolveTurn;
 use crate::state::AppState;
 
-/// A drag with what its names mean in the document.
+/// A drag with its names resolved in the document.
 struct ResolvedFileDrag {
     light: Arc<CheckedLight>,
     view: Viewport,
     drag: drag::Drag,
-    /// What the answer calls each pin.
+    /// Number of each pin in the answer.
     pins: Vec<usize>,
 }
 
-/// Every drag from the document as it is, whatever the others do.
+/// Solves each drag from the current document, independently of the others.
 pub async fn answer(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,
@@ -52,7 +52,7 @@ pub async fn answer(
     let bvh = scene.bvh().await?;
     let mut answers = Vec::with_capacity(questions.len());
     for question in questions {
-        // Where the request's connection ends this future is dropped, and what is being solved is given up.
+        // If the connection ends, this future is dropped and the running solve is cancelled.
         let bvh = Arc::clone(&bvh);
         let solve = move |turn: &mut SolveTurn| dragged(&bvh, &question, turn);
         answers.push(state.backend.solver.run(Payer::program(&name), solve).await?);
@@ -70,8 +70,7 @@ fn dragged(bvh: &Bvh, question: &ResolvedFileDrag, turn: &mut SolveTurn) -> Drag
     Dragged::new(&landing, &question.pins, name, began.elapsed().as_secs_f64())
 }
 
-/// What is asked, with the lights and cameras of the document for their names and, where the drag has no pins of its own, the
-/// document's.
+/// Resolves the names of lights and cameras in the document. A drag without pins of its own gets the document's.
 fn resolve_drag(
     asked: &FileDrag,
     document: &Document,
@@ -111,7 +110,7 @@ fn resolve_drag(
     Ok(ResolvedFileDrag { light, view: Viewport { camera, size }, drag, pins })
 }
 
-/// The light of that name, or of that index among all.
+/// The light of that name, or of that index among all lights.
 fn light_named(document: &Document, wanted: &NameOrIndex) -> Result<LightId, ServerError> {
     match wanted {
         NameOrIndex::Index(index) => document.lights().keys().nth(*index).copied(),

@@ -1,4 +1,4 @@
-//! Who may ask, and how many at once.
+//! Access to the server, and limits of requests.
 
 use std::sync::Arc;
 
@@ -19,8 +19,7 @@ use crate::in_flight::ByteReservation;
 use crate::limits::SMALL_BYTES;
 use crate::state::AppState;
 
-/// Refuses pages of other places, and names that lead here by no doing of ours. They could not know the token, but need
-/// not be let near it.
+/// Refuses pages of other origins and unknown host names. They cannot know the token, but should not get near it.
 pub async fn check_origin(
     State(state): State<Arc<AppState>>,
     request: Request,
@@ -28,7 +27,7 @@ pub async fn check_origin(
 ) -> Result<Response, ServerError> {
     let headers = request.headers();
     let readable = |value: &HeaderValue| value.to_str().unwrap_or("an unreadable name").to_owned();
-    // No browser leaves it out, so nobody's page does.
+    // Every browser sends it, so requests of pages have it.
     let host = headers.get(header::HOST).map(readable).unwrap_or_default();
     if !host.is_empty() && !state.hosts.is_known_host(&host) {
         return Err(ServerError::ForeignHost(excerpt(&host)));
@@ -42,7 +41,7 @@ pub async fn check_origin(
     Ok(next.run(request).await)
 }
 
-/// Tells browsers to take every answer for what it says it is, and to pass on no addresses.
+/// Tells browsers to take an answer's media type literally and to send no referrer.
 pub async fn security_headers(mut response: Response) -> Response {
     let headers = response.headers_mut();
     headers.insert(header::X_CONTENT_TYPE_OPTIONS, HeaderValue::from_static("nosniff"));
@@ -50,7 +49,7 @@ pub async fn security_headers(mut response: Response) -> Response {
     response
 }
 
-/// Lets pass who has the token, and says so with the request.
+/// Refuses requests without the token, and adds the credential to the others.
 pub async fn require_token(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -63,14 +62,14 @@ pub async fn require_token(
     Ok(next.run(request).await)
 }
 
-/// What the headers of a request let its sender in as, if they have the token.
+/// Returns the credential of a request's headers, or `None` without the token.
 pub fn credential(state: &AppState, headers: &HeaderMap) -> Option<Credential> {
     let (scheme, token) = text(headers, header::AUTHORIZATION)?.split_once(' ')?;
     let token = Some(token).filter(|_| scheme.eq_ignore_ascii_case("bearer"))?;
     state.token.verify(token.trim_start_matches(' '))
 }
 
-/// Lets pass while there is room, once all of the request is here: what is slow to come keeps nobody out.
+/// Limits the number of requests. A request counts once it has arrived completely, so a slow one keeps nobody out.
 pub async fn limit_requests(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -81,18 +80,18 @@ pub async fn limit_requests(
     let session = session_name(&mut head, &state).await;
     let in_flight = &state.backend.in_flight;
     let (body, held) = read_body(body, in_flight).await?;
-    // A picture has been drawn, and there are few at once (`MAX_STILLS`).
+    // A render request has drawn its picture, and there are few at once (`MAX_STILLS`).
     let is_done = !head.method.is_safe() || head.uri.path().ends_with("/render");
     let permit = state.requests.acquire(&session)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;
     drop((permit, held));
-    // What has been done is told in any case.
+    // The answer to finished work is sent even if the account is full.
     let room =
         |bytes| if is_done { Ok(in_flight.reserve_unchecked(bytes)) } else { in_flight.reserve(bytes) };
     reserve_answer_bytes(answer, room, &connection).await
 }
 
-/// The session that a request is about; empty of one that is about none.
+/// The session of a request. Empty if it has none.
 async fn session_name(head: &mut Parts, state: &Arc<AppState>) -> String {
     if !head.uri.path().starts_with("/sessions/") {
         return String::new();
@@ -100,7 +99,7 @@ async fn session_name(head: &mut Parts, state: &Arc<AppState>) -> String {
     SessionName::from_request_parts(head, state).await.map_or(String::new(), |SessionName(name)| name)
 }
 
-/// Keeps a large answer on the account until it is taken, which has to be in time.
+/// Keeps a large answer on the account until the client has taken it, within a time limit.
 async fn reserve_answer_bytes(
     answer: Response,
     room: impl FnOnce(usize) -> Result<ByteReservation, ServerError>,
@@ -110,13 +109,13 @@ async fn reserve_answer_bytes(
     let Some(length) = length.filter(|length| *length > SMALL_BYTES) else { return Ok(answer) };
     let held = room(length)?;
     let (head, body) = answer.into_parts();
-    // It is there in one piece already.
+    // The body exists in one piece already.
     let bytes = to_bytes(body, length).await.map_err(|_| ServerError::Internal)?;
     Ok(Response::from_parts(head, connection.with_delivery_timeout(held.attach_to(bytes)).into()))
 }
 
-/// Lets strangers wait for their turn, and beside a hand that moves a view everybody else too, by what they ask about. Signs of
-/// life and sockets that open have turns of their own: they stay quick while others load pages.
+/// Lets anonymous requests wait for a permit. While a user moves a view, other requests wait too, by session. Liveness
+/// checks and opening sockets have their own permits, so they stay fast while others load pages.
 pub async fn throttle(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -139,7 +138,7 @@ pub async fn throttle(
     answer
 }
 
-/// A known address with a method that it does not take. The router adds the header `Allow`.
+/// Answers a known path with a method that it does not take. The router adds the header `Allow`.
 pub async fn wrong_method(method: Method, uri: Uri) -> ServerError {
     ServerError::MethodNotAllowed { path: excerpt(uri.path()), method: excerpt(method.as_str()) }
 }

@@ -40,7 +40,7 @@ static SCENES: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&ses
 static PARAMETERS: LazyLock<ConstantJson> =
     LazyLock::new(|| ConstantJson::json(&protocol::parameter_table()));
 
-/// Every route.
+/// All routes.
 pub fn router(state: Arc<AppState>) -> Router {
     let needs_token = Router::new()
         .route("/sessions", get(session_list::list).post(sessions::create))

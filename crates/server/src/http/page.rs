@@ -1,4 +1,4 @@
-//! The page, as it was built into the program.
+//! The browser page, as built into the program.
 
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::response::{Html, IntoResponse, Response};
@@ -17,10 +17,10 @@ use crate::ServerError;
 struct Page;
 
 const INDEX: &str = "index.html";
-/// Where the build puts files with the hash of their content in their name.
+/// Folder of files with the hash of their content in their name.
 const HASHED_FILES: &str = "assets/";
-/// What a page may load and where it may connect to: this server. Frames are shown from memory. No other page may hold it
-/// in a frame, and nothing that gets into it can send forms or lead its addresses elsewhere.
+/// Sources that a page may load and connect to: this server. Frames are shown from memory. No other page may embed it,
+/// and injected content cannot send forms or change its base address.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; \
     base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -28,7 +28,7 @@ const NOT_BUILT: &str = "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\
     <h1>The page is not built</h1><p>This server was built without its page. Run <code>make build</code> in the source \
     folder and start the server again. The HTTP interface works all the same.</p></html>\n";
 
-/// A file of the page; `/` is the page itself.
+/// Answers with a file of the page. `/` is the page itself.
 pub async fn page(method: Method, uri: Uri, asked: HeaderMap) -> HandlerResult {
     let path = uri.path().trim_start_matches('/');
     let path = if path.is_empty() { INDEX } else { path };

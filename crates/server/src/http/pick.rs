@@ -1,4 +1,4 @@
-//! `POST /sessions/S/pick`: what a camera looks at.
+//! `POST /sessions/S/pick`: the point that a camera looks at.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::request::valid_camera;
 use crate::room::{RoomMessage, SessionSnapshot};
 use crate::state::AppState;
 
-/// The point in the middle of the camera's picture.
+/// Answers with the point in the middle of the camera's picture.
 pub async fn answer(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,

@@ -1,4 +1,4 @@
-//! The files of one request for pictures.
+//! Files of a request for pictures.
 
 use std::io::{Cursor, Write as _};
 
@@ -9,28 +9,26 @@ use scene::View;
 use zip::write::{SimpleFileOptions, ZipWriter};
 use zip::{CompressionMethod, result::ZipResult};
 
-/// What is drawn of a request.
+/// A drawn picture of a request.
 pub struct DrawnPictures {
-    /// From where, and which quantity of which light.
+    /// Camera, quantity and light.
     pub view: View,
-    /// Under which lights.
     pub lights: Vec<LightInstance>,
-    /// What files call the light that it is of, where there are pictures of several.
+    /// Name of its light in files, if there are pictures of several lights.
     pub light: Option<String>,
-    /// What was drawn.
     pub pixels: Pixels,
 }
 
-/// The files, as far as they are made.
+/// Files in progress.
 pub struct PictureFiles {
     background: Background,
     exr: Option<ExrFile>,
-    /// PNGs by their names, where they are wanted.
+    /// PNGs by name, if wanted.
     pngs: Option<Vec<(String, Vec<u8>)>>,
 }
 
 impl PictureFiles {
-    /// Nothing is in them.
+    /// Starts without pictures.
     pub fn new(formats: &[RenderFormat], background: Background, view: &View) -> Self {
         let size = [view.width, view.height];
         Self {
@@ -40,12 +38,12 @@ impl PictureFiles {
         }
     }
 
-    /// What they need of a quantity.
+    /// Data that the files need for a quantity.
     pub fn needs(&self, aov: Aov) -> FileNeeds {
         FileNeeds::of(aov, self.pngs.is_some().then_some(self.background), self.exr.is_some())
     }
 
-    /// Takes in one quantity. Takes a while.
+    /// Adds a picture. Takes a while.
     pub fn add(mut self, drawn: &DrawnPictures) -> Result<Self, RenderError> {
         let DrawnPictures { view, lights, light, pixels } = drawn;
         if let (Some(exr), Some(picture)) = (&mut self.exr, pixels.values()) {
@@ -59,7 +57,7 @@ impl PictureFiles {
         Ok(self)
     }
 
-    /// The bytes that answer the request, and their media type: the file, or a ZIP of several. Takes a while.
+    /// Returns the media type and the bytes of the answer: the file, or a ZIP of several. Takes a while.
     pub fn finish(self, view: &View, origin: &PictureOrigin) -> Result<(&'static str, Vec<u8>), RenderError> {
         let exr = self.exr.map(|exr| exr.into_bytes(view, origin)).transpose()?;
         let mut pngs = self.pngs.unwrap_or_default();
@@ -76,7 +74,7 @@ impl PictureFiles {
     }
 }
 
-/// A ZIP of files that are compressed already.
+/// Makes a ZIP of files that are compressed already.
 fn zipped(files: &[(String, Vec<u8>)]) -> ZipResult<Vec<u8>> {
     let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
     let stored = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);

@@ -1,4 +1,4 @@
-//! `POST /sessions/S/probe`: why a pixel is lit or not.
+//! `POST /sessions/S/probe`: the reasons for which a pixel is lit or not.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::probe::{ProbeJob, chosen_camera, probe};
 use crate::room::{RoomMessage, SessionSnapshot};
 use crate::state::AppState;
 
-/// What every light of the document does where the picture shows that point.
+/// Answers with the effect of every light of the document at that pixel.
 pub async fn answer(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,

@@ -1,4 +1,4 @@
-//! What handlers read of a request.
+//! Reads requests.
 
 use axum::body::{Body, BodyDataStream, Bytes, HttpBody};
 use axum::extract::{FromRequestParts, Path, Query};
@@ -12,15 +12,15 @@ use crate::ServerError;
 use crate::in_flight::{BodyReservation, ByteBudget};
 use crate::limits::{BODY_COST, BODY_IDLE_TIMEOUT, LARGE_BODY_TIMEOUT, MAX_BODY_BYTES, SMALL_BYTES};
 
-/// Characters of what came that a refusal says again.
+/// Greatest number of characters of a request that a refusal quotes.
 const MAX_EXCERPT_CHARS: usize = 100;
 
-/// What is said again of what came.
+/// The quoted part of a request's text.
 pub fn excerpt(text: &str) -> String {
     text.chars().take(MAX_EXCERPT_CHARS).collect()
 }
 
-/// The session that an address names.
+/// Name of the session in a path.
 pub struct SessionName(pub String);
 
 impl<S: Send + Sync> FromRequestParts<S> for SessionName {
@@ -32,7 +32,7 @@ impl<S: Send + Sync> FromRequestParts<S> for SessionName {
     }
 }
 
-/// The JSON of a request. Where no header says what the body is, it is taken for JSON.
+/// Reads the JSON of a request. A body without a media type counts as JSON.
 pub fn read_json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Result<T, ServerError> {
     if let Some(kind) = headers.get(header::CONTENT_TYPE) {
         let kind = kind.to_str().unwrap_or("unreadable");
@@ -45,14 +45,14 @@ pub fn read_json<T: DeserializeOwned>(headers: &HeaderMap, body: &[u8]) -> Resul
     Ok(protocol::parse_body(text)?)
 }
 
-/// Whether a media type is that of JSON, or of a kind of it.
+/// True if a media type is JSON or based on it.
 fn is_json(kind: &str) -> bool {
     let kind = kind.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
     kind == "application/json" || (kind.starts_with("application/") && kind.ends_with("+json"))
 }
 
-/// All of a request's body, and what it has on the account. What its head says that it has is put there before any of it
-/// is read; one of which that is not known is put there as it comes.
+/// Reads the whole body of a request, with its reservation on the account. A length in the head is reserved before any
+/// of the body is read. A body of unknown length is reserved as it arrives.
 pub async fn read_body(
     body: Body,
     in_flight: &ByteBudget,
@@ -79,16 +79,16 @@ pub async fn read_body(
     }
 }
 
-/// What has been read of a body.
+/// A partly read body.
 struct BodyRead {
     bytes: Vec<u8>,
     reservation: BodyReservation,
-    /// There was no room for it. The rest is read all the same, and thrown away: who still sends may not see the answer.
+    /// The account was full. The rest is read and dropped, since a client that still sends may not see the answer.
     refused: Option<ServerError>,
 }
 
 impl BodyRead {
-    /// Puts a body of so many bytes on the account.
+    /// Reserves a body of that many bytes on the account.
     fn make_room(&mut self, bytes: usize) {
         let room = if bytes > SMALL_BYTES { self.reservation.grow_to(BODY_COST * bytes) } else { Ok(()) };
         match room {
@@ -108,7 +108,7 @@ impl BodyRead {
     }
 }
 
-/// The next part of a body, however slowly the whole comes; `None` at its end.
+/// Returns the next part of a body, even if the whole is slow. Returns `None` at its end.
 pub async fn next_part(parts: &mut BodyDataStream) -> Result<Option<Bytes>, ServerError> {
     let next = timeout(BODY_IDLE_TIMEOUT, parts.next()).await.map_err(|_| ServerError::BodyTimedOut)?;
     next.transpose().map_err(|error| {
@@ -117,7 +117,7 @@ pub async fn next_part(parts: &mut BodyDataStream) -> Result<Option<Bytes>, Serv
     })
 }
 
-/// The parameters after the `?`; unknown ones are refused.
+/// Reads the query parameters. Gives an error for unknown ones.
 pub fn read_query<T: DeserializeOwned>(uri: &Uri) -> Result<T, ServerError> {
     let Query(query) =
         Query::try_from_uri(uri).map_err(|error| ServerError::BadMessage(error.body_text()))?;

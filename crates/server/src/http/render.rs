@@ -1,4 +1,5 @@
-//! `GET /sessions/S/render`: pictures of the document, as it is, as it was, or with something set for them alone.
+//! `GET /sessions/S/render`: pictures of the current document, of an earlier one, or with properties set for them
+//! alone.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -31,24 +32,24 @@ use crate::scenes::DecodedScene;
 use crate::state::AppState;
 use crate::trace::PictureTrace;
 
-/// The header that tells what a picture lacks.
+/// Header that tells what a picture lacks.
 const NOTE_HEADER: HeaderName = HeaderName::from_static("x-bendylights-note");
 
-/// The pictures that an address asks for, known but not drawn.
+/// The resolved pictures of a request, not drawn yet.
 struct ResolvedRender {
     document: Document,
     scene: DecodedScene,
-    /// The view but for its quantity and its light.
+    /// View of all pictures, except for quantity and light.
     view: View,
-    /// The lights that shine.
+    /// Lights that shine.
     lights: Vec<LightInstance>,
-    /// What of it is drawn.
+    /// The pictures to draw.
     pictures: Vec<WantedPicture>,
-    /// What the header of an EXR says.
+    /// Origin in the header of an EXR.
     origin: PictureOrigin,
 }
 
-/// The pictures that the address asks for. They wait behind the views.
+/// Answers with the requested pictures. They wait behind views.
 pub async fn render(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,
@@ -60,7 +61,8 @@ pub async fn render(
     request.check_quantities()?;
     let SessionSnapshot { name, epoch, seq, document, scene, lease: session, .. } =
         state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
-    // The document as it is by its hash, or where the file says it by its record; as it was it is what that record left.
+    // Identifies the current document by its hash, or by its record if the file contains that. An earlier document is
+    // identified by its record.
     let of = match query.at {
         None if !formats.contains(&RenderFormat::Exr) => document.hash().to_string(),
         at => format!("{epoch} {}", at.unwrap_or(seq)),
@@ -113,7 +115,7 @@ pub async fn render(
         if let Some((trace, took)) = last.take() {
             trace.encoded(took);
         }
-        // Compressing takes seconds, in which the renderer can draw for others.
+        // Compression takes seconds, in which the renderer can draw for others.
         let added = in_background::run(move || {
             let began = Instant::now();
             (files.add(&drawn), began.elapsed())
@@ -140,7 +142,7 @@ pub async fn render(
     Ok(response)
 }
 
-/// Draws one quantity; its pixels, and the line of the trace that is to be told how long its encoding takes.
+/// Draws a quantity. Returns its pixels and its line of the trace, which still lacks the time of encoding.
 async fn draw(
     state: &AppState,
     session: &str,
@@ -148,7 +150,7 @@ async fn draw(
 ) -> Result<(Pixels, PictureTrace), ServerError> {
     let (size, asked_at) = ([request.view.width, request.view.height], Instant::now());
     let drawn = state.backend.renders.draw(request).await;
-    // Of a server that stops, the renderer's end is no fault.
+    // While the server stops, the end of the renderer is no fault.
     let stopped = matches!(drawn, Err(ServerError::Internal)) && state.backend.draining.is_cancelled();
     let drawn = if stopped { Err(ServerError::Draining) } else { drawn }?;
     let trace = state.backend.trace.drawn(|| TraceLine {
@@ -166,7 +168,7 @@ async fn draw(
     Ok((drawn.pixels, trace))
 }
 
-/// What the address asks for, in a document.
+/// Resolves a request in a document.
 fn resolve_render(
     query: &RenderParameters,
     request: &RenderRequest,
@@ -225,18 +227,18 @@ fn resolve_render(
     Ok(ResolvedRender { document, scene, view, lights, pictures, origin })
 }
 
-/// What the pictures lack: the notes of their scene, and a sentence for each light that they leave out.
+/// Defects of the pictures: the notes of their scene, and a sentence for each light that they leave out.
 fn notes(asked: &ResolvedRender) -> Vec<HeaderValue> {
     let ResolvedRender { document, scene, .. } = asked;
     let left_out =
         scene.posed.bounds().undrawable_of(document.lights().values().map(|placed| &*placed.light));
     let sentences = scene.notes.iter().cloned().chain(left_out.into_iter().map(|why| why.to_string()));
-    // Names can have any letters; a header's value has those of ASCII.
+    // Names can have any characters, and the value of a header only ASCII.
     let plain = |sentence: String| sentence.replace(|c: char| !matches!(c, ' '..='~'), "?");
     sentences.filter_map(|sentence| HeaderValue::from_str(&plain(sentence)).ok()).collect()
 }
 
-/// The first camera, or one that sees everything in a picture of that width over height.
+/// The first camera, or one that frames the whole scene in a picture of that aspect ratio.
 pub fn default_camera(document: &Document, scene: &DecodedScene, aspect: f64) -> Camera {
     let first = document.cameras().values().next().cloned();
     first.unwrap_or_else(|| framing_camera(&scene.posed.subject_bounds(), aspect))

@@ -1,4 +1,4 @@
-//! The list of sessions, and what is done with whole ones.
+//! The list of sessions, and operations on whole sessions.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -25,7 +25,7 @@ struct ListQuery {
     name: Option<String>,
 }
 
-/// `GET /sessions`. No session is opened for it, and no log is read.
+/// `GET /sessions`. Opens no session and reads no log.
 pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> HandlerResult {
     let ListQuery { archived, name } = read_query(&uri)?;
     let with_archived = archived.unwrap_or(name.is_some());
@@ -46,7 +46,7 @@ pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> HandlerResult
     Ok(json(&SessionList { sessions: listed.map(entry).collect() }))
 }
 
-/// What the list says of a session in which those clients are.
+/// The list's entry of a session with those clients.
 fn entry(session: SessionSummary, clients: &[Actor]) -> SessionEntry {
     let SessionSummary { name, title, epoch, seq, is_archived, made_ms, changed } = session;
     let mut known = BTreeSet::new();
@@ -96,7 +96,7 @@ pub async fn duplicate(
 pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> HandlerResult {
     let asked = name.clone();
     let summary = state.backend.storage.read(move |store| store.summary(&asked)).await?;
-    // Before its room is closed.
+    // Checked before its room is closed.
     if !summary.is_archived {
         return Err(ServerError::Store(StoreError::NotArchived(name)));
     }

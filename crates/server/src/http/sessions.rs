@@ -1,4 +1,4 @@
-//! A session: made, read, edited. Its pictures are `render`'s, what the list says of it `session_list`'s.
+//! Sessions: create, read, edit. Pictures are in `render`, the list in `session_list`.
 
 use std::sync::Arc;
 
@@ -68,7 +68,7 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
     Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }
 
-/// `GET /sessions/S`. The document's text is that of all who ask for it.
+/// `GET /sessions/S`. All askers share the document's text.
 pub async fn show(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -145,7 +145,7 @@ pub async fn edit(
     let room = state.rooms.find(&name).await?;
     let payer = Payer::new(&name.as_str().into(), &principal.actor.id);
     state.backend.edit_pacing.wait(&payer, MESSAGE_COST_EDITS + count as f64).await;
-    // Where the connection ends this future is dropped.
+    // If the connection ends, this future is dropped.
     let gone = CancellationToken::new();
     let _waits = gone.clone().drop_guard();
     let results =
@@ -153,7 +153,7 @@ pub async fn edit(
     Ok(json(&results))
 }
 
-/// One edit; what is wrong with its command is its own result, not that of the request.
+/// Converts an edit. An error of its command becomes its own result and not that of the request.
 async fn parse_edit(edit: Edit, scenes: &SceneCache) -> Result<RecordRequest, ServerError> {
     let Edit { op_id, base_seq, command, undo, redo } = edit;
     let request = match (command, undo, redo) {
@@ -168,7 +168,7 @@ async fn parse_edit(edit: Edit, scenes: &SceneCache) -> Result<RecordRequest, Se
     step(op_id.map_or_else(new_op_id, Ok)?, request)
 }
 
-/// Edits that are one step. What is wrong with one of them is what is wrong with the step.
+/// Converts edits that make one step. An error of one edit is the error of the step.
 async fn parse_group(
     op_id: Option<String>,
     edits: Vec<Edit>,
@@ -210,7 +210,7 @@ async fn parse_grouped(edit: Edit, scenes: &SceneCache) -> Result<RequestedEdit,
     Err(ServerError::BadMessage(sentence.into()))
 }
 
-/// Who edits where nobody is named.
+/// Default actor of edits without one.
 fn program() -> Actor {
     Actor { id: "api".into(), name: "API".into() }
 }
@@ -229,7 +229,7 @@ struct LogQuery {
     limit: Option<usize>,
 }
 
-/// `GET /sessions/S/log`, sent as it is read.
+/// `GET /sessions/S/log`, sent while it is read.
 pub async fn log(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,
@@ -251,7 +251,7 @@ pub async fn log(
     Ok(Response::new(Body::from_stream(pages))).map(|body| (kind, body).into_response())
 }
 
-/// The lines of some records from `from` on, and where the next page begins; `None` past the last.
+/// Returns the lines of records from `from` on, and the start of the next page. Returns `None` past the last record.
 async fn page(
     storage: Storage,
     in_flight: ByteBudget,

@@ -1,6 +1,6 @@
-//! `GET /socket`: from a request to a WebSocket.
+//! `GET /socket`: turns a request into a WebSocket.
 //!
-//! Ours and not axum's, because a message has to go in parts (`crate::socket`), which axum's sockets do not do.
+//! It replaces axum's sockets, which cannot send a message in parts (`crate::socket`).
 
 use std::io;
 
@@ -19,7 +19,7 @@ use crate::limits::{MAX_MESSAGE_BYTES, SOCKET_READ_BYTES};
 use crate::send_within::WriteTimeoutStream;
 use crate::socket::Socket;
 
-/// What becomes the socket that a request asks for, and the answer that says so (RFC 6455, section 4.2).
+/// Returns the future of the upgraded connection, and the answer that accepts the upgrade (RFC 6455, section 4.2).
 pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerError> {
     let headers = request.headers();
     let asks = request.method() == Method::GET
@@ -39,13 +39,14 @@ pub fn upgrade(request: &mut Request) -> Result<(OnUpgrade, Response), ServerErr
     Ok((upgrade, (StatusCode::SWITCHING_PROTOCOLS, headers, Body::empty()).into_response()))
 }
 
-/// The socket on what a connection has become, for the runtime that this runs in: not that of requests, which gives way.
+/// Opens the socket on an upgraded connection, in the current runtime. That is not the one of requests, which has a
+/// lower priority.
 pub async fn open(upgraded: Upgraded) -> io::Result<Socket> {
     let parts = upgraded.downcast::<TokioIo<WriteTimeoutStream>>();
     let Parts { io, read_buf, .. } = parts.map_err(|_| io::Error::other("it is none of this server's"))?;
     let stream = io.into_inner().into_current_runtime()?;
-    // A message a little over the limit is answered with a sentence; one far over it ends the connection. What is sent is
-    // written at once, so that nothing but the part of a message under way waits in memory.
+    // A message slightly over the limit is answered with an error, and a much larger one ends the connection. Data is
+    // written at once, so only the current part of a message waits in memory.
     let config = WebSocketConfig::default()
         .max_message_size(Some(4 * MAX_MESSAGE_BYTES))
         .max_frame_size(Some(4 * MAX_MESSAGE_BYTES))
@@ -54,7 +55,7 @@ pub async fn open(upgraded: Upgraded) -> io::Result<Socket> {
     Ok(WebSocketStream::from_partially_read(stream, read_buf.into(), Role::Server, Some(config)).await)
 }
 
-/// Whether a header has that word among those between commas.
+/// True if a header has that word in its comma-separated list.
 fn has_word(headers: &HeaderMap, name: HeaderName, word: &str) -> bool {
     let lines = headers.get_all(name).into_iter().filter_map(|line| line.to_str().ok());
     lines.flat_map(|line| line.split(',')).any(|found| found.trim().eq_ignore_ascii_case(word))

@@ -1,4 +1,4 @@
-//! The one thread that owns the graphics device, and how others have it draw.
+//! The render thread, which owns the graphics device, and the queue of pictures to it.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -22,27 +22,28 @@ mod worker;
 pub use schedule::Urgency;
 use thread::RenderLoop;
 
-/// Whether the pipelines are ready.
+/// State of the pipelines.
 #[derive(Clone, Debug)]
 pub enum Readiness {
-    /// They are drawn for the first time, which compiles them.
+    /// Each pipeline draws for the first time, which compiles it.
     WarmingUp,
-    /// Each has drawn once.
+    /// Each pipeline has drawn once.
     Ready,
-    /// One could not: why.
+    /// A pipeline failed.
     Failed(RenderError),
 }
 
-/// In which form a picture comes back.
+/// Form of a finished picture.
 #[derive(Clone, Copy, Debug)]
 pub enum PictureFormat {
-    /// As a screen shows it.
+    /// Pixels for a screen.
     Display,
-    /// What its files need.
+    /// Pixels for picture files.
     File(FileNeeds),
 }
 
-/// Somebody the renderer keeps things for: a session, a view, a still. When the last clone is dropped, those go.
+/// A session, view or still for which the renderer keeps data. The renderer frees the data once the last clone is
+/// dropped.
 #[derive(Debug)]
 pub struct RenderLease {
     number: u64,
@@ -50,7 +51,7 @@ pub struct RenderLease {
 }
 
 impl RenderLease {
-    /// Names the viewer for the renderer.
+    /// The viewer's slot in the renderer.
     pub fn slot(&self) -> ViewSlot {
         ViewSlot(self.number)
     }
@@ -58,36 +59,31 @@ impl RenderLease {
 
 impl Drop for RenderLease {
     fn drop(&mut self) {
-        // Wakes it. Where the queue is full it is awake.
+        // Wakes the render thread. If the queue is full, the thread is awake.
         let _ = self.jobs.try_send(Job::Wake);
     }
 }
 
-/// A picture to draw.
 #[derive(Debug)]
 pub struct PictureRequest {
-    /// Whose scene it is.
+    /// Lease of the session.
     pub session: Arc<RenderLease>,
-    /// Who sees it; the slot of `view` is this one's.
+    /// Lease of the viewer. `view` has its slot.
     pub viewer: Arc<RenderLease>,
-    /// Who is charged for it.
+    /// Client that is charged for it.
     pub payer: Payer,
-    /// Geometry and materials.
     pub scene: Arc<PosedScene>,
-    /// From where, how large, of what.
+    /// Camera, size and settings.
     pub view: View,
-    /// All lights that shine in it.
     pub lights: Vec<LightInstance>,
-    /// In which form.
     pub output: PictureFormat,
-    /// How soon it is wanted.
     pub urgency: Urgency,
-    /// Where it waits: of those of a client that are as urgent the one that has waited longest is first.
+    /// Position in the queue. Among equally urgent pictures of a client the oldest is first.
     pub ticket: PictureTicket,
 }
 
-/// A picture's place in line. Whoever asked can give it up until the picture is begun, and come back with what there is to
-/// be seen by then: so what is begun is never stale.
+/// Position of a picture in the queue. Until the picture is begun, the asker can cancel it and request a newer one in
+/// its position. So a picture that is begun is never stale.
 #[derive(Clone, Debug)]
 pub struct PictureTicket {
     queued_at: Instant,
@@ -95,38 +91,39 @@ pub struct PictureTicket {
 }
 
 impl PictureTicket {
-    /// That of who has waited since then.
+    /// A ticket that has waited since `queued_at`.
     pub fn since(queued_at: Instant) -> Self {
         Self { queued_at, is_claimed: Arc::default() }
     }
 
-    /// Gives it up. Since when it was held; `None` where the picture has been begun, and will be drawn.
+    /// Cancels the ticket and returns the start of its wait. Returns `None` if the picture has been begun and will be
+    /// drawn.
     pub fn cancel(&self) -> Option<Instant> {
         self.claim().then_some(self.queued_at)
     }
 
-    /// Begins the picture, or gives it up: whatever comes first. False where the other did.
+    /// Claims the ticket for beginning or for cancelling the picture. Returns false if it was claimed before.
     fn claim(&self) -> bool {
         !self.is_claimed.swap(true, Ordering::Relaxed)
     }
 }
 
-/// A picture.
+/// A finished picture.
 #[derive(Debug)]
 pub struct DrawnPicture {
-    /// In the form asked for.
+    /// In the requested form.
     pub pixels: Pixels,
-    /// When drawing began.
+    /// Start of drawing.
     pub started: Instant,
-    /// How long it took, without what was drawn in between.
+    /// Time spent drawing it, without other pictures drawn in between.
     pub render_time: Duration,
-    /// Whether a shadow map was drawn for it.
+    /// True if a shadow map was drawn for it.
     pub drew_map: bool,
-    /// Which passes it came to, in all of its turns.
+    /// Passes of all its turns.
     pub passes: Vec<PassRun>,
 }
 
-/// Hands pictures to the render thread.
+/// Handle that sends pictures to the render thread.
 #[derive(Clone, Debug)]
 pub struct RenderQueue {
     jobs: mpsc::Sender<Job>,
@@ -134,8 +131,8 @@ pub struct RenderQueue {
     leases: Arc<AtomicU64>,
 }
 
-/// The render thread itself. Dropping this ends it and waits: a process must not end while its driver compiles, which
-/// crashes with what it works on gone.
+/// The render thread. Dropping this ends the thread and waits for it. A driver that is still compiling crashes if the
+/// process ends first.
 #[derive(Debug)]
 pub struct RenderThread {
     jobs: mpsc::Sender<Job>,
@@ -146,7 +143,7 @@ pub struct RenderThread {
 impl Drop for RenderThread {
     fn drop(&mut self) {
         self.ending.store(true, Ordering::Relaxed);
-        // Wakes it. Where the queue is full it is awake.
+        // Wakes the render thread. If the queue is full, the thread is awake.
         let _ = self.jobs.try_send(Job::Wake);
         if let Some(thread) = self.thread.take()
             && thread.join().is_err()
@@ -156,20 +153,20 @@ impl Drop for RenderThread {
     }
 }
 
-/// Where a picture goes. Whoever asked gives it up by dropping the other end.
+/// Sender of the finished picture. The asker cancels by dropping the receiver.
 type PictureReply = oneshot::Sender<Result<DrawnPicture, RenderError>>;
 
 #[derive(Debug)]
 enum Job {
     Draw(Box<PictureRequest>, PictureReply),
-    /// Somebody has had so much time of the processor for pictures besides.
+    /// Charges a client for other processor time spent on its pictures.
     Charge(Payer, Duration),
-    /// Somebody is gone, or nothing will be drawn any more.
+    /// A lease was dropped, or the thread should end.
     Wake,
 }
 
 impl RenderQueue {
-    /// Opens the device on a thread of its own, which then warms up. Blocks until the device is open.
+    /// Starts the render thread, which opens the device and then warms up. Blocks until the device is open.
     pub fn start(
         metrics: Arc<Metrics>,
         backend: Option<Backend>,
@@ -186,7 +183,7 @@ impl RenderQueue {
                     render_loop.run();
                 }
             }
-            // The other end waits for exactly this.
+            // The receiver below waits for this message.
             Err(error) => drop(opened.send(Err(error))),
         });
         let thread = RenderThread { jobs: jobs.clone(), ending, thread: Some(thread) };
@@ -194,12 +191,11 @@ impl RenderQueue {
         Ok((Self { jobs, readiness, leases: Arc::default() }, thread))
     }
 
-    /// Whether the pipelines are ready.
     pub fn readiness(&self) -> Readiness {
         self.readiness.borrow().clone()
     }
 
-    /// Ends once they are, or cannot be: whether they are.
+    /// Waits until the pipelines are ready or have failed. Resolves to true if they are ready.
     pub fn wait_until_warm(&self) -> impl Future<Output = bool> + Send + 'static {
         let mut readiness = self.readiness.clone();
         async move {
@@ -208,19 +204,19 @@ impl RenderQueue {
         }
     }
 
-    /// Draws a picture. Dropping the future gives it up.
+    /// Draws a picture. Dropping the future cancels it.
     pub async fn draw(&self, request: PictureRequest) -> Result<DrawnPicture, ServerError> {
         let (done, drawn) = oneshot::channel();
         self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Internal)?;
         Ok(drawn.await.map_err(|_| ServerError::Internal)??)
     }
 
-    /// Charges who sees a picture for what it took of one core after it was drawn. Where the queue is full it is for nothing.
+    /// Charges a client for the time of one core spent on a drawn picture. If the queue is full, charges nothing.
     pub fn charge(&self, payer: &Payer, took: Duration) {
         let _ = self.jobs.try_send(Job::Charge(payer.clone(), took));
     }
 
-    /// For a new session, view or still.
+    /// Makes a lease for a session, view or still.
     pub fn lease(&self) -> Arc<RenderLease> {
         let number = self.leases.fetch_add(1, Ordering::Relaxed);
         Arc::new(RenderLease { number, jobs: self.jobs.clone() })

@@ -1,10 +1,10 @@
-//! Who draws next, and for how long. Knows no device and no clock.
+//! Choice of the next turn and its length. Knows no device and no clock.
 //!
-//! Of what is as urgent the client goes next that has been charged least (`crate::turns`), and of that client's what has waited
-//! longest. What a hand moves comes first. While one does, the views of those who only watch get a share of the time; while
-//! something moves at all, so do pictures of views at rest, and stills: what they have not used they are owed, and once
-//! that is enough for a turn they get it, though something more urgent waits. Views at rest go before stills in the same
-//! way. Where nothing more urgent goes on, there are no shares.
+//! Among equally urgent pictures the least charged client is next (`crate::charges`), and of that client the picture
+//! that has waited longest. Views that a user moves come first. While a user moves one, views of those who only watch
+//! get a share of the time. While anything moves at all, views at rest and stills get one too. Unused shares are owed.
+//! Once a class is owed enough for a turn, it gets the turn before more urgent pictures. Views at rest precede stills
+//! in the same way. There are no shares while nothing more urgent is drawn.
 
 use std::time::{Duration, Instant};
 
@@ -13,24 +13,24 @@ use crate::limits::{
     MAX_TURN, MOVING_FOR, MOVING_TURN, SETTLING_TIME_SHARE, TURN_WHILE_MOVING, WATCHED_TIME_SHARE,
 };
 
-/// What is more urgent is drawn first.
+/// Urgency of a picture. More urgent pictures are drawn first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Urgency {
-    /// A view in which something moves, of whoever moves it.
+    /// A view in which its viewer moves something.
     Moving,
-    /// A view in which somebody else moves something.
+    /// A view in which another user moves something.
     Watched,
     /// A view at rest.
     Settling,
-    /// Nobody sees it grow.
+    /// A still. Nobody sees it unfinished.
     Still,
 }
 
 impl Urgency {
-    /// Each, the most urgent first.
+    /// All classes, the most urgent first.
     pub const ALL: [Self; 4] = [Self::Moving, Self::Watched, Self::Settling, Self::Still];
 
-    /// Its name in `/metrics`.
+    /// Name in `/metrics`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Moving => "moving",
@@ -40,7 +40,7 @@ impl Urgency {
         }
     }
 
-    /// Whether something moves in the picture.
+    /// True if something moves in the picture.
     pub fn is_moving(self) -> bool {
         matches!(self, Self::Moving | Self::Watched)
     }
@@ -49,57 +49,55 @@ impl Urgency {
 /// A picture that waits.
 #[derive(Clone, Copy, Debug)]
 pub struct QueuedPicture {
-    /// How urgent it is.
     pub urgency: Urgency,
-    /// What whoever it is drawn for has been charged.
+    /// Charges of its client so far.
     pub charged: ChargedSeconds,
-    /// When it was last worked on, or since when it waits.
+    /// End of its latest turn, or the start of its wait.
     pub last_turn_at: Instant,
-    /// Since when it waits, worked on or not.
+    /// Start of its wait, with or without turns since.
     pub queued_at: Instant,
 }
 
-/// What to do.
+/// Decision of the schedule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScheduledTurn {
-    /// Work on the picture of this index for about so long.
+    /// Draw the picture of this index for about that time.
     Draw(usize, Duration),
-    /// Nothing may be drawn before so much time has passed; something new may.
+    /// Draw no waiting picture before that time has passed. A new one may be drawn.
     Wait(Duration),
-    /// There is nothing to draw.
     Idle,
 }
 
-/// The classes that have an account, most urgent first, with their shares of the time.
+/// The classes with an account, most urgent first, with their shares of the time.
 const SHARES: [(Urgency, f64); 3] = [
     (Urgency::Watched, WATCHED_TIME_SHARE),
     (Urgency::Settling, SETTLING_TIME_SHARE),
     (Urgency::Still, SETTLING_TIME_SHARE),
 ];
 
-/// What it remembers from turn to turn.
+/// State of the schedule between turns.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// When a hand last moved something, and when something last moved at all.
+    /// Times at which a user last moved something in their own view, and at which anything last moved.
     last_interactive: Option<Instant>,
     last_moving: Option<Instant>,
-    /// Seconds that those who watch, views at rest and stills are owed; below zero they have had more than their share.
+    /// Seconds owed to watched views, views at rest and stills. Negative if a class had more than its share.
     owed_seconds: [f64; SHARES.len()],
-    /// Until when that was reckoned.
+    /// Time up to which `owed_seconds` is computed.
     accrued_until: Option<Instant>,
-    /// As what the turn was given that is not over: its account pays, whatever is drawn in it.
+    /// Class that got the current turn. Its account pays, whatever is drawn in the turn.
     turn_class: Option<Urgency>,
 }
 
 impl Schedule {
-    /// Nothing has been drawn.
+    /// Starts with empty accounts.
     pub fn new() -> Self {
         let (last_interactive, last_moving, owed_seconds, accrued_until) =
             (None, None, [0.0; SHARES.len()], None);
         Self { last_interactive, last_moving, owed_seconds, accrued_until, turn_class: None }
     }
 
-    /// Whose turn it is.
+    /// Chooses the next turn.
     pub fn next(&mut self, now: Instant, waiting: &[QueuedPicture]) -> ScheduledTurn {
         let waits = |urgency| waiting.iter().any(|task| task.urgency == urgency);
         if waits(Urgency::Moving) {
@@ -124,14 +122,14 @@ impl Schedule {
         turn
     }
 
-    /// Whose turn it is, where these classes are `limited` to their shares.
+    /// Chooses the next turn if these classes are `limited` to their shares.
     fn choose(
         &self,
         waiting: &[QueuedPicture],
         limited: [bool; SHARES.len()],
         turn: Duration,
     ) -> ScheduledTurn {
-        // What is owed longest first, though it is the least urgent.
+        // Owed turns come first, starting with the least urgent class.
         for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
                 && self.owed_seconds[index] >= turn.as_secs_f64()
@@ -159,8 +157,8 @@ impl Schedule {
         ScheduledTurn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
-    /// A turn is over; it went on from `began` to `ended`. What was drawn can be of another class than who got the turn: a
-    /// scene's thread ends first what it is in the middle of.
+    /// Notes a turn from `began` to `ended`. The drawn picture can be of another class than the one that got the turn,
+    /// since the thread of a scene first finishes the picture in progress.
     pub fn record_turn(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
@@ -174,7 +172,7 @@ impl Schedule {
         }
     }
 
-    /// Adds the share of the time since the last reckoning, at most to what one turn takes: nobody saves up.
+    /// Adds the shares of the time since the last call. An account holds at most one turn, so no class saves up.
     fn accrue_shares(
         &mut self,
         now: Instant,
@@ -188,7 +186,7 @@ impl Schedule {
             let earned = SHARES[index].1 * since.as_secs_f64();
             *owed = match (limited[index], waits[index]) {
                 (true, true) => (*owed + earned).min(turn.as_secs_f64()),
-                // Debts are paid off also while nobody waits.
+                // Debts are paid off even while the class has no waiting picture.
                 (true, false) => (*owed + earned).min(0.0),
                 (false, _) => 0.0,
             };
@@ -196,15 +194,15 @@ impl Schedule {
     }
 }
 
-/// Where the account of a class stands; `None` of what a hand moves, which needs none.
+/// Index of the account of a class. `None` for views that a user moves, which need none.
 fn account_index(urgency: Urgency) -> Option<usize> {
     SHARES.iter().position(|(class, _)| *class == urgency)
 }
 
 fn least_charged(waiting: &[QueuedPicture], urgency: Urgency) -> Option<usize> {
     let of_it = waiting.iter().enumerate().filter(|(_, task)| task.urgency == urgency);
-    // Of what one client watches the oldest is drawn to its end: of thirty views that are opened at once, a turn each in turn, none
-    // would show anything for long.
+    // The oldest picture of a client's watched views is drawn to its end. If thirty views that open at once took turns,
+    // all of them would stay empty for long.
     let waits_from =
         |task: &QueuedPicture| if urgency == Urgency::Watched { task.queued_at } else { task.last_turn_at };
     let order = |a: &QueuedPicture, b: &QueuedPicture| {

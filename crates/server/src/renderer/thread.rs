@@ -1,4 +1,4 @@
-//! The render thread: all that it holds, and its loop.
+//! The loop of the render thread, and its state.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,7 +19,7 @@ use crate::charges::{Charges, Payer};
 use crate::limits::{MAX_PICTURES, MAX_TURN, SHARED_FOR};
 use crate::metrics::Metrics;
 
-/// A request on its way.
+/// A request in progress.
 #[derive(Debug)]
 struct PictureTask {
     id: u64,
@@ -27,46 +27,44 @@ struct PictureTask {
     reply: PictureReply,
     started: Option<Instant>,
     took: Duration,
-    /// When it was last worked on, or since when it waits.
+    /// End of its latest turn, or the start of its wait.
     last_turn_at: Instant,
-    /// How often it was worked on.
     turns: u32,
-    /// Whether the device was lost with it.
+    /// True if the device was lost while drawing it.
     lost_device: bool,
-    /// What there is of it; `None` before it is begun, and while its worker has it.
+    /// Progress so far. `None` before it is begun, and while its worker has it.
     drawing: Option<Box<PictureProgress>>,
 }
 
-/// All that the render thread holds.
+/// State of the render thread.
 pub(super) struct RenderLoop {
-    /// Never draws; the others share its pipelines.
+    /// Renderer that never draws. The workers share its pipelines.
     base: Renderer,
-    /// Counts what is kept, also when the device was lost and is opened again.
+    /// Counts the memory of all renderers, across a lost device.
     memory: MemoryBudget,
-    /// Who draws shadows and lights; as the device is where nobody says.
+    /// Backend of shadows and lights. `None` chooses it by the device.
     backend: Option<Backend>,
-    /// The one that drew last at the end.
+    /// The latest one to draw is last.
     workers: Vec<DrawWorker>,
     turn_end: TurnDeadline,
     inbox: mpsc::Receiver<Job>,
-    /// Nothing is to be drawn any more.
+    /// True once nothing should be drawn any more.
     ended: Arc<AtomicBool>,
     waiting: Vec<PictureTask>,
     last_task: u64,
     schedule: Schedule,
-    /// What each client has been charged for drawing.
+    /// Charges of each client for drawing.
     charges: Charges,
-    /// Who drew moving pictures lately, and when.
+    /// Clients that drew moving pictures lately, with the time of the latest.
     moving_payers: BTreeMap<Payer, Instant>,
-    /// What a core is of all of them.
+    /// Share of one core in the time of all cores.
     core_share: f64,
     metrics: Arc<Metrics>,
-    /// Waits for jobs and for time.
+    /// Runtime that waits for jobs and for time.
     clock: Runtime,
 }
 
 impl RenderLoop {
-    /// Opens the device.
     pub fn open(
         (metrics, backend): (Arc<Metrics>, Option<Backend>),
         inbox: mpsc::Receiver<Job>,
@@ -94,7 +92,7 @@ impl RenderLoop {
         })
     }
 
-    /// Draws every pipeline once.
+    /// Draws with every pipeline once.
     pub fn warm_up(&self) -> Readiness {
         let started = Instant::now();
         match self.base.compile_pipelines(|| !self.ended.load(Ordering::Relaxed)) {
@@ -110,7 +108,6 @@ impl RenderLoop {
         }
     }
 
-    /// Draws until the server ends.
     pub fn run(mut self) {
         while !self.ended.load(Ordering::Relaxed) {
             self.release_unused();
@@ -134,7 +131,7 @@ impl RenderLoop {
         }
     }
 
-    /// The tasks that wait for a turn, by their indices, and how the schedule sees them.
+    /// Indices of the tasks that wait for a turn, and their form for the schedule.
     fn queued_tasks(&self) -> (Vec<usize>, Vec<QueuedPicture>) {
         let aside: Vec<&DrawWorker> =
             self.workers.iter().filter(|worker| worker.is_in_background()).collect();
@@ -158,7 +155,7 @@ impl RenderLoop {
         seen.unzip()
     }
 
-    /// Waits for a job. False where none can come any more.
+    /// Waits for a job. Returns false if no more can come.
     fn wait_for_job(&mut self, time: Duration) -> bool {
         let inbox = &mut self.inbox;
         match self.clock.block_on(async { timeout(time, inbox.recv()).await }) {
@@ -171,7 +168,7 @@ impl RenderLoop {
 
     fn handle_job(&mut self, job: Job) {
         match job {
-            // Given up before it came here: each change of a document gives up a picture of each view.
+            // Cancelled in the queue: each change of a document cancels a picture of each view.
             Job::Draw(_, done) if done.is_closed() => {}
             Job::Draw(request, done) => {
                 self.last_task += 1;
@@ -189,12 +186,12 @@ impl RenderLoop {
             }
             // The renderer draws with all cores.
             Job::Charge(payer, took) => self.charges.charge(&payer, took.as_secs_f64() * self.core_share),
-            // Who is gone is seen before each turn.
+            // Dropped leases are noticed before each turn.
             Job::Wake => {}
         }
     }
 
-    /// Frees what was kept for those who are gone.
+    /// Frees data of dropped leases.
     fn release_unused(&mut self) {
         self.waiting.retain(|task| !task.reply.is_closed());
         let before = self.workers.len();
@@ -223,8 +220,8 @@ impl RenderLoop {
             .set(of(Urgency::Still).map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
-    /// Gives a picture its turn, and hands it over where it is finished. One that was given up is not begun. Where its scene's
-    /// worker is in the middle of another, that one goes on.
+    /// Gives a picture its turn and sends it once it is finished. A cancelled picture is not begun. If the worker of
+    /// its scene is in the middle of another picture, that one continues.
     fn run_turn(&mut self, index: usize, turn: Duration) {
         let request = Arc::clone(&self.waiting[index].request);
         let mut worker = match self.worker(&request) {
@@ -307,11 +304,11 @@ impl RenderLoop {
                 self.reopen(&why);
             }
             TurnReport::Ended(_, Err(error)) => {
-                // Where the scene itself could not be taken over, who asks next has it tried again.
+                // The next request tries to load the scene again.
                 self.workers.push(worker);
                 drop(self.waiting.swap_remove(index).reply.send(Err(error)));
             }
-            // The answer's other end sees that there will be none.
+            // The asker sees that the reply is dropped.
             TurnReport::Lost => drop(self.waiting.swap_remove(index)),
         }
         if is_new {
@@ -319,7 +316,7 @@ impl RenderLoop {
         }
     }
 
-    /// Lets go of scenes while all of the budget is taken, the longest unused first, but for the one that drew last.
+    /// Drops scenes while memory is over budget, the least recently used first. Keeps the one that drew last.
     fn drop_scenes_over_budget(&mut self) {
         while self.memory.total() > self.memory.budget()
             && let Some(rests) = self.workers.iter().position(|worker| worker.paused.is_none())
@@ -330,7 +327,7 @@ impl RenderLoop {
         self.base.free_dropped_memory();
     }
 
-    /// Opens the device again. What was on it is gone: pictures under way begin again.
+    /// Opens the device again. Everything on it is lost, so pictures in progress begin again.
     fn reopen(&mut self, why: &str) {
         tracing::error!("the graphics device was lost ({why}) and is opened again");
         self.workers.clear();
@@ -347,7 +344,7 @@ impl RenderLoop {
         }
     }
 
-    /// Takes out the worker of a request's session and scene.
+    /// Takes the worker of a request's session and scene from the list, or makes it.
     fn worker(&mut self, request: &PictureRequest) -> Result<DrawWorker, RenderError> {
         let PictureRequest { session, viewer, scene, .. } = request;
         let known = self.workers.iter().position(|worker| worker.is_for(session, scene));
@@ -359,7 +356,7 @@ impl RenderLoop {
             std::ptr::eq(listed.as_ptr(), &raw const **lease)
         };
         if !worker.viewers.iter().any(|(_, known)| is_listed(known, viewer)) {
-            // A view shows one scene: what was kept of another one for it goes.
+            // A view shows one scene, so its data in other workers is freed.
             for other in self.workers.iter_mut().filter(|other| other.paused.is_none()) {
                 other.viewers.retain(|(number, _)| *number != viewer.number);
                 other.forget(viewer.slot());
@@ -369,7 +366,8 @@ impl RenderLoop {
         Ok(worker)
     }
 
-    /// A worker for a session and a scene. Scenes that nobody looks at go where more than half of the budget is taken.
+    /// Makes a worker for a session and a scene. If more than half of the budget is taken, drops scenes without
+    /// viewers.
     fn open_scene(
         &mut self,
         session: &Arc<RenderLease>,
@@ -388,8 +386,8 @@ impl RenderLoop {
     }
 }
 
-/// Whether another picture can be taken. What was given up meanwhile makes room: else whoever changes what many views show has
-/// everybody's next picture wait, some at each turn, behind those that nobody wants.
+/// True if another picture can be taken. Cancelled ones make room. Otherwise a change to many views would keep
+/// everybody's next picture waiting behind pictures that nobody wants, some at each turn.
 fn has_room<T>(waiting: &mut Vec<T>, is_given_up: impl Fn(&T) -> bool) -> bool {
     if waiting.len() >= MAX_PICTURES {
         waiting.retain(|task| !is_given_up(task));

@@ -1,5 +1,5 @@
-//! What a session shows of a scene, on a thread of its own, which draws when it has the turn: so a piece of work that takes long
-//! can rest in its middle while another session's is drawn. Only one thread draws at a time.
+//! A worker: a thread that draws a session's view of a scene in turns. Long work can pause in the middle of a piece
+//! while another session is drawn. Only one thread draws at a time.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -17,45 +17,45 @@ use super::{Job, PictureFormat, PictureRequest, RenderLease, Urgency};
 use crate::background;
 use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
 
-/// Orders that wait for a worker: one to draw, and those to forget viewers, which wait for the ones before.
+/// Orders that can wait for a worker: one to draw, and those to forget viewers, which wait behind it.
 const ORDER_QUEUE: usize = 16;
-/// Reports that wait: the latest, and the last.
+/// Reports that can wait: the latest and the last.
 const REPORT_QUEUE: usize = 2;
 
-/// When the turn under way is over, for all threads that draw. No turn is under way at first, and so it never is.
+/// End of the current turn, shared by all drawing threads. Before the first turn it never comes.
 #[derive(Clone, Debug)]
 pub(super) struct TurnDeadline {
     start: Instant,
-    /// Nanoseconds after `arrive`.
+    /// Nanoseconds after `start`.
     deadline_ns: Arc<AtomicU64>,
 }
 
-/// How a turn of a picture is drawn.
+/// Course of a picture through its turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TurnPlan {
-    /// By layers of its lights, to its end.
+    /// In layers of its lights, to its end in one turn.
     Whole,
-    /// By layers of its lights, until the turn is over.
+    /// In layers of its lights, until the turn is over.
     Layers,
     /// Tile by tile, until the turn is over.
     Tiles,
 }
 
 impl TurnPlan {
-    /// That of a picture that is begun, while others draw moving ones where it `is_shared`.
+    /// Plan of a new picture. `is_shared` is true while other clients draw moving pictures too.
     pub fn of(request: &PictureRequest, is_shared: bool, renderer: &Renderer) -> Self {
         let PictureRequest { view, lights, urgency, .. } = request;
         let is_large = view.width * view.height > LARGE_PICTURE_PIXELS;
         match (urgency.is_moving(), is_shared) {
             (false, _) => Self::Tiles,
-            // It is late already, and what is kept of the one before makes it quick.
+            // The picture is late already, and cached layers of the one before make it fast.
             (true, false) => Self::Whole,
             (true, true) if is_large || !renderer.keeps_layers(view, lights.len()) => Self::Tiles,
             (true, true) => Self::Layers,
         }
     }
 
-    /// That of its next turn, after so many.
+    /// Plan of the picture's next turn, after that many turns.
     pub fn after(self, turns: u32, is_shared: bool) -> Self {
         match self {
             Self::Layers if !is_shared || turns >= MAX_MOVING_TURNS => Self::Whole,
@@ -64,55 +64,54 @@ impl TurnPlan {
     }
 }
 
-/// What there is of a picture, and what its latest turn came to.
+/// Progress of a picture and results of its turns.
 #[derive(Debug)]
 pub(super) struct PictureProgress {
     pub request: Arc<PictureRequest>,
     pub plan: TurnPlan,
-    /// Where it is drawn in tiles.
+    /// Set if it is drawn in tiles.
     pub picture: Option<TiledPicture>,
-    /// Which passes it has come to.
+    /// Passes so far.
     pub passes: Vec<PassRun>,
-    /// Whether a shadow map was drawn for it.
+    /// True if a shadow map was drawn for it.
     pub drew_map: bool,
 }
 
-/// What a worker is told.
 enum WorkerOrder {
-    /// To draw for about so long.
+    /// Draw for about that time.
     Draw(Box<PictureProgress>, Duration),
-    /// To go on in the middle of what it draws; false to give that up.
+    /// Continue in the middle of a piece if true, cancel it if false.
     Resume(bool),
-    /// To drop what is kept for a viewer.
+    /// Drop the data of a viewer.
     Forget(ViewSlot),
 }
 
-/// What a worker says when it gives the turn back.
+/// A worker's message at the end of its turn.
 pub(super) enum TurnReport {
-    /// It rests in the middle of a piece.
+    /// It pauses in the middle of a piece.
     Paused,
-    /// It does work for which it needs no turn; see [`DrawWorker::is_in_background`].
+    /// It does work that needs no turn. See [`DrawWorker::is_in_background`].
     InBackground,
-    /// The turn is over: the pixels where the picture is finished.
+    /// The turn is over. The pixels are there if the picture is finished.
     Ended(Box<PictureProgress>, Result<Option<Pixels>, RenderError>),
-    /// The thread has ended, and what it held is gone.
+    /// The thread has ended, and its data is gone.
     Lost,
 }
 
-/// A scene on the device as sessions share it; empty before one of them has taken it over.
+/// A scene on the device, shared by sessions. Empty until one of them has uploaded it.
 pub(super) type SharedScene = Arc<OnceLock<SceneOnDevice>>;
 
-/// What a session shows of a scene: its maps, and what its views are drawn into.
+/// A session's view of a scene: shadow maps and render targets, on a thread.
 pub(super) struct DrawWorker {
     pub scene: Arc<PosedScene>,
     pub shared: SharedScene,
-    /// The session that it is for, without which it goes.
+    /// The worker is dropped after its session.
     pub session: Weak<RenderLease>,
-    /// Whose views and stills it drew.
+    /// Numbers and leases of the views and stills that it drew.
     pub viewers: Vec<(u64, Weak<RenderLease>)>,
-    /// The task in the middle of which it rests.
+    /// The task in the middle of which it pauses.
     pub paused: Option<u64>,
-    /// Whether it works in the middle of that without a turn.
+    /// True while it works on that task without a turn.
     is_in_background: Arc<AtomicBool>,
     orders: SyncSender<WorkerOrder>,
     reports: Receiver<TurnReport>,
@@ -120,7 +119,7 @@ pub(super) struct DrawWorker {
 }
 
 thread_local! {
-    /// On a worker's thread: how it gives the turn back in the middle of a piece, and gets it again.
+    /// Channels of a worker's thread, with which it gives up its turn and waits for the next.
     static CHANNELS: RefCell<Option<WorkerChannels>> = const { RefCell::new(None) };
 }
 
@@ -128,16 +127,16 @@ struct WorkerChannels {
     orders: Receiver<WorkerOrder>,
     reports: SyncSender<TurnReport>,
     is_in_background: Arc<AtomicBool>,
-    /// Wakes the renderer's loop.
+    /// Wakes the render loop.
     jobs: mpsc::Sender<Job>,
 }
 
-/// Says on its end that a worker's thread has ended, whatever ended it.
+/// Reports the end of a worker's thread on drop, even after a panic.
 struct ReportLostOnDrop(SyncSender<TurnReport>);
 
 impl Drop for ReportLostOnDrop {
     fn drop(&mut self) {
-        // Nobody is told where the renderer's loop has ended before.
+        // The render loop may have ended before. Then nobody listens.
         let _ = self.0.send(TurnReport::Lost);
     }
 }
@@ -147,7 +146,7 @@ impl TurnDeadline {
         Self { start: Instant::now(), deadline_ns: Arc::new(AtomicU64::new(u64::MAX)) }
     }
 
-    /// The turn that begins is over after so long.
+    /// Starts a turn of that length.
     fn set(&self, turn: Duration) {
         let at = self.start.elapsed().saturating_add(turn);
         self.deadline_ns.store(u64::try_from(at.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
@@ -157,25 +156,25 @@ impl TurnDeadline {
         self.start.elapsed().as_nanos() >= u128::from(self.deadline_ns.load(Ordering::Relaxed))
     }
 
-    /// What devices are opened with whose renderers are workers'.
+    /// Yield policy for the devices of workers.
     pub fn yield_policy(&self) -> YieldPolicy {
         let end = self.clone();
         YieldPolicy::new(move || end.is_over(), yield_turn, run_in_background)
     }
 }
 
-/// Gives the turn back until it comes again. False where what is drawn is given up.
+/// Gives up the turn and waits for the next one. Returns false if the picture is cancelled.
 fn yield_turn() -> bool {
     CHANNELS.with_borrow(|baton| {
-        // Whoever draws on another thread has no turns.
+        // Other threads have no turns.
         let Some(WorkerChannels { orders, reports, .. }) = baton else { return true };
         let is_heard = reports.send(TurnReport::Paused).is_ok();
         is_heard && matches!(orders.recv(), Ok(WorkerOrder::Resume(true)))
     })
 }
 
-/// Gives the turn back, does `work` as work in the background is done, and waits for the turn. False where what is drawn is
-/// given up.
+/// Gives up the turn, does `work` as background work, and waits for the next turn. Returns false if the picture is
+/// cancelled.
 fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
     CHANNELS.with_borrow(|baton| {
         let Some(WorkerChannels { orders, reports, is_in_background: aside, jobs }) = baton else {
@@ -185,16 +184,16 @@ fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
         let is_heard = reports.send(TurnReport::InBackground).is_ok();
         let done = if is_heard { background::run_blocking(work) } else { Ok(false) };
         aside.store(false, Ordering::Release);
-        // Where the queue is full the loop is awake.
+        // If the queue is full, the loop is awake.
         let _ = jobs.try_send(Job::Wake);
-        // As if this thread had done it: it ends, and says so.
+        // A panic of the work ends this thread, which reports its end.
         let is_done = done.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         is_done && matches!(orders.recv(), Ok(WorkerOrder::Resume(true)))
     })
 }
 
 impl DrawWorker {
-    /// A thread for `renderer`, which takes over the scene when it first draws.
+    /// Starts a thread for `renderer`. It uploads the scene before it first draws.
     pub fn start(
         session: &Arc<RenderLease>,
         (scene, shared): (&Arc<PosedScene>, SharedScene),
@@ -216,7 +215,7 @@ impl DrawWorker {
             CHANNELS.set(Some(baton));
             draw_in_turns(renderer, (&posed, &uploaded), &outbox);
         });
-        // Where none can be started the reports end at once, and so does what is asked for.
+        // Without a thread the reports end at once, and so does each request.
         let thread =
             thread.inspect_err(|error| tracing::error!("no thread can be started to draw: {error}")).ok();
         Self {
@@ -232,17 +231,16 @@ impl DrawWorker {
         }
     }
 
-    /// Whether it works without a turn, and needs none until the loop is woken.
+    /// True while it works without a turn. It needs none until it wakes the loop.
     pub fn is_in_background(&self) -> bool {
         self.is_in_background.load(Ordering::Acquire)
     }
 
-    /// Whether it is for this session and scene.
     pub fn is_for(&self, session: &Arc<RenderLease>, scene: &Arc<PosedScene>) -> bool {
         std::ptr::eq(self.session.as_ptr(), Arc::as_ptr(session)) && Arc::ptr_eq(&self.scene, scene)
     }
 
-    /// Draws for about `turn`, or goes on with what it is in the middle of; waits until the turn is given back.
+    /// Draws for about `turn`, or continues the paused picture. Waits until the turn is over.
     pub fn draw(
         &mut self,
         drawing: Option<Box<PictureProgress>>,
@@ -251,12 +249,12 @@ impl DrawWorker {
     ) -> TurnReport {
         end.set(turn);
         let order = drawing.map_or(WorkerOrder::Resume(true), |drawing| WorkerOrder::Draw(drawing, turn));
-        // One that has ended has said so.
+        // A thread that has ended has reported that.
         let _ = self.orders.send(order);
         self.reports.recv().unwrap_or(TurnReport::Lost)
     }
 
-    /// Gives up what it is in the middle of; where it is aside, waits until that work is done.
+    /// Cancels the paused picture. If the worker is in the background, waits until that work is done.
     pub fn cancel(&mut self) {
         if self.paused.take().is_some() {
             let _ = self.orders.send(WorkerOrder::Resume(false));
@@ -264,7 +262,7 @@ impl DrawWorker {
         }
     }
 
-    /// Drops what is kept for a viewer; in the middle of a piece, once that is over.
+    /// Drops the data of a viewer. Does nothing while the worker is paused.
     pub fn forget(&self, slot: ViewSlot) {
         if self.paused.is_none() {
             let _ = self.orders.send(WorkerOrder::Forget(slot));
@@ -273,7 +271,7 @@ impl DrawWorker {
 }
 
 impl Drop for DrawWorker {
-    /// What it holds is gone when this returns.
+    /// Waits until the worker's data is freed.
     fn drop(&mut self) {
         self.cancel();
         let (nobody, _) = sync_channel(0);
@@ -286,7 +284,7 @@ impl Drop for DrawWorker {
     }
 }
 
-/// What a worker's thread does.
+/// Loop of a worker's thread.
 fn draw_in_turns(
     mut renderer: Renderer,
     scene: (&Arc<PosedScene>, &SharedScene),
@@ -310,7 +308,7 @@ fn draw_in_turns(
     }
 }
 
-/// Takes over a scene, from another session where one has done so.
+/// Uploads a scene, or shares the upload of another session.
 fn take_over(
     renderer: &mut Renderer,
     (scene, shared): (&Arc<PosedScene>, &SharedScene),
@@ -319,12 +317,12 @@ fn take_over(
         return renderer.share_scene(uploaded.clone());
     }
     renderer.set_scene(scene)?;
-    // Where two have done it at once, one copy goes with its session.
+    // If two sessions upload at once, one copy is freed with its session.
     shared.get_or_init(|| renderer.scene_on_device());
     Ok(())
 }
 
-/// A turn of drawing; the picture where it is finished.
+/// Draws for a turn. Returns the picture once it is finished.
 fn draw(
     renderer: &mut Renderer,
     drawing: &mut PictureProgress,

@@ -1,4 +1,4 @@
-//! When a session gets a new checkpoint, and keeping it.
+//! Checkpoints of an open session: the decision to write one, and its storage.
 
 use protocol::SessionCheckpoint;
 use store::RecordTail;
@@ -8,18 +8,18 @@ use super::Room;
 use crate::ServerError;
 use crate::limits::{CHECKPOINT_AFTER_BYTES, CHECKPOINT_AFTER_RECORDS};
 
-/// Whether a session whose checkpoint has `last_bytes` gets a new one, `tail` having come since.
+/// True if a session whose checkpoint has `last_bytes` needs a new one after the records of `tail`.
 ///
-/// A checkpoint names everybody who has edited, so it grows with them. Together checkpoints never take more than the
-/// records do: each is as long as the one before, about, and as many bytes of records lie between.
+/// A checkpoint names everybody who has edited, so it grows with their number. All checkpoints together never take more
+/// bytes than the records: each is about as long as the one before, and as many bytes of records lie between two.
 fn is_due(tail: RecordTail, last_bytes: u64) -> bool {
     let has_many = tail.records >= CHECKPOINT_AFTER_RECORDS && tail.bytes >= last_bytes;
     has_many || tail.bytes >= CHECKPOINT_AFTER_BYTES.max(4 * last_bytes)
 }
 
 impl Room {
-    /// Writes a checkpoint down once so much has come since the last one that opening the session would take long.
-    /// What fails here costs time at the next opening, nothing else.
+    /// Stores a checkpoint once replaying the records since the last one would make opening slow. A failure here only
+    /// makes the next opening slower.
     pub(super) async fn keep_checkpoint(&mut self) {
         if !is_due(self.tail, self.checkpoint_bytes) {
             return;
@@ -47,8 +47,8 @@ mod tests {
 
     const EDITS: u64 = 10_000;
 
-    /// Bytes of checkpoints that so many edits come to, for each byte of their records, where the actor with the number
-    /// that `actor` gives for an edit makes it.
+    /// Bytes of checkpoints per byte of records after `EDITS` edits. `actor` returns the number of the actor that makes
+    /// each edit.
     fn written(actor: impl Fn(u64) -> u64, is_due: impl Fn(RecordTail, u64) -> bool) -> f64 {
         let (mut session, mut tail, mut last_bytes) = (Session::default(), RecordTail::default(), 0);
         let (mut of_records, mut of_checkpoints) = (0, 0);

@@ -1,4 +1,4 @@
-//! Who is here: coming, going, presence.
+//! Clients of a session: joining, leaving, presence.
 
 use std::collections::VecDeque;
 
@@ -17,24 +17,23 @@ use crate::outbox::{Outbox, SharedText};
 use crate::outboxes::ClientId;
 use crate::request::{ClientRequest, RecordAction};
 
-/// One connection.
 pub(super) struct ConnectedClient {
     pub principal: Principal,
-    /// The light it has selected.
+    /// The selected light.
     pub selection: Option<u64>,
-    /// Of what it drags.
+    /// Solves for its commands.
     pub solves: SolveState,
-    /// What of its messages waits, first the one whose drag is being solved.
+    /// Its waiting messages. A solve is pending for the first of them.
     pub queued: VecDeque<RoomMessage>,
 }
 
 impl ConnectedClient {
-    /// Whether what waits can go on.
+    /// True if messages wait and no solve is pending for them.
     pub fn can_resume(&self) -> bool {
         !(self.queued.is_empty() || self.solves.is_pending())
     }
 
-    /// Leaves out updates in its line of gestures that end with its connection: all that it has not committed there.
+    /// Removes queued updates of gestures that end with the connection: all gestures that no queued commit completes.
     pub fn discard_uncommitted(&mut self) {
         let committed = |gesture: &String| {
             self.queued.iter().any(|message| match message {
@@ -60,7 +59,7 @@ impl ConnectedClient {
 }
 
 impl Room {
-    /// Takes in a client, or tells it why not. All that was done before is committed.
+    /// Admits a client, or tells it the reason for a refusal. Everything done before is committed.
     pub(super) async fn join(&mut self, join: JoinRequest) {
         let JoinRequest { principal, epoch, last_seq, mut outbox, joined } = join;
         if self.is_draining {
@@ -141,14 +140,13 @@ impl Room {
         }
     }
 
-    /// The gestures under way.
     fn gesture_states(&self) -> Vec<GestureState> {
         let held = |gesture| self.gesture_state(gesture, GestureStatus::Held { refused: None });
         self.session.gestures().map(held).collect()
     }
 
-    /// The records after the one that the client knows. Where it knows none or too few an empty document, in whose place the text
-    /// of the session's goes.
+    /// Returns the records after the one that the client knows. If the client knows none, or too many are missing,
+    /// returns an empty document, which the caller replaces with the text of the session's document.
     async fn state_from(&self, known: Option<u64>) -> State {
         let missing =
             known.and_then(|seq| self.session.seq().checked_sub(seq)).filter(|n| *n <= MAX_CATCH_UP_RECORDS);
@@ -160,7 +158,7 @@ impl Room {
                 .read(move |store| store.page(&name, known + 1, missing as usize, MAX_CATCH_UP_BYTES));
             match read.await {
                 Ok(records) if records.len() as u64 == missing => return State::Tail(records),
-                // A page has a limit of bytes.
+                // A page is limited in bytes and may lack records.
                 Ok(_) => {}
                 Err(error) => tracing::error!("the records for a returning client cannot be read: {error}"),
             }
@@ -168,7 +166,7 @@ impl Room {
         State::Snapshot(Document::default())
     }
 
-    /// A client goes, and its gestures with it. Who looked at its view goes on from there.
+    /// Removes a client and its gestures. Followers of its view keep the view.
     pub(super) fn leave(&mut self, id: ClientId, tick: &mut Tick) {
         if self.clients.remove(&id).is_none() {
             return;
@@ -184,7 +182,7 @@ impl Room {
         self.note_clients();
     }
 
-    /// Lets go of clients whose connection is over, though they have not said so; once what they sent is carried out.
+    /// Removes clients whose connection closed without a message. Messages that they sent are carried out first.
     pub(super) fn drop_lost_clients(&mut self) {
         for id in self.outboxes.closed() {
             if self.clients.get(&id).is_some_and(|client| !client.queued.is_empty()) {
@@ -217,14 +215,15 @@ impl Room {
         self.clients.iter().map(presence).collect()
     }
 
-    /// Sends clients that were behind, and have taken what they were sent, the session as it is; once there is room for its text.
+    /// Sends the current state to clients that fell behind and have received everything sent before. Does nothing while
+    /// the account of bytes in flight is full.
     pub(super) async fn catch_up_clients(&mut self) {
         if !self.backend.in_flight.is_full() {
             self.catch_up(Outbox::can_catch_up).await;
         }
     }
 
-    /// Sends all clients that are behind the session as it is: there will be no other time.
+    /// Sends the current state to all clients that fell behind. The room ends, so this is the last chance.
     pub(super) async fn catch_up_all(&mut self) {
         self.catch_up(Outbox::is_behind).await;
     }
@@ -243,7 +242,7 @@ impl Room {
         }
     }
 
-    /// The session as it is, with an empty document, in whose place its text goes.
+    /// The current state with an empty document, which the caller replaces with the document's text.
     fn resync(&self) -> Resync {
         Resync {
             seq: self.session.seq(),

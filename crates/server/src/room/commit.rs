@@ -1,4 +1,4 @@
-//! What a tick came to is committed, and only then published.
+//! Commits the records of a tick, then publishes them.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use super::tick::{Outgoing, RecordAnswer, RequestBatch, Tick};
 use crate::ServerError;
 
 impl Room {
-    /// Commits what the tick came to and publishes it; or rolls it back and answers why.
+    /// Commits the tick and publishes it. On an error rolls it back and answers with the reason.
     pub(super) async fn commit(&mut self, mut tick: Tick) {
         let records: Vec<_> =
             std::mem::take(&mut tick.records).into_iter().map(Arc::unwrap_or_clone).collect();
@@ -27,9 +27,9 @@ impl Room {
         self.keep_checkpoint().await;
     }
 
-    /// The state before the tick, and other answers in place of its own. Nobody has seen the rest.
+    /// Restores the state before the tick and replaces its answers. Nothing else of the tick has been published.
     ///
-    /// Gestures stay as they are: those that were to be committed are over, and everybody is told why.
+    /// Gestures stay as they are. Those that were to be committed have ended, and all clients get the reason.
     fn roll_back(&mut self, tick: &mut Tick, error: &ServerError) {
         if let Some((session, scene)) = tick.before.take().map(|before| *before) {
             self.scene = scene;
@@ -59,7 +59,7 @@ impl Room {
         tick.changes_pictures = true;
     }
 
-    /// Sends what a tick has to send. It has nothing to commit any more.
+    /// Sends the messages of a tick that has nothing left to commit.
     pub(super) fn publish(&mut self, tick: Tick) {
         if tick.changes_pictures {
             self.views.invalidate_all();
@@ -68,7 +68,7 @@ impl Room {
             match outgoing {
                 Outgoing::Record(message) => self.outboxes.broadcast(&message, None),
                 Outgoing::Gesture(state) => {
-                    // Its holder is told in any case: it is an answer.
+                    // The holder always gets it, since it answers the holder's request.
                     let holder = Some(state.client);
                     self.outboxes.broadcast(&ServerMessage::GestureState(state), holder);
                 }
@@ -84,7 +84,7 @@ impl Room {
         }
     }
 
-    /// Answers a program, or puts what is left of its request back in line.
+    /// Answers a program's request, or queues the rest of it again.
     fn answer_or_continue(&mut self, mut batch: RequestBatch) {
         for RecordAnswer { result, .. } in batch.answers.drain(..) {
             self.count(&result.outcome);
@@ -96,7 +96,7 @@ impl Room {
         }
         let RequestBatch { done: results, reply, .. } = batch;
         let hash = self.session.document().hash().to_string();
-        // Whoever asked may have gone; it is done all the same.
+        // The program may be gone. Its edits stay.
         let _ = reply.send(Ok(EditResults { results, seq: self.session.seq(), hash }));
     }
 

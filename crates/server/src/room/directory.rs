@@ -1,4 +1,4 @@
-//! Which sessions are open, and the one way to open them: a task that nobody can race.
+//! The directory of open sessions. One task opens and closes them, so two requests cannot race.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,7 +13,7 @@ use crate::ServerError;
 use crate::backend::Services;
 use crate::limits::{MAX_ROOMS, ROOM_QUEUE};
 
-/// Reaches the directory of open sessions.
+/// Handle to the directory of open sessions.
 #[derive(Clone, Debug)]
 pub struct Rooms {
     requests: mpsc::Sender<DirectoryRequest>,
@@ -25,44 +25,44 @@ enum DirectoryRequest {
         name: String,
         reply: Reply<RoomHandle>,
     },
-    /// The room of that number has had nothing to do for a while.
+    /// The room of that number has been idle for a while.
     Idle {
         name: Arc<str>,
         number: u64,
     },
     Clients(oneshot::Sender<BTreeMap<Arc<str>, Vec<Actor>>>),
-    /// The session where it is open.
+    /// Asks for the room of a session, without opening it.
     FindOpen {
         name: String,
         reply: oneshot::Sender<Option<RoomHandle>>,
     },
-    /// Close the room of a session that nobody is in, and delete that.
+    /// Closes the room of a session without clients and deletes the session.
     Delete {
         name: String,
         reply: Reply<()>,
     },
-    /// Close all rooms and open no more; answered when they have ended.
+    /// Closes all rooms and opens no more. Answered once they have ended.
     Drain(oneshot::Sender<()>),
 }
 
 struct RoomEntry {
     number: u64,
-    /// `None` once it was told to close.
+    /// `None` once the room was told to close.
     handle: Option<RoomHandle>,
     status: Arc<RoomStatus>,
     task: JoinHandle<()>,
 }
 
-/// What the directory sees of an open session.
+/// State of an open session that the directory reads.
 #[derive(Debug, Default)]
 pub(super) struct RoomStatus {
     clients: Mutex<Vec<Actor>>,
-    /// When it was last sent anything, in milliseconds since the server started.
+    /// Time of the latest message to it, in milliseconds since the server started.
     pub used_ms: AtomicU64,
 }
 
 impl RoomStatus {
-    /// Who is connected, a client each.
+    /// Sets the actor of each connected client.
     pub fn set_clients(&self, clients: Vec<Actor>) {
         *self.clients.lock().unwrap_or_else(PoisonError::into_inner) = clients;
     }
@@ -73,7 +73,7 @@ impl RoomStatus {
 }
 
 impl Rooms {
-    /// Starts the directory, with no session open.
+    /// Starts the directory. No session is open.
     pub fn start(backend: Services) -> Self {
         let (requests, inbox) = mpsc::channel(ROOM_QUEUE);
         let rooms = Self { requests };
@@ -82,7 +82,7 @@ impl Rooms {
         rooms
     }
 
-    /// A session, which is opened where it is not.
+    /// Returns the room of a session, and opens the session if necessary.
     pub async fn find(&self, name: &str) -> Result<RoomHandle, ServerError> {
         let (reply, found) = oneshot::channel();
         let request = DirectoryRequest::Find { name: name.into(), reply };
@@ -90,18 +90,18 @@ impl Rooms {
         found.await.map_err(|_| ServerError::Draining)??.opened().await
     }
 
-    /// Who is connected to each open session, a client each, in the order in which they came.
+    /// Returns the actor of each connected client of each open session, in the order of joining.
     pub async fn clients(&self) -> Result<BTreeMap<Arc<str>, Vec<Actor>>, ServerError> {
         let (reply, clients) = oneshot::channel();
         self.requests.send(DirectoryRequest::Clients(reply)).await.map_err(|_| ServerError::Draining)?;
         clients.await.map_err(|_| ServerError::Draining)
     }
 
-    /// Tells who is in a session that what the list says of it was changed. It is not opened for that.
+    /// Tells the clients of a session that its title or its archived state changed. Does not open the session.
     pub async fn notify_change(&self, name: &str, title: &str, archived: bool) {
         let (reply, found) = oneshot::channel();
         let request = DirectoryRequest::FindOpen { name: name.into(), reply };
-        // A server that stops, or a session that ends, has nobody to tell.
+        // A server that stops and a session that ends have no clients to tell.
         if self.requests.send(request).await.is_ok()
             && let Ok(Some(room)) = found.await
         {
@@ -109,7 +109,7 @@ impl Rooms {
         }
     }
 
-    /// Deletes an archived session that nobody is in.
+    /// Deletes an archived session that has no clients.
     pub async fn delete(&self, name: &str) -> Result<(), ServerError> {
         let (reply, deleted) = oneshot::channel();
         let request = DirectoryRequest::Delete { name: name.into(), reply };
@@ -117,16 +117,16 @@ impl Rooms {
         deleted.await.map_err(|_| ServerError::Draining)?
     }
 
-    /// Closes all sessions. Returns when each has committed what it had accepted and told its clients.
+    /// Closes all sessions. Returns once each has committed the requests it accepted and has answered its clients.
     pub async fn drain(&self) {
         let (reply, done) = oneshot::channel();
         if self.requests.send(DirectoryRequest::Drain(reply)).await.is_ok() {
-            // An error means that the directory has ended, and with it all rooms.
+            // An error means that the directory has ended, and all rooms with it.
             let _ = done.await;
         }
     }
 
-    /// A room has nothing to do and may be closed. Where the queue is full it will say so again.
+    /// Reports a room as idle. If the queue is full, the room reports again later.
     pub(super) fn idle(&self, name: &Arc<str>, number: u64) {
         let _ = self.requests.try_send(DirectoryRequest::Idle { name: Arc::clone(name), number });
     }
@@ -142,7 +142,7 @@ struct Directory {
 impl Directory {
     async fn run(mut self, mut inbox: mpsc::Receiver<DirectoryRequest>) {
         while let Some(request) = inbox.recv().await {
-            // Whoever asked may not be waiting any more.
+            // The asker may have stopped waiting.
             match request {
                 DirectoryRequest::Find { name, reply } => drop(reply.send(self.find(name.into()))),
                 DirectoryRequest::Idle { name, number } => self.close_room(&name, number),
@@ -184,8 +184,8 @@ impl Directory {
         Ok(handle)
     }
 
-    /// Sees to it that one more room may be open: closes the one of those that nobody else has a way to which was unused
-    /// for longest. It finishes by itself; whoever asks for its session meanwhile waits for that.
+    /// Makes place for one more open room. If there are too many, closes the least recently used room that only the
+    /// directory can reach. That room finishes by itself, and a request for its session meanwhile waits for it.
     fn close_unused(&mut self) -> Result<(), ServerError> {
         let open = self.entries.values().filter(|entry| entry.handle.is_some()).count();
         if open < MAX_ROOMS {
@@ -199,7 +199,7 @@ impl Directory {
         Ok(())
     }
 
-    /// Closes a room that nobody else has a way to: its inbox ends once our own handle is dropped.
+    /// Closes a room that only the directory can reach: its inbox ends once the directory's handle is dropped.
     fn close_room(&mut self, name: &str, number: u64) {
         if let Some(entry) = self.entries.get_mut(name)
             && entry.number == number
@@ -213,8 +213,8 @@ impl Directory {
         self.entries.iter().map(|(name, entry)| (Arc::clone(name), entry.status.clients())).collect()
     }
 
-    /// Deletes a session once its room, where it has one, has ended. Its task takes the room's place meanwhile: whoever asks
-    /// for the session waits for it, and finds none then.
+    /// Deletes a session after its room has ended, if it has one. The deleting task replaces the room in the directory,
+    /// so a request for the session waits for it and then finds no session.
     fn delete(&mut self, name: Arc<str>, reply: Reply<()>) {
         let people = self.entries.get(&name).map_or_else(Vec::new, |entry| entry.status.clients());
         if !people.is_empty() {
@@ -226,12 +226,12 @@ impl Directory {
         let task = tokio::spawn(async move {
             if let Some(RoomEntry { handle, task, .. }) = before {
                 if let Some(handle) = handle {
-                    // What programs have asked it for is finished. One that is over needs no word.
+                    // The room finishes the requests of programs. A room that has ended needs no message.
                     let _ = handle.send(RoomMessage::Drain).await;
                 }
                 let _ = task.await;
             }
-            // Whoever asked may not be waiting any more.
+            // The asker may have stopped waiting.
             let _ = reply.send(storage.delete_session(session).await);
         });
         self.last_number += 1;
@@ -241,7 +241,7 @@ impl Directory {
 
     async fn drain(&mut self) {
         for handle in self.entries.values().filter_map(|entry| entry.handle.as_ref()) {
-            // One that is over needs none.
+            // A room that has ended needs no message.
             let _ = handle.send(RoomMessage::Drain).await;
         }
         for (_, entry) in std::mem::take(&mut self.entries) {

@@ -1,4 +1,4 @@
-//! Drags: live for everybody, in the log only once they are committed.
+//! Gestures: everybody sees them live, and the log gets them on commit.
 
 use document::{Change, Command, CommandContext};
 use edit::{Actor, EditRefusal, Gesture};
@@ -77,7 +77,7 @@ impl Room {
         }
     }
 
-    /// Ends those that were not updated for too long. Whose updates wait for a solve has sent them.
+    /// Ends gestures without an update for too long. A client whose updates wait for a solve keeps its gestures.
     pub(super) fn expire_gestures(&mut self) {
         let mut tick = Tick::default();
         let now_ms = self.clock_ms();
@@ -90,7 +90,7 @@ impl Room {
         self.publish(tick);
     }
 
-    /// Tells everybody that a gesture is over and changes nothing any more.
+    /// Tells all clients that a gesture has ended and no longer changes the document.
     pub(super) fn end_gesture(&mut self, mut gesture: Gesture, status: GestureStatus, tick: &mut Tick) {
         tick.changes_pictures |= is_visible(&gesture);
         self.live_revision = self.live_revision.wrapping_add(1);
@@ -98,7 +98,7 @@ impl Room {
         tick.send(Outgoing::Gesture(self.gesture_state(&gesture, status)));
     }
 
-    /// Tells a client that it holds no such gesture.
+    /// Tells a client that it does not hold that gesture.
     fn refuse_gesture(
         &self,
         (id, light, update): (&str, u64, u64),
@@ -119,7 +119,7 @@ impl Room {
         tick.send(Outgoing::GestureRefusal(client, state));
     }
 
-    /// The gesture that an actor holds under that name.
+    /// The gesture that an actor holds under that id.
     pub(super) fn gesture_of(&self, id: &str, actor: &Actor) -> Option<Gesture> {
         self.session.gestures().find(|held| held.id == id && held.actor.id == actor.id).cloned()
     }

@@ -1,4 +1,4 @@
-//! Edits that are one step: each is read in the document that those before it leave, names and all.
+//! Groups of edits that make one step. Each edit is read in the document after the ones before it, including names.
 
 use document::{Command, CommandContext, Document, GroupedCommand, SolvedDrag, execute_command};
 use edit::{EditRefusal, GroupedEdit};
@@ -7,8 +7,8 @@ use light::SceneBounds;
 use crate::ServerError;
 use crate::request::RequestedEdit;
 
-/// The edits as they are carried out from `document` on. `solved` gives a command with what the scene says of it in a document, and
-/// where the drag in it leads. Where one is refused the sentence says which.
+/// Returns the edits as they apply from `document` on. `solved` completes a command from the scene in a given document
+/// and adds the solution of its drag. An error names the edit that it comes from.
 pub(super) fn resolve_group(
     asked: &[RequestedEdit],
     document: &Document,
@@ -29,7 +29,7 @@ pub(super) fn resolve_group(
     Ok(edits)
 }
 
-/// Why a group is refused for one of its edits. What is only of the moment stays as it is.
+/// Adds the number of the edit to the error of a group. Transient errors stay as they are.
 pub fn in_group_error(index: usize, error: ServerError) -> ServerError {
     match error {
         ServerError::Refused(refusal) => EditRefusal::in_group(index, refusal).into(),

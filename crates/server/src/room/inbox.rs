@@ -1,4 +1,4 @@
-//! The messages of a tick: taken from the inbox, and carried out in order.
+//! Messages of a tick: taken from the inbox and carried out in order.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,8 +15,8 @@ use crate::limits::MAX_TICK_MESSAGES;
 use crate::outboxes::ClientId;
 use crate::request::ClientRequest;
 
-/// Takes out the updates of feature drags of which the client's next message that edits leaves nothing: to solve them takes
-/// longer than they may come apart, and the picture would fall behind the cursor.
+/// Removes updates of feature drags that the client's next editing message supersedes. A solve takes longer than the
+/// time between updates, so the picture would fall behind the cursor.
 fn drop_superseded_drags(messages: &mut Vec<RoomMessage>) {
     let mut latest: BTreeMap<ClientId, usize> = BTreeMap::new();
     let mut superseded = vec![false; messages.len()];
@@ -31,14 +31,15 @@ fn drop_superseded_drags(messages: &mut Vec<RoomMessage>) {
 }
 
 impl Room {
-    /// Carries out a message and those that wait behind it, what has waited for solves, and some of what programs have asked for.
+    /// Carries out a message, the messages waiting in the inbox, those whose solves have ended, and some steps of
+    /// programs' requests.
     pub(super) async fn tick(&mut self, first: Option<RoomMessage>, inbox: &mut mpsc::Receiver<RoomMessage>) {
         self.mark_used();
         let (mut now, mut behind) = self.take_resumable();
         let room_for = (MAX_TICK_MESSAGES - 1).saturating_sub(now.len() + behind.len());
         let waiting = std::iter::from_fn(|| inbox.try_recv().ok());
         let messages: Vec<RoomMessage> = first.into_iter().chain(waiting.take(room_for)).collect();
-        // Who comes, or wants to see the session, sees what is committed.
+        // New clients and snapshots get the committed state.
         let mut afterwards = Vec::new();
         for message in messages {
             match message {
@@ -55,7 +56,7 @@ impl Room {
                 }
             }
         }
-        // What was solved is shown, even if it is outrun by now: else a slow drag never would be.
+        // A solved update is shown even if a newer one has come. Otherwise a slow drag would never be shown.
         drop_superseded_drags(&mut behind);
         now.append(&mut behind);
         let mut tick = Tick { earlier_outcomes: self.earlier_outcomes(&now).await, ..Tick::default() };
@@ -92,7 +93,7 @@ impl Room {
         }
     }
 
-    /// What became of the operations that are next, where they came before.
+    /// Reads the outcomes of the next operations that came before.
     async fn earlier_outcomes(&self, messages: &[RoomMessage]) -> EarlierOutcomes {
         let share = self.steps_per_batch();
         let of_clients = messages.iter().filter_map(|message| match message {
@@ -110,13 +111,13 @@ impl Room {
         self.outcomes(keys).await
     }
 
-    /// How many steps of each program's request are carried out in a tick.
+    /// Number of steps of each program's request in a tick.
     fn steps_per_batch(&self) -> usize {
         let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending()).count();
         (MAX_TICK_MESSAGES / going_on.max(1)).max(1)
     }
 
-    /// Carries out some of each program's request, as many steps as there is room for in a tick.
+    /// Carries out steps of each program's request, as many as the tick has room for.
     async fn run_batches(&mut self, tick: &mut Tick) {
         let share = self.steps_per_batch();
         for mut batch in std::mem::take(&mut self.batches) {
@@ -125,12 +126,12 @@ impl Room {
                 continue;
             }
             batch.drop_unawaited_solves();
-            // One of each in any case, so that none waits for the end of another.
+            // At least one step of each, so no request waits for the end of another.
             for taken in 0..batch.next_steps(share).len() {
                 if taken > 0 && tick.is_full() {
                     break;
                 }
-                // Only once it can be carried out is it taken.
+                // The step stays in the queue until it can be carried out.
                 let Some(step) = batch.steps.as_slice().first() else { break };
                 let asker = (&batch.principal.actor, Some(&batch.cancellation));
                 let solution = self.solution_of_step(step, asker, &mut batch.solves, tick);
@@ -149,7 +150,7 @@ impl Room {
         place: Option<OwnedSemaphorePermit>,
         tick: &mut Tick,
     ) {
-        // One that was let go may have sent more before it knew.
+        // A removed client may have sent more messages before it learned of its removal.
         let Some(sender) = self.clients.get_mut(&client) else { return };
         let (principal, mut solves) = (sender.principal.clone(), std::mem::take(&mut sender.solves));
         let solution = self.solution_of(&request, &principal.actor, &mut solves, tick);
@@ -215,7 +216,7 @@ impl Room {
         }
     }
 
-    /// A client's view has changed, or it is told why not.
+    /// Notes a changed view, or sends its client the error.
     fn note_view(&mut self, client: ClientId, changed: Result<(), ServerError>) {
         match changed {
             Ok(()) => self.presence_changed = true,

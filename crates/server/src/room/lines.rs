@@ -1,9 +1,10 @@
-//! Who waits while a drag of a feature is solved off the session's task, or a light that is bent looks how far it reaches, and who
-//! does not.
+//! Queues of messages that wait for a solve outside the session's task: the drag of a feature, or the range of a light
+//! that is bent.
 //!
-//! What a client sends to edit is carried out in order, and so is a program's request. One whose next step waits for a solve
-//! waits as a whole, a client's messages in its line; nobody else does, nor what the client sends besides. Once the solve has
-//! ended the step is carried out with what came of it, if the document still is what that was found for.
+//! Editing messages of a client are carried out in order, and so are the steps of a program's request. While a step
+//! waits for a solve, the client's later edits or the rest of the request wait too. Other clients do not wait, nor do
+//! other messages of the same client. After the solve the step is carried out with its result, unless the document has
+//! changed in a way that makes the result invalid.
 
 use std::task::Poll;
 
@@ -27,7 +28,7 @@ use crate::request::{
 };
 
 impl Room {
-    /// The solution of a client's request; as [`Self::solution`].
+    /// Returns the solution of a client's request, like [`Self::solution`].
     pub(super) fn solution_of(
         &mut self,
         request: &ClientRequest,
@@ -46,7 +47,7 @@ impl Room {
         }
     }
 
-    /// The solution of a step; as [`Self::solution`].
+    /// Returns the solution of a step, like [`Self::solution`].
     pub(super) fn solution_of_step(
         &mut self,
         step: &RecordRequest,
@@ -55,7 +56,7 @@ impl Room {
         tick: &Tick,
     ) -> Poll<FoundSolution> {
         let Ok(asked) = &step.request else { return Poll::Ready(None) };
-        // What came before is not carried out.
+        // A repeated operation is not carried out again.
         if tick.earlier_outcome(&step.op_id, actor).is_some() {
             return Poll::Ready(None);
         }
@@ -67,7 +68,7 @@ impl Room {
             RecordAction::Group(edits) => return self.solution_of_group(edits, (actor, gone), solves),
             RecordAction::Commit(id) => {
                 of_gesture = self.gesture_of(id, actor).and_then(|gesture| gesture.command);
-                // A light that is bent was solved for when it was: nothing is left out of the command.
+                // A bent light was solved at its update, and its command is complete.
                 of_gesture.as_ref().filter(|command| !matches!(command, Command::BendLight { .. }))
             }
             RecordAction::Edit(_) | RecordAction::Undo(_) | RecordAction::Redo(_) => None,
@@ -78,7 +79,7 @@ impl Room {
         }
     }
 
-    /// The edits of a group with what the scene says of them; as [`Self::solution`].
+    /// Returns the edits of a group, completed from the scene, like [`Self::solution`].
     fn solution_of_group(
         &mut self,
         edits: &[RequestedEdit],
@@ -92,8 +93,9 @@ impl Room {
         }
     }
 
-    /// The solution of a command that needs one. Where that is not known it is solved beside the session's task, and pending
-    /// until that has ended or the actor is `gone`. Where others keep changing what it depends on, it is refused.
+    /// Returns the solution of a command, or `None` if it needs none. A missing solution is solved outside the
+    /// session's task. The result is pending until the solve ends or `gone` is cancelled. After too many changes of its
+    /// inputs by others it is an error.
     pub(super) fn solution(
         &mut self,
         command: &Command,
@@ -110,7 +112,7 @@ impl Room {
         self.begin_solve(|| SolveTask::Command(Box::new(command.clone())), (actor, gone), solves)
     }
 
-    /// Has something solved that is waited for, unless it was too often.
+    /// Starts a solve, unless the step has used up its tries.
     fn begin_solve(
         &mut self,
         what: impl FnOnce() -> SolveTask,
@@ -134,7 +136,7 @@ impl Room {
         Poll::Pending
     }
 
-    /// Keeps what a solve has come to for whoever waits for it, who goes on in the next tick.
+    /// Stores the result of a solve for the step that waits for it. The step continues in the next tick.
     pub(super) fn finish_solve(
         &mut self,
         ended: Result<(Id, Result<Vec<SolvedCommand>, ServerError>), JoinError>,
@@ -142,12 +144,13 @@ impl Room {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let of_clients = self.clients.values_mut().map(|client| &mut client.solves);
         let mut all = of_clients.chain(self.batches.iter_mut().map(|batch| &mut batch.solves));
-        // Who waited may have given it up.
+        // The step may have been dropped meanwhile.
         let Some(solves) = all.find(|solves| solves.is_waiting_for(task)) else { return };
         solves.end(ended.map_or(Err(ServerError::Internal), |(_, solved)| solved));
     }
 
-    /// Gives back a client's message that can be carried out now. One that edits waits while others of that client do.
+    /// Returns the message if it can be carried out now. Otherwise queues it behind other editing messages of its
+    /// client.
     pub(super) fn take_or_queue(&mut self, message: RoomMessage) -> Option<RoomMessage> {
         let Some(client) = message.editing_client().and_then(|id| self.clients.get_mut(&id)) else {
             return Some(message);
@@ -159,7 +162,8 @@ impl Room {
             && message.supersedes(last)
         {
             if client.queued.len() == 1 {
-                // The picture would stand still if no update ever came to its end.
+                // Without this exception the picture would stand still, since no update would ever be solved to its
+                // end.
                 if !message.ends_gesture() {
                     break;
                 }
@@ -174,7 +178,7 @@ impl Room {
         None
     }
 
-    /// A client's message that waits for a solve, and which others of that client now wait for.
+    /// Puts a client's message that waits for a solve at the front of its queue.
     pub(super) fn requeue_first(
         &mut self,
         id: ClientId,
@@ -186,7 +190,8 @@ impl Room {
         }
     }
 
-    /// What of the clients' lines goes on, a tick's worth: the messages whose drags were solved, and those behind them.
+    /// Takes up to a tick's worth of the clients' queues: the messages whose solves have ended, and the ones behind
+    /// them.
     pub(super) fn take_resumable(&mut self) -> (Vec<RoomMessage>, Vec<RoomMessage>) {
         let (mut first, mut behind) = (Vec::new(), Vec::new());
         for client in self.clients.values_mut().filter(|client| client.can_resume()) {
@@ -199,13 +204,13 @@ impl Room {
         (first, behind)
     }
 
-    /// Whether something can be carried out though no message has come.
+    /// True if queued work can be carried out without a new message.
     pub(super) fn has_runnable_work(&self) -> bool {
         self.batches.iter().any(|batch| !batch.solves.is_pending())
             || self.clients.values().any(ConnectedClient::can_resume)
     }
 
-    /// Whether there is anything to do but what messages may ask for.
+    /// True if work is queued, whether it can be carried out or not.
     pub(super) fn has_queued_work(&self) -> bool {
         self.clients.values().any(|client| !client.queued.is_empty()) || !self.batches.is_empty()
     }

@@ -1,4 +1,4 @@
-//! What a session's task is sent.
+//! Messages to the task of a session.
 
 use std::sync::Arc;
 
@@ -16,51 +16,45 @@ use crate::renderer::RenderLease;
 use crate::request::{ClientRequest, RecordRequest};
 use crate::scenes::DecodedScene;
 
-/// Where the one answer to a request goes.
+/// Sender of the answer to a request.
 pub type Reply<T> = oneshot::Sender<Result<T, ServerError>>;
 
-/// What a session's task is sent.
+/// A message to the task of a session.
 #[derive(Debug)]
 pub enum RoomMessage {
     /// A client has said hello.
     Join(Box<JoinRequest>),
-    /// A client requests something.
+    /// A request of a client.
     Client {
-        /// Which.
         client: ClientId,
-        /// What.
         request: ClientRequest,
-        /// Its place among the client's messages by which it edits, until it is carried out.
+        /// Permit of the client's queue of editing messages, held until the request is carried out.
         queue_permit: Option<OwnedSemaphorePermit>,
     },
-    /// A client is gone.
     Leave(ClientId),
-    /// A program edits.
+    /// Edits of a program.
     Edit {
-        /// On whose behalf.
         principal: Principal,
         /// In order.
         steps: Vec<RecordRequest>,
-        /// One result a step.
+        /// Takes one result per step.
         reply: Reply<EditResults>,
-        /// Cancelled when nobody waits for them any more.
+        /// Cancelled when the program no longer waits for the answer.
         cancellation: CancellationToken,
     },
-    /// A program wants to see the session.
+    /// A program asks for the state of the session.
     Snapshot(Reply<SessionSnapshot>),
-    /// What the list says of the session was changed.
+    /// The title or the archived state of the session was changed.
     Changed {
-        /// What people call it.
         title: String,
-        /// Whether it is archived.
         archived: bool,
     },
-    /// The server is asked to stop: finish what is waiting and end.
+    /// The server stops: finish the waiting work and end.
     Drain,
 }
 
 impl RoomMessage {
-    /// The client that edits by it, or goes: those are carried out in the order in which they come.
+    /// The client, if the message edits or leaves. Such messages are carried out in the order of arrival.
     pub(super) fn editing_client(&self) -> Option<ClientId> {
         match self {
             Self::Client { client, request, .. } => request.may_edit().then_some(*client),
@@ -71,8 +65,8 @@ impl RoomMessage {
         }
     }
 
-    /// Whether it leaves nothing of `from`, the message by which its client edited last: an update of the drag of a feature,
-    /// which takes longer to solve than updates may come apart.
+    /// True if the message makes `before` useless, the client's previous editing message. That holds for an update of a
+    /// feature drag, since a solve takes longer than the time between updates.
     pub(super) fn supersedes(&self, before: &Self) -> bool {
         let Self::Client { request, .. } = before else { return false };
         let ClientRequest::UpdateGesture { gesture, command: Ok(Command::DragFeature { .. }), .. } = request
@@ -92,58 +86,50 @@ impl RoomMessage {
         }
     }
 
-    /// Whether it ends a gesture without a record.
+    /// True if the message ends a gesture without a record.
     pub(super) fn ends_gesture(&self) -> bool {
         matches!(self, Self::Leave(_) | Self::Client { request: ClientRequest::CancelGesture(_), .. })
     }
 }
 
-/// A client that comes. Where it is refused it is told so, and `joined` is dropped.
+/// A request to join a session. A refused client gets the error, and `joined` is dropped.
 #[derive(Debug)]
 pub struct JoinRequest {
-    /// Who.
     pub principal: Principal,
     /// The history that the client knows.
     pub epoch: Option<String>,
-    /// The latest record that it knows.
+    /// Number of the latest record that the client knows.
     pub last_seq: Option<u64>,
-    /// What is sent to it.
     pub outbox: Outbox,
-    /// Told the client's number after its welcome.
+    /// Receives the client's number after its welcome.
     pub joined: oneshot::Sender<ClientId>,
 }
 
-/// A session as it stood after a record.
+/// State of a session after a record.
 #[derive(Clone, Debug)]
 pub struct SessionSnapshot {
-    /// Its name.
     pub name: String,
-    /// Names its history.
+    /// Identifies its history.
     pub epoch: String,
-    /// The record.
+    /// Number of the latest record.
     pub seq: u64,
-    /// The document after it.
     pub document: Document,
-    /// Its JSON, shared with all who want it.
+    /// JSON of the document, shared with all readers.
     pub text: Arc<DocumentText>,
-    /// Its scene.
     pub scene: DecodedScene,
-    /// Keeps what the renderer has of it.
+    /// Keeps the session's data in the renderer.
     pub lease: Arc<RenderLease>,
 }
 
-/// How the opening of a session goes.
 #[derive(Clone, Debug)]
 pub(super) enum RoomOpening {
-    /// Its log is replayed.
+    /// The log is replayed.
     UnderWay,
-    /// It is there.
     Open,
-    /// It will never be.
     Failed(Arc<ServerError>),
 }
 
-/// Reaches a session's task. The session stays open while there is one besides the directory's.
+/// Handle to the task of a session. The session stays open while a handle besides the directory's exists.
 #[derive(Clone, Debug)]
 pub struct RoomHandle {
     inbox: mpsc::Sender<RoomMessage>,
@@ -155,7 +141,7 @@ impl RoomHandle {
         Self { inbox, opening }
     }
 
-    /// The same once the session is open.
+    /// Waits until the session is open and returns the handle.
     pub(super) async fn opened(mut self) -> Result<Self, ServerError> {
         let opening = self.opening.wait_for(|opening| !matches!(opening, RoomOpening::UnderWay)).await;
         let failed = match &*opening.map_err(|_| ServerError::Internal)? {
@@ -165,24 +151,24 @@ impl RoomHandle {
         failed.map_or(Ok(self), |error| Err(ServerError::Opening(error)))
     }
 
-    /// Sends it a message; waits while its queue is full.
+    /// Sends a message. Waits while the room's queue is full.
     pub async fn send(&self, message: RoomMessage) -> Result<(), ServerError> {
         self.inbox.send(message).await.map_err(|_| ServerError::Draining)
     }
 
-    /// Sends it a message that is answered, and waits for the answer.
+    /// Sends a message and waits for its answer.
     pub async fn request<T>(&self, message: impl FnOnce(Reply<T>) -> RoomMessage) -> Result<T, ServerError> {
         let (reply, answer) = oneshot::channel();
         self.send(message(reply)).await?;
         answer.await.map_err(|_| ServerError::Draining)?
     }
 
-    /// Whether its task is gone.
+    /// True if the task has ended.
     pub(super) fn is_closed(&self) -> bool {
         self.inbox.is_closed()
     }
 
-    /// Whether nobody else can reach it.
+    /// True if no other handle exists.
     pub(super) fn is_unshared(&self) -> bool {
         self.inbox.strong_count() == 1
     }

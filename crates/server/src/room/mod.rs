@@ -1,8 +1,9 @@
-//! One session: one task that owns its document, its clients and their views.
+//! A session: one task that owns its document, its clients and their views.
 //!
-//! The task takes a message, and what else is waiting; carries it out; commits the records that came of it together; and
-//! only then publishes them (`commit`). A program's long request is carried out in parts, so that others come in between. Who
-//! drags a feature waits for the solver, and nobody else (`lines`). In between it keeps the views' pictures going (`crate::views`).
+//! The task takes a message and all others that wait, carries them out, commits the resulting records together, and
+//! only then publishes them (`commit`). A program's long request is carried out in parts, so other clients come in
+//! between. A client that drags a feature waits for the solver without delaying others (`lines`). Between messages the
+//! task keeps the views' pictures up to date (`crate::views`).
 
 mod checkpoint;
 mod clients;
@@ -56,63 +57,60 @@ use probes::Probes;
 use solving::SolvedCommand;
 use tick::RequestBatch;
 
-/// What the task owns.
+/// State that the task owns.
 struct Room {
     name: Arc<str>,
-    /// Names the room among all there ever were.
+    /// Number of the room, never used again.
     number: u64,
-    /// Keeps what the renderer has of its scenes.
+    /// Keeps the session's data in the renderer.
     lease: Arc<RenderLease>,
     epoch: String,
     backend: Services,
     session: edit::Session,
-    /// The document's JSON, where somebody has it.
+    /// JSON of the document, while somebody holds it.
     text: Weak<DocumentText>,
-    /// After which record that is, and of which document.
+    /// Sequence number and document hash of that JSON.
     text_version: Option<(u64, DocumentHash)>,
-    /// What has been written since the session's checkpoint.
+    /// Records since the session's checkpoint.
     tail: store::RecordTail,
-    /// Bytes of that checkpoint.
+    /// Size of that checkpoint.
     checkpoint_bytes: u64,
     scene: OpenScene,
     clients: BTreeMap<ClientId, ConnectedClient>,
-    /// What waits to be sent to them.
     outboxes: Outboxes,
-    /// What they look at.
     views: Views,
-    /// What they ask of pixels.
     probes: Probes,
-    /// Commands of theirs that are being solved.
+    /// Running solves.
     solving: JoinSet<Result<Vec<SolvedCommand>, ServerError>>,
     last_client: ClientId,
-    /// What programs have asked for and is not all carried out, next first.
+    /// Unfinished requests of programs, next first.
     batches: VecDeque<RequestBatch>,
-    /// For the directory to see.
+    /// State that the directory reads.
     status: Arc<RoomStatus>,
-    /// Counts what gestures show; frames carry it.
+    /// Counts changes of live gestures. Frames carry it.
     live_revision: u32,
-    /// Somebody came, went, selected or moved since presence was last sent.
+    /// True if a client joined, left, selected or moved since presence was last sent.
     presence_changed: bool,
     presence_due: Instant,
     leases_due: Instant,
     opened: Instant,
-    /// When it was last sent anything.
+    /// Time of the latest message.
     last_used: Instant,
     is_draining: bool,
 }
 
-/// The scene of the document as it is now, and what is known of it.
+/// The scene of the current document.
 #[derive(Clone)]
 struct OpenScene {
-    /// As its bytes have it.
+    /// The scene as decoded from its bytes.
     decoded: DecodedScene,
     bounds: Bounds,
-    /// A camera that sees everything.
+    /// A camera that sees the whole scene.
     framing: Camera,
 }
 
-/// Opens a session, says in `opening` how that went, and serves it until its inbox is closed. `from` is the task
-/// that had the session before.
+/// Opens a session, reports the result in `opening`, and serves the session until its inbox is closed. `before` is the
+/// task that had the session before.
 async fn run(
     mut inbox: mpsc::Receiver<RoomMessage>,
     (name, number): (Arc<str>, u64),
@@ -121,7 +119,7 @@ async fn run(
     before: Option<JoinHandle<()>>,
 ) {
     if let Some(before) = before {
-        // It may have failed; what it had committed is in the store.
+        // That task may have failed. Its committed records are in the store.
         let _ = before.await;
     }
     match Room::open((&name, number), status, backend.clone()).await {
@@ -207,7 +205,7 @@ impl Room {
         tracing::info!("session {} is closed at record {}", self.name, self.session.seq());
     }
 
-    /// Does what is due and says when to look again.
+    /// Does the work that is due and returns the time of the next.
     async fn run_due_work(&mut self, rooms: &Rooms) -> Instant {
         let now = Instant::now();
         self.drop_lost_clients();
@@ -247,7 +245,7 @@ impl Room {
         wake
     }
 
-    /// The document's text, the one that somebody has already or a new one.
+    /// Returns the document's text, shared with earlier askers if it is unchanged.
     fn document_text(&mut self) -> Arc<DocumentText> {
         let document = self.session.document();
         let now = Some((self.session.seq(), document.hash()));
@@ -259,7 +257,7 @@ impl Room {
         })
     }
 
-    /// Its JSON. Making that takes a while, in which the session's other work waits.
+    /// Returns the document's JSON. Making it takes a while, and the session's other work waits.
     async fn document_json(&mut self) -> Result<Bytes, ServerError> {
         let text = self.document_text();
         spawn_blocking(move || text.bytes()).await.map_err(|_| ServerError::Internal)
@@ -276,7 +274,7 @@ impl Room {
         self.opened.elapsed().as_millis() as u64
     }
 
-    /// It was sent something.
+    /// Notes the time of a message.
     fn mark_used(&mut self) {
         self.last_used = Instant::now();
         let used_ms = self.backend.started.elapsed().as_millis() as u64;

@@ -1,4 +1,4 @@
-//! What undo and redo take back. That is in the store, and looking there takes a thread that may wait for the disk.
+//! Records that undo and redo revert. They are in the store, so a thread that may wait for the disk reads them.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::ServerError;
 use crate::outboxes::ClientId;
 
 impl Room {
-    /// What `request` of that actor takes back; `new` are the records that are not in the store yet.
+    /// Finds the changes that `request` of that actor reverts. `new` are the records that are not in the store yet.
     pub(super) async fn find_reverted(
         &self,
         request: &EditRequest,
@@ -26,7 +26,7 @@ impl Room {
         Ok(found.await??)
     }
 
-    /// Sends a client what its undo and redo would take back. All that was done before is committed.
+    /// Sends a client the steps that its undo and redo would revert. Everything done before is committed.
     pub(super) async fn send_history(&mut self, id: ClientId) {
         let Some(actor_id) = self.clients.get(&id).map(|client| client.principal.actor.id.clone()) else {
             return;
@@ -45,7 +45,7 @@ impl Room {
         }
     }
 
-    /// Asks something that needs records of the past. Where one cannot be had, that is what is wrong.
+    /// Runs a question that needs past records. If a record cannot be read, returns that error.
     async fn with_past_records<T: Send + 'static>(
         &self,
         new: Vec<Arc<Record>>,

@@ -1,4 +1,4 @@
-//! What clients ask of pixels: answered off the session's task, one at a time for each client, the latest next.
+//! Probes of pixels by clients: answered outside the session's task, one at a time per client, the latest next.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -11,30 +11,29 @@ use crate::outboxes::ClientId;
 use crate::probe::{ProbeJob, chosen_camera, probe};
 use crate::request::ProbeQuestion;
 
-/// The probes of a session.
 #[derive(Default)]
 pub(super) struct Probes {
     tasks: JoinSet<ServerMessage>,
-    /// Whose they are, and what they call them.
+    /// The client of each task and the client's name for the probe.
     askers: HashMap<Id, (ClientId, String)>,
-    /// The latest of each client that has one under way.
+    /// The latest question of each client whose earlier probe still runs.
     waiting: BTreeMap<ClientId, ProbeQuestion>,
 }
 
 impl Probes {
-    /// The next that ends; `None` where none is under way.
+    /// Waits for the next probe to end. Returns `None` if none runs.
     pub async fn next(&mut self) -> Option<Result<(Id, ServerMessage), JoinError>> {
         self.tasks.join_next_with_id().await
     }
 
-    /// A client is gone: it waits for nothing more.
+    /// Drops the waiting question of a client that left.
     pub fn forget(&mut self, client: ClientId) {
         self.waiting.remove(&client);
     }
 }
 
 impl Room {
-    /// Answers a client, or keeps the question until its last one is answered: then only the latest counts.
+    /// Starts a probe. If one of the client still runs, keeps only the latest question until then.
     pub(super) fn ask(&mut self, client: ClientId, question: ProbeQuestion) {
         if self.probes.askers.values().any(|(asker, _)| *asker == client) {
             self.probes.waiting.insert(client, question);
@@ -57,7 +56,7 @@ impl Room {
         }
     }
 
-    /// Sends what [`Probes::acquire`] gave, and goes on with what its client has asked since.
+    /// Sends the answer from [`Probes::next`], and starts the client's waiting question.
     pub(super) fn take_probe(&mut self, ended: Result<(Id, ServerMessage), JoinError>) {
         let task = ended.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let Some((client, name)) = self.probes.askers.remove(&task) else { return };
@@ -74,7 +73,8 @@ impl Room {
         }
     }
 
-    /// What is asked, of the session as it is now: by default where the client looks, and of the lights that its view shows.
+    /// Completes a question with the current state of the session. The default camera is that of the client's view, and
+    /// lights that the view hides are left out.
     fn resolve_probe(&self, client: ClientId, question: ProbeQuestion) -> Result<ProbeJob, ServerError> {
         let ProbeQuestion { camera, size, pixel, wants_highlights: highlights, .. } = question;
         let document = self.session.live_document();
@@ -102,7 +102,6 @@ impl Room {
     }
 }
 
-/// What a client is told of its probe `name`.
 fn probe_message(
     name: String,
     log_seq: u64,

@@ -1,5 +1,5 @@
-//! What only the scene can say of a command, worked out on threads that may take their time: where the drag of a feature leads,
-//! and how far a light reaches that is bent.
+//! Parts of commands that only the scene determines, solved on threads outside the session's task: the result of a
+//! feature drag, and the range of a light that is bent.
 
 use std::cell::RefCell;
 use std::task::Poll;
@@ -18,43 +18,42 @@ use crate::request::{RecordAction, RequestedEdit, needs_scene};
 use crate::scenes::DecodedScene;
 use crate::solver::{SolveTurn, Solver};
 
-/// What the scene says of a command.
+/// The part of a command that the scene determines.
 #[derive(Clone)]
 pub(super) enum CommandSolution {
-    /// Where the drag of a feature leads.
+    /// Result of a feature drag.
     Drag(SolvedDrag),
-    /// How a light is bent: the command with nothing left out.
+    /// The command that bends a light, completed.
     Bend(Command),
-    /// The edits of a group, in the document that those before leave.
+    /// The edits of a group, each in the document after the ones before it.
     Group(Vec<GroupedEdit>),
 }
 
-/// What a command led to, and from where.
+/// A command with its result and the document that it was solved for.
 pub(super) struct SolvedCommand {
     command: Command,
-    /// What it was solved for.
     document: Document,
     result: Result<CommandSolution, EditError>,
 }
 
-/// The solves of one who edits in order, a client or a program's request.
+/// Solves of one sequence of edits: of a client, or of a program's request.
 #[derive(Default)]
 pub(super) struct SolveState {
-    /// The one that is waited for.
+    /// The running solve.
     pending: Option<AbortHandle>,
-    /// What was solved last, so that a commit need not solve again what the last update did; of a group one for each command that
-    /// needs the scene.
+    /// The latest results, so that a commit need not repeat the solve of its last update. A group has one for each
+    /// command that needs the scene.
     last: Vec<SolvedCommand>,
-    /// Why the latest could not be solved, until the step that waited for it is told.
+    /// Error of the latest solve, until the step that waits for it gets it.
     failed: Option<ServerError>,
-    /// How many were begun for the step that is next.
+    /// Number of solves started for the next step.
     attempts: u32,
 }
 
-/// The solution of what a request asks for; `None` where that needs none.
+/// The solution of a request. `None` if the request needs none.
 pub(super) type FoundSolution = Option<Result<CommandSolution, ServerError>>;
 
-/// A command as it is carried out, and where the drag in it leads.
+/// Completes a command with its solution. Also returns the result of its drag.
 pub(super) fn with_solution(
     command: Command,
     found: FoundSolution,
@@ -66,8 +65,8 @@ pub(super) fn with_solution(
     })
 }
 
-/// What is asked for as a request of a session with this document, and where the drag in it leads. Of a group what was found is the
-/// request.
+/// Builds the session's request for an action in this document, with the result of its drag. The solution of a group is
+/// the request itself.
 pub(super) fn into_edit_request(
     asked: RecordAction,
     found: FoundSolution,
@@ -83,7 +82,7 @@ pub(super) fn into_edit_request(
         }
         (RecordAction::Group(_), Some(Err(error))) => return Err(error),
         (RecordAction::Group(_), _) => return Err(ServerError::Internal),
-        // What stands in its way now is said where the gesture ends.
+        // A failed solve of a commit is reported at the end of the gesture.
         (RecordAction::Commit(id), Some(Ok(CommandSolution::Drag(solved)))) => {
             (EditRequest::Commit(id), Some(solved))
         }
@@ -94,7 +93,7 @@ pub(super) fn into_edit_request(
 }
 
 impl SolvedCommand {
-    /// Whether the command would lead to the same from `document`.
+    /// True if the solve would have the same result from `document`.
     fn is_valid_for(&self, command: &Command, document: &Document) -> bool {
         let (Command::DragFeature { light, .. } | Command::BendLight { light, .. }) = command else {
             return false;
@@ -111,12 +110,11 @@ impl SolvedCommand {
 }
 
 impl SolveState {
-    /// Whether one is waited for.
     pub fn is_pending(&self) -> bool {
         self.pending.is_some()
     }
 
-    /// What was found of the command last, if it would lead to the same from `document`.
+    /// Takes the latest result for the command if it is valid for `document`.
     pub fn take_solution(&mut self, command: &Command, document: &Document) -> FoundSolution {
         let found = self.failed.take().map(Err).or_else(|| self.cached_solution(command, document));
         if found.is_some() {
@@ -125,7 +123,7 @@ impl SolveState {
         found
     }
 
-    /// The same of a group; pending where something of it has to be solved.
+    /// Takes the results for a group. Pending if one of its commands has no valid result.
     pub fn take_group_solution(
         &mut self,
         edits: &[RequestedEdit],
@@ -157,23 +155,22 @@ impl SolveState {
         Some(self.last.iter().find(|last| last.is_valid_for(command, document))?.solution())
     }
 
-    /// Whether the step that is next may be solved once more.
+    /// True if the next step may start another solve.
     pub fn can_retry(&self) -> bool {
         self.attempts < MAX_SOLVE_TRIES
     }
 
-    /// Waits for a solve from now on.
+    /// Notes a running solve.
     pub fn begin(&mut self, task: AbortHandle) {
         self.attempts += 1;
         self.pending = Some(task);
     }
 
-    /// Whether it is this one that is waited for.
     pub fn is_waiting_for(&self, task: Id) -> bool {
         self.pending.as_ref().is_some_and(|under_way| under_way.id() == task)
     }
 
-    /// Keeps what the solve that was waited for has come to.
+    /// Stores the result of the running solve.
     pub fn end(&mut self, solved: Result<Vec<SolvedCommand>, ServerError>) {
         self.pending = None;
         match solved {
@@ -182,7 +179,7 @@ impl SolveState {
         }
     }
 
-    /// Waits for none any more, and what comes of one under way is of no use. The next step is another.
+    /// Drops the running solve and its result. The next step starts anew.
     pub fn cancel(&mut self) {
         (self.attempts, self.failed) = (0, None);
         if let Some(task) = self.pending.take() {
@@ -191,13 +188,12 @@ impl SolveState {
     }
 }
 
-/// What is to be solved: a command, or what needs it of a group.
 pub(super) enum SolveTask {
     Command(Box<Command>),
     Group(Vec<RequestedEdit>),
 }
 
-/// Solves it from `document` on, on a thread of its own and in turns with others.
+/// Solves from `document` on, on a thread of the solver and in turns with others.
 pub(super) async fn solve(
     what: SolveTask,
     document: Document,
@@ -222,7 +218,7 @@ pub(super) async fn solve(
             SolveTask::Command(command) => vec![solved(&command, &document)],
             SolveTask::Group(edits) => {
                 let mut all = Vec::new();
-                // What is refused of it is found again where the group is carried out.
+                // The error is found again when the group is carried out.
                 let _ = resolve_group(&edits, &document, reach, |command, draft| {
                     let found = needs_scene(&command).then(|| {
                         let solved = solved(&command, draft);

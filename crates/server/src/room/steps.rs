@@ -1,4 +1,4 @@
-//! Requests for records: carried out once each, and answered.
+//! Requests for records: each is carried out once and answered.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -16,16 +16,16 @@ use crate::ServerError;
 use crate::access::Principal;
 use crate::request::RecordRequest;
 
-/// What a request needs of the store, found before it is carried out.
+/// Data from the store that a request needs, read before it is carried out.
 #[derive(Default)]
 struct RequestSources {
-    /// What comes with the scene that it loads.
+    /// Contents of the scene that it loads.
     loaded: Option<Arc<SceneContents>>,
     reverted: Option<Reverted>,
 }
 
 impl Room {
-    /// What became of these operations, as the store knows it.
+    /// Reads the outcomes of these operations from the store.
     pub(super) async fn outcomes(&self, keys: Vec<OperationKey>) -> EarlierOutcomes {
         if keys.is_empty() {
             return EarlierOutcomes::default();
@@ -43,8 +43,8 @@ impl Room {
         EarlierOutcomes(read.await)
     }
 
-    /// Carries out a request for a record, unless it came before; its answer, to be sent once the tick is committed.
-    /// `found` is its solution.
+    /// Carries out a request for a record, unless it came before. Returns its answer, which is sent once the tick is
+    /// committed. `found` is its solution.
     pub(super) async fn run_step(
         &mut self,
         step: RecordRequest,
@@ -58,7 +58,7 @@ impl Room {
         RecordAnswer { result: EditResult { op_id, outcome }, is_new }
     }
 
-    /// What becomes of a request for a record, and whether that rests on this tick.
+    /// Returns the outcome of a request for a record, and true if it depends on this tick's commit.
     async fn outcome_of(
         &mut self,
         op_id: &str,
@@ -108,7 +108,7 @@ impl Room {
             CommandContext { scene_bounds: reach, loaded: loaded.as_deref(), solved: solved.as_ref() };
         let sources = EditSources { context, reverted: taken_back };
         let committed = self.session.execute_request(request, actor, op_id, time_ms(), sources);
-        // A gesture whose commit is refused has ended all the same.
+        // A gesture ends even if its commit is refused.
         let ended = held.filter(|held| self.gesture_of(&held.id, actor).is_none());
         let committed = committed.map_err(ServerError::from);
         if let Ok(record) = &committed {
@@ -117,7 +117,7 @@ impl Room {
         if let Some(gesture) = ended {
             let status = match &committed {
                 Ok(_) => GestureStatus::Committed,
-                // There was never anything to see of it, so nothing is refused.
+                // The gesture showed nothing, so there is nothing to refuse.
                 Err(error) if gesture.command.is_none() => {
                     GestureStatus::Cancelled { refused: Some(error.problem()) }
                 }
@@ -128,7 +128,7 @@ impl Room {
         committed
     }
 
-    /// Takes a new record into the tick.
+    /// Adds a new record to the tick.
     async fn add_to_tick(&mut self, record: &Record, tick: &mut Tick) {
         let document = self.session.document();
         let hash = document.hash().to_string();
@@ -147,7 +147,7 @@ impl Room {
         tick.records.push(Arc::new(record.clone()));
     }
 
-    /// The scenes that a request loads, decoded, and the record that it takes back.
+    /// Reads the scene that a request loads and the record that it reverts.
     async fn sources_of(
         &self,
         request: &EditRequest,
@@ -159,7 +159,7 @@ impl Room {
             found.reverted = self.find_reverted(request, &actor.id, &tick.records).await?;
             for change in found.reverted.iter().flat_map(|taken| &taken.changes) {
                 if let Change::Scene { new: Some(scene), .. } = change {
-                    // So that an undo is refused here where the scene cannot be had.
+                    // An undo is refused here if the scene cannot be loaded.
                     self.backend.scenes.load(scene.asset).await?;
                 }
             }
@@ -171,7 +171,7 @@ impl Room {
     }
 }
 
-/// The time of day, in milliseconds since 1970.
+/// The current time in milliseconds since 1970.
 pub fn time_ms() -> u64 {
     SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_millis() as u64)
 }

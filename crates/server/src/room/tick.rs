@@ -1,4 +1,4 @@
-//! What came in together and is committed together: what was done, and what is to be sent once that is on disk.
+//! A tick: requests that are committed together, and the messages to send once they are on disk.
 
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -18,75 +18,73 @@ use crate::limits::MAX_TICK_CHANGES;
 use crate::outboxes::ClientId;
 use crate::request::RecordRequest;
 
-/// What has been done and is not committed yet.
+/// Finished work that is not committed yet.
 #[derive(Default)]
 pub(super) struct Tick {
-    /// The state before the first request for a record, to go back to.
+    /// The state before the first request for a record, for a rollback.
     pub before: Option<Box<(edit::Session, OpenScene)>>,
     pub records: Vec<Arc<Record>>,
     pub rejections: Vec<Rejection>,
-    /// What became of this tick's operations in an earlier one, as the store knows it.
+    /// Outcomes of this tick's operations in earlier ticks, from the store.
     pub earlier_outcomes: EarlierOutcomes,
-    /// What became of operations in this one.
+    /// Outcomes of operations in this tick.
     pub outcomes: HashMap<OperationKey, Outcome>,
-    /// What is sent once all is on disk, in order.
+    /// Messages to send after the commit, in order.
     pub outgoing: Vec<Outgoing>,
-    /// Who wants to know what undo and redo would take back.
+    /// Clients that ask for the steps that undo and redo would revert.
     pub history_requests: BTreeSet<ClientId>,
-    /// Whether a picture can show any of it.
+    /// True if a picture can show any of it.
     pub changes_pictures: bool,
 }
 
-/// What is sent once all is on disk.
+/// A message to send after the commit.
 pub(super) enum Outgoing {
-    /// To every client: a record.
+    /// A record, to every client.
     Record(ServerMessage),
-    /// To every client: a gesture.
+    /// A gesture, to every client.
     Gesture(GestureState),
-    /// To one client alone: why its gesture is not what it wants.
+    /// The refusal of a gesture's request, to its client alone.
     GestureRefusal(ClientId, GestureState),
-    /// To the client that sent the operation.
+    /// An answer, to the client that sent the operation.
     Answer(ClientId, RecordAnswer),
-    /// What has been done of a program's request: its answer, or the rest is to be done later.
+    /// A program's request. It is answered if it is complete, and else continued later.
     Batch(RequestBatch),
 }
 
 /// A program's request for records.
 pub(super) struct RequestBatch {
     pub principal: Principal,
-    /// What is left, in order.
+    /// Remaining steps, in order.
     pub steps: vec::IntoIter<RecordRequest>,
-    /// What became of those before this tick.
+    /// Outcomes of the steps before this tick.
     pub done: Vec<EditResult>,
-    /// What became of those in this tick.
+    /// Outcomes of the steps in this tick.
     pub answers: Vec<RecordAnswer>,
-    /// Of what in it needs them.
     pub solves: SolveState,
     pub reply: Reply<EditResults>,
-    /// Cancelled when nobody waits for the answer any more.
+    /// Cancelled when the program no longer waits for the answer.
     pub cancellation: CancellationToken,
 }
 
-/// An operation: its actor and that one's name for it.
+/// An operation: the id of its actor and the actor's id for it.
 pub(super) type OperationKey = (String, String);
 
-/// What became of operations in earlier ticks. Where the store cannot tell, none is carried out.
+/// Outcomes of operations in earlier ticks. If the store cannot be read, no operation is carried out.
 pub(super) struct EarlierOutcomes(pub Result<HashMap<OperationKey, Outcome>, ServerError>);
 
-/// The answer to a request for a record.
 pub(super) struct RecordAnswer {
     pub result: EditResult,
-    /// It rests on what this tick commits; others were given before.
+    /// True if the answer depends on this tick's commit.
     pub is_new: bool,
 }
 
 impl Tick {
-    /// Sends something once all is on disk.
+    /// Sends something after the commit.
     pub fn send(&mut self, outgoing: Outgoing) {
         self.outgoing.push(outgoing);
     }
 
-    /// What became of an operation that came before, and whether that rests on this tick.
+    /// Returns the outcome of an operation that came before, and true if it depends on this tick's commit.
     pub fn earlier_outcome(&self, op_id: &str, actor: &Actor) -> Option<(Outcome, bool)> {
         let key = (actor.id.clone(), op_id.to_owned());
         if let Some(outcome) = self.outcomes.get(&key) {
@@ -94,21 +92,20 @@ impl Tick {
         }
         match &self.earlier_outcomes.0 {
             Ok(outcomes) => Some((outcomes.get(&key)?.clone(), false)),
-            // It may have been carried out before.
+            // The operation may have been carried out before.
             Err(error) => {
                 Some((refused(&ServerError::Store(StoreError::UnknownOutcome(error.to_string()))), false))
             }
         }
     }
 
-    /// Whether what it holds is as much as may be in memory at once.
+    /// True if the tick holds as many changes as may be in memory at once.
     pub fn is_full(&self) -> bool {
         self.records.iter().map(|record| record.changes.len()).sum::<usize>() >= MAX_TICK_CHANGES
     }
 }
 
 impl RequestBatch {
-    /// None of it is done yet.
     pub fn new(
         principal: Principal,
         steps: Vec<RecordRequest>,
@@ -119,7 +116,7 @@ impl RequestBatch {
         Self { principal, steps: steps.into_iter(), done, answers, solves, reply, cancellation }
     }
 
-    /// Leaves out what is left from a step on that has to be solved, where nobody waits for the answer any more.
+    /// Drops the rest of a request whose next step needs a solve, if nobody waits for the answer any more.
     pub fn drop_unawaited_solves(&mut self) {
         if self.cancellation.is_cancelled()
             && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene)
@@ -128,7 +125,7 @@ impl RequestBatch {
         }
     }
 
-    /// The steps that a tick with room for `share` can come to: up to the next that waits to be solved then.
+    /// The steps that a tick with room for `share` can reach: up to the next one after the first that needs a solve.
     pub fn next_steps(&self, share: usize) -> &[RecordRequest] {
         let steps = self.steps.as_slice();
         let next_solve = steps.iter().skip(1).position(RecordRequest::needs_scene);
@@ -144,7 +141,7 @@ impl Default for EarlierOutcomes {
 }
 
 impl RecordAnswer {
-    /// What it becomes where the tick is not committed.
+    /// The answer if the tick is not committed.
     pub fn rolled_back(mut self, error: &ServerError) -> Self {
         if self.is_new {
             self.result.outcome = refused(error);
@@ -153,7 +150,7 @@ impl RecordAnswer {
     }
 }
 
-/// What became of a request for a record that was not carried out.
+/// The outcome of a request for a record that was not carried out.
 pub(super) fn refused(error: &ServerError) -> Outcome {
     if error.has_unknown_outcome() {
         Outcome::Unknown(error.problem())

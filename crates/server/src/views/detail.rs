@@ -1,8 +1,9 @@
-//! How fine moving pictures of a view are: chosen from what they took, so that they hold their rate. Knows no clock.
+//! Detail of a view's moving pictures, chosen from their times so that they keep their rate. Knows no clock.
 //!
-//! What a picture would take at another detail is what it takes now, times a ratio: at first one by texels and pixels,
-//! once the other was tried what was measured. Where that says that a picture is quick enough, the finest such detail is
-//! taken. There is room between what is too slow and what is quick enough for more, so that a steady load keeps its detail.
+//! The expected time at another detail is the current time multiplied by a ratio. The ratio is estimated from texels
+//! and pixels at first, and measured once the other detail was tried. Of the details that are expected to be fast
+//! enough, the finest is chosen. The threshold for a finer detail is below the one for a coarser detail, so a steady
+//! load keeps its detail.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -10,20 +11,20 @@ use std::time::{Duration, Instant};
 use protocol::{Interaction, Reduction};
 use render::MapScale;
 
-/// What a moving picture may take.
+/// Greatest time of a moving picture.
 const TARGET_TIME: Duration = Duration::from_millis(33);
-/// What a finer one has to be expected to take at most, of that: less, so that it is not taken back.
+/// Share of the target below which a finer detail must be expected, so that it is not reverted.
 const HEADROOM: f64 = 0.75;
-/// How long a detail is kept at least.
+/// Least time between two changes of the detail.
 const MIN_CHANGE_INTERVAL: Duration = Duration::from_secs(1);
-/// Pictures that it is chosen by: the latest so many, whose median a slow one does not move.
+/// Number of latest pictures that decide. Their median ignores a single slow one.
 const MAX_SAMPLES: usize = 8;
-/// As many of one detail have to have been seen before another is chosen.
+/// Number of pictures of one detail that must be seen before another is chosen.
 const MIN_SAMPLES: usize = 3;
-/// After so long without one, what was learnt may be of another load.
+/// Time without a moving picture after which the measured ratios may belong to another load.
 const HISTORY_LIFETIME: Duration = Duration::from_secs(1);
 
-/// The sides of a moving picture, of those of its view.
+/// Sides of a moving picture, as a share of its view's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
     Full,
@@ -31,40 +32,40 @@ pub enum Resolution {
     Half,
 }
 
-/// How fine a moving picture is.
+/// Quality of a moving picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Detail {
     pub shadow_map: MapScale,
     pub resolution: Resolution,
 }
 
-/// A moving picture that was made.
+/// A finished moving picture.
 #[derive(Clone, Copy, Debug)]
 pub struct TimedPicture {
     pub detail: Detail,
-    /// Its render and its encoding.
+    /// Time of its render and its encoding.
     pub took: Duration,
-    /// Whether a shadow map was drawn for it: else a coarser one would save nothing.
+    /// True if a shadow map was drawn for it. Otherwise a coarser map would save nothing.
     pub drew_map: bool,
 }
 
-/// Which detail the moving pictures of a view have, and what that follows from.
+/// The detail of a view's moving pictures and its history.
 #[derive(Clone, Debug)]
 pub struct DetailChoice {
     interaction: Interaction,
     detail: Detail,
     changed_at: Option<Instant>,
-    /// The latest pictures of this detail: seconds, and whether a map was drawn.
+    /// The latest pictures of this detail: seconds, and true if a map was drawn.
     latest: VecDeque<(f64, bool)>,
     last_recorded_at: Option<Instant>,
-    /// What a picture takes at each of [`Detail::ALL`], of what it takes in full.
+    /// Expected time at each of [`Detail::ALL`], as a ratio to the time in full.
     ratios: [f64; Detail::ALL.len()],
-    /// The detail before, and the seconds that a picture took then, until it is known what the change made of them.
+    /// The detail before the latest change and its seconds per picture, until the effect of the change is measured.
     previous: Option<(Detail, f64)>,
 }
 
 impl Resolution {
-    /// `[width, height]` of the picture of a view of that size.
+    /// Picture size `[width, height]` of a view of that size.
     pub fn of(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|side| ((f64::from(side) * self.side_ratio()).round() as u32).max(1))
     }
@@ -81,7 +82,7 @@ impl Resolution {
 impl Detail {
     pub const FULL: Self = Self::ALL[0];
 
-    /// Every detail, first what is to be given up last: edges of shadows become softer before all of the picture does.
+    /// All details, in the order of preference: edges of shadows become softer before the whole picture does.
     const ALL: [Self; 6] = {
         use MapScale::{Full, Half};
         [
@@ -104,26 +105,26 @@ impl Detail {
         map && resolution
     }
 
-    /// The texels of maps, of those in full.
+    /// Texels of maps as a ratio to full maps.
     fn texel_ratio(self) -> f64 {
         let divisor = f64::from(self.shadow_map.divisor());
         1.0 / (divisor * divisor)
     }
 
-    /// The pixels, of those in full.
+    /// Pixels as a ratio to full size.
     fn pixel_ratio(self) -> f64 {
         self.resolution.side_ratio() * self.resolution.side_ratio()
     }
 
-    /// What a picture is thought to take, of what it takes in full, before that was measured: half goes with its pixels, and a
-    /// quarter of it with the texels of the maps.
+    /// Estimated time before a measurement, as a ratio to the time in full: half of it scales with the pixels, and a
+    /// quarter with the texels of the maps.
     fn expected_time_ratio(self) -> f64 {
         (0.75 + 0.25 * self.texel_ratio()) * f64::midpoint(1.0, self.pixel_ratio())
     }
 }
 
 impl DetailChoice {
-    /// Nothing has been made.
+    /// Starts at full detail without measurements.
     pub fn new(interaction: Interaction) -> Self {
         Self {
             interaction,
@@ -136,19 +137,19 @@ impl DetailChoice {
         }
     }
 
-    /// What may be reduced.
+    /// The details that may be reduced.
     pub fn interaction(&self) -> Interaction {
         self.interaction
     }
 
-    /// How fine the next moving picture is.
+    /// Detail of the next moving picture.
     pub fn detail(&self) -> Detail {
         self.detail
     }
 
-    /// A moving picture was made.
+    /// Notes a finished moving picture and changes the detail if necessary.
     pub fn record_picture(&mut self, made: TimedPicture, now: Instant) {
-        // One that was begun before the change.
+        // Pictures that were begun before the change do not count.
         if made.detail != self.detail {
             return;
         }
@@ -175,7 +176,7 @@ impl DetailChoice {
         }
     }
 
-    /// The detail to change to, where a picture of this one takes so many seconds.
+    /// The detail to change to if a picture of the current one takes that many seconds.
     fn next_detail(&self, seconds: f64) -> Option<Detail> {
         let draws_maps = 2 * self.latest.iter().filter(|(_, drew_map)| *drew_map).count() > self.latest.len();
         let can_be = |detail: &Detail| {
@@ -193,7 +194,7 @@ impl DetailChoice {
         enough.or_else(|| coarser.iter().copied().rfind(quicker))
     }
 
-    /// Takes down what the latest change has made of what a picture takes.
+    /// Notes the measured effect of the latest change.
     fn update_ratios(&mut self, seconds: f64) {
         let Some((before, took)) = self.previous.take() else { return };
         let ratio = (seconds / took).clamp(0.01, 100.0);
@@ -204,7 +205,7 @@ impl DetailChoice {
         }
     }
 
-    /// Nothing has moved for a while: half of what was learnt is what is thought at first.
+    /// Moves the ratios halfway back to the estimates after a time without movement.
     fn decay_ratios(&mut self) {
         self.latest.clear();
         self.previous = None;

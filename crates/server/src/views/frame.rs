@@ -1,4 +1,4 @@
-//! One picture of a view: drawn by the renderer, encoded, and as a message to each client.
+//! Life of one picture of a view: drawing, encoding, and messages to clients.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -23,48 +23,47 @@ use crate::picture_stats::{micros, wire_pass_runs};
 use crate::renderer::PictureRequest;
 use crate::trace::PictureTrace;
 
-/// Samples a pixel of the picture of a still view: smooth edges for four times the work.
+/// Samples per pixel of a still view: smooth edges for four times the work.
 const SETTLE_SAMPLES: u32 = 4;
 
-/// Sides of the tile that is sent where nothing differs, in pixels.
+/// Side of the tile that is sent if nothing differs, in pixels.
 const MIN_TILE_SIDE: u16 = 16;
 
-/// An encoded picture and what it shows.
+/// An encoded picture and its content.
 pub struct EncodedFrame {
     pub stamp: FrameStamp,
-    /// Which of the pictures that were made; counts from 1.
+    /// Number of the picture among all of the session's views. Counts from 1.
     pub number: u64,
-    /// The picture that its tiles go onto; `None` where they are all of it.
+    /// The picture that its tiles are drawn onto. `None` if they are complete.
     pub base: Option<FrameId>,
-    /// A message each.
+    /// One message each.
     tiles: Vec<(FrameTile, Vec<u8>)>,
-    /// RGBA, rows from the top, for the next to be compared with.
+    /// RGBA with rows from the top, to compare the next picture with.
     pixels: Vec<u8>,
     wait: Duration,
     render: Duration,
     encode: Duration,
-    /// Whether a shadow map was drawn for it.
+    /// True if a shadow map was drawn for it.
     drew_map: bool,
-    /// What it came to.
     passes: Vec<PassRun>,
 }
 
-/// What a picture shows.
+/// Content of a picture and its revisions.
 pub struct FrameStamp {
     pub content: ViewContent,
     pub quality: FrameQuality,
     pub log_seq: u64,
     pub live_revision: u32,
     pub camera_revision: u32,
-    /// How fine it is; that of a lossless one is full.
+    /// Full for a lossless picture.
     pub detail: Detail,
-    /// Of its view, in pixels.
+    /// Size of the view in pixels.
     pub view_size: [u32; 2],
-    /// Beside what its detail makes of that.
+    /// Additional scale beside the detail's resolution.
     pub picture_scale: PictureScale,
 }
 
-/// A picture of a view, told from all others of it.
+/// Identifies a picture among all pictures of a view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct FrameId {
     revision: u64,
@@ -74,7 +73,6 @@ pub struct FrameId {
 }
 
 impl FrameStamp {
-    /// Which picture it is.
     pub fn frame_id(&self) -> FrameId {
         let Self { content, quality, detail, .. } = *self;
         FrameId { revision: content.revision, quality, detail, size: self.size() }
@@ -86,7 +84,7 @@ impl FrameStamp {
     }
 }
 
-/// A picture that is drawn and not yet encoded.
+/// A drawn picture before its encoding.
 pub struct DrawnFrame {
     pub stamp: FrameStamp,
     /// RGBA, rows from the top.
@@ -98,23 +96,22 @@ pub struct DrawnFrame {
     trace: PictureTrace,
 }
 
-/// A step of a picture's way that is done.
+/// A finished step of a picture.
 pub enum ViewStep {
     Drawn(DrawnFrame),
     Encoded(EncodedFrame),
 }
 
-/// What became of a step.
+/// Result of a step.
 pub type ViewStepResult = Result<ViewStep, ServerError>;
 
 impl EncodedFrame {
-    /// What it took to make.
+    /// Time of its making.
     pub fn timed_picture(&self) -> TimedPicture {
         TimedPicture { detail: self.stamp.detail, took: self.render + self.encode, drew_map: self.drew_map }
     }
 
-    /// What it came to, for a client that was sent it as the frame of that number, in so many bytes. A picture that was held
-    /// took nothing more.
+    /// Statistics for a client that received it as frame `frame`, in that many bytes. A reused picture has no passes.
     pub fn stats(&self, frame: u64, bytes: usize, is_held: bool) -> FrameStats {
         FrameStats {
             frame,
@@ -130,12 +127,12 @@ impl EncodedFrame {
         }
     }
 
-    /// How many messages it is.
+    /// Number of messages.
     pub fn message_count(&self) -> usize {
         self.tiles.len()
     }
 
-    /// The binary message of that index, for one client.
+    /// Makes the binary message of that index for one client.
     pub fn message(&self, index: usize, frame: u64, key: bool) -> Bytes {
         let (tile, payload) = &self.tiles[index];
         let FrameStamp { quality, log_seq, live_revision, camera_revision, detail, view_size, .. } =
@@ -172,8 +169,7 @@ impl EncodedFrame {
     }
 }
 
-/// Draws the picture that `request` describes and `stamp` says what it shows, in the view of a client of the session of that
-/// name.
+/// Draws the picture of `request`, with the content that `stamp` describes, for the view of a client of that session.
 pub async fn draw_picture(
     backend: Services,
     request: PictureRequest,
@@ -202,9 +198,8 @@ pub async fn draw_picture(
     Ok(ViewStep::Drawn(DrawnFrame { stamp, pixels, wait, render, drew_map, passes, trace }))
 }
 
-/// Encodes a picture, of a moving one only what differs from `base`, which has as many pixels; the next one may be drawn
-/// meanwhile.
-/// `payer` is charged.
+/// Encodes a picture and charges `payer`. Of a moving picture only the differences from `base` are encoded, which has
+/// the same size. The next picture may be drawn meanwhile.
 pub async fn encode_picture(
     backend: Services,
     drawing: DrawnFrame,
@@ -216,12 +211,12 @@ pub async fn encode_picture(
     let started = Instant::now();
     let work = move || encode(drawing, base.as_deref(), started);
     let frame = match quality {
-        // A large one takes both cores of a small machine from whoever is drawn next to it.
+        // A large picture would take both cores of a small machine from the next picture of another client.
         FrameQuality::Moving if is_large && backend.moving_pixels.is_shared() => {
             background::run(work).await??
         }
         FrameQuality::Moving => spawn_blocking(work).await.map_err(|_| ServerError::Internal)??,
-        // Without loss it takes several times as long, and nobody's hand waits for it.
+        // Lossless encoding takes several times as long, and no interaction waits for it.
         FrameQuality::Settled => background::run(work).await??,
     };
     backend.metrics.frames_encoded.get_or_create(&codec(quality).into()).inc();
@@ -245,7 +240,7 @@ fn encode(
                 stream::changed_tiles(&base.pixels, &pixels, width, height)
             })?;
             if tiles.is_empty() {
-                // What it shows is told all the same.
+                // A tile is sent nevertheless, since its header tells the new revisions.
                 let side = |length: u16| length.min(MIN_TILE_SIDE);
                 tiles.push(FrameTile { x: 0, y: 0, width: side(width), height: side(height) });
             }
@@ -262,7 +257,7 @@ fn encode(
     Ok(EncodedFrame { stamp, number: 0, base, tiles, pixels, wait, render, encode, drew_map, passes })
 }
 
-/// How pictures of that quality are encoded.
+/// Codec of that quality.
 pub fn codec(quality: FrameQuality) -> Codec {
     match quality {
         FrameQuality::Moving => Codec::Jpeg,
@@ -270,7 +265,7 @@ pub fn codec(quality: FrameQuality) -> Codec {
     }
 }
 
-/// Samples a pixel of pictures of that quality.
+/// Samples per pixel of that quality.
 pub fn samples(quality: FrameQuality) -> u32 {
     match quality {
         FrameQuality::Moving => 1,

@@ -1,7 +1,6 @@
-//! What each client of a session looks at: a view of its own, or another's.
+//! Views of a session's clients: a client has its own view or follows another client's.
 //!
-//! Views know no session's task. They are told what clients ask and what the session is now, and put what is to be sent
-//! into outboxes.
+//! Views know no room. They get the clients' requests and the state of the session, and put messages into outboxes.
 
 mod detail;
 mod frame;
@@ -31,66 +30,64 @@ pub use moving_pixels::MovingPixels;
 pub use settings::ViewSettings;
 use view::{ClientView, ViewTarget};
 
-/// What the clients of one session look at.
+/// The views of one session.
 pub struct Views {
     viewers: BTreeMap<ClientId, Viewer>,
-    /// Counts what views show.
+    /// Counts changes of the content of views.
     content_revision: u64,
-    /// Those that are being made.
+    /// Pictures in progress.
     pictures: JoinSet<ViewStepResult>,
-    /// Counts those that were made.
+    /// Number of pictures made so far.
     picture_count: u64,
-    /// The session's name.
     name: Arc<str>,
-    /// Keeps what the renderer has of the session's scenes.
+    /// Keeps the session's data in the renderer.
     session: Arc<RenderLease>,
     backend: Services,
 }
 
-/// The session that views show, as it is now.
+/// The current session that views show.
 #[derive(Clone, Copy)]
 pub struct LiveSession<'a> {
-    /// Its document, with the gestures under way.
+    /// The session's document with its live gestures.
     pub session: &'a edit::Session,
-    /// Its scene, in place.
+    /// The posed scene.
     pub scene: &'a Arc<PosedScene>,
-    /// Counts what gestures show; frames carry it.
+    /// Counts changes of live gestures. Frames carry it.
     pub revision: u32,
 }
 
-/// A client, as views know it.
+/// State of a client for its frames.
 struct Viewer {
-    /// Who is charged for the pictures of its own view.
+    /// Client that is charged for the pictures of its own view.
     payer: Payer,
     source: ViewTarget,
-    /// Whose view it is shown, and how large, as it was last sent.
+    /// Owner and size of the view that it was last told about.
     configured: Option<(ClientId, [u32; 2])>,
-    /// When it gets its next frame.
     pace: FramePacer,
-    /// Number of its latest frame, and of the latest that goes onto no other.
+    /// Numbers of its latest frame, and of the latest one that needs no earlier frame.
     frame: u64,
     last_key_frame: u64,
-    /// Whether it is told what each frame came to.
+    /// True if it gets statistics of each frame.
     wants_stats: bool,
-    /// Of the pictures that were made, which one it was sent last, or was the last when it began to look.
+    /// Number of the picture that it was sent last, or of the last one made before it began to look.
     latest_picture: u64,
-    /// The picture that it was sent last, where it was sent all of it.
+    /// The picture that it was sent last, if all tiles were sent.
     shown_frame: Option<FrameId>,
-    /// What it is being sent.
+    /// The picture that is being sent.
     sending: Option<OutgoingFrame>,
-    /// When it last changed the document or its view.
+    /// Time of its latest change to the document or its view.
     last_interaction: Option<Instant>,
 }
 
 /// A picture on its way to a client, tile by tile.
 struct OutgoingFrame {
     picture: Arc<EncodedFrame>,
-    /// The number of the frame.
+    /// Number of the frame.
     frame: u64,
     is_key_frame: bool,
-    /// Whether it was there before: nothing had to be drawn for this client.
+    /// True if the picture existed before, so that nothing was drawn for this client.
     is_reused: bool,
-    /// The tiles that were sent, their bytes, and when the last was.
+    /// Number of tiles sent, their bytes, and the time of the latest.
     sent: usize,
     bytes: usize,
     sent_at: std::time::Instant,
@@ -117,19 +114,19 @@ impl Viewer {
 }
 
 impl Views {
-    /// Nobody is here yet. `name` is the session's, and `session` keeps what the renderer has of it.
+    /// Starts without clients. `name` is the session's, and `session` keeps its data in the renderer.
     pub fn new(backend: Services, name: Arc<str>, session: Arc<RenderLease>) -> Self {
         let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
         Self { viewers, content_revision: 0, pictures, picture_count: 0, name, session, backend }
     }
 
-    /// A client comes, an actor of that id. It looks at nothing yet.
+    /// Adds a client of that actor. It has no view yet.
     pub fn insert(&mut self, id: ClientId, actor_id: &str) {
         let (source, pace) = (ViewTarget::Nothing, FramePacer::new());
         self.viewers.insert(id, Viewer::new(Payer::new(&self.name, actor_id), source, pace));
     }
 
-    /// A client goes. Who looked at its view goes on from there.
+    /// Removes a client. Each follower gets its own copy of the view.
     pub fn remove(&mut self, gone: ClientId) {
         let Some(Viewer { source, .. }) = self.viewers.remove(&gone) else { return };
         let content = self.new_content();
@@ -152,7 +149,8 @@ impl Views {
         }
     }
 
-    /// Opens a view of a client's own, from `camera` and with its revision. `size` is its width and height in pixels.
+    /// Opens a view of the client's own at `camera`, which includes a revision. `size` is its width and height in
+    /// pixels.
     pub fn open(
         &mut self,
         id: ClientId,
@@ -167,7 +165,7 @@ impl Views {
         viewer.configured = None;
     }
 
-    /// Shows a client what another sees. Nobody follows in a circle.
+    /// Shows a client the view of another. Gives an error if the clients would follow each other in a circle.
     pub fn follow(&mut self, id: ClientId, leader: ClientId) -> Result<(), ServerError> {
         if self.follows_to(leader, id) {
             let sentence = "that view is your own, or follows it: open one with a camera of its own";
@@ -198,7 +196,7 @@ impl Views {
         Ok(())
     }
 
-    /// Sets how a client's own view is.
+    /// Replaces the settings of a client's own view.
     pub fn set_settings(
         &mut self,
         id: ClientId,
@@ -212,14 +210,15 @@ impl Views {
         Ok(())
     }
 
-    /// Says whether a client is told what each frame came to.
+    /// Sets whether a client gets statistics of each frame.
     pub fn set_stats(&mut self, id: ClientId, stats: bool) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
             viewer.wants_stats = stats;
         }
     }
 
-    /// Gives a client's own view another size in pixels. Who follows another sees that one's size, and so nothing changes.
+    /// Sets the size of a client's own view in pixels. A follower sees the size of its leader's view, so nothing
+    /// changes for it.
     pub fn resize(&mut self, id: ClientId, size: [u32; 2]) {
         let content = self.new_content();
         if let Some(view) = self.own_view(id).filter(|view| view.size != size) {
@@ -228,14 +227,14 @@ impl Views {
         }
     }
 
-    /// A client changes the document or its view: for a while what it sees is seen by a hand.
+    /// Notes that a client changes the document or its view. For a while its view counts as interactive.
     pub fn mark_interactive(&mut self, id: ClientId) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
             viewer.last_interaction = Some(Instant::now());
         }
     }
 
-    /// Something changed that every picture can show.
+    /// Notes a change that every picture can show.
     pub fn invalidate_all(&mut self) {
         let content = self.new_content();
         let watched_for = STALE_TIME_PER_CLIENT * self.viewers.len() as u32;
@@ -251,7 +250,7 @@ impl Views {
         }
     }
 
-    /// Whom a client follows, if anybody.
+    /// The client that a client follows, if any.
     pub fn leader_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
             ViewTarget::Follow(leader) => Some(leader),
@@ -259,7 +258,7 @@ impl Views {
         }
     }
 
-    /// The camera of a client's own view and how that is, if it has one.
+    /// Camera and settings of a client's own view, if it has one.
     pub fn view_of(&self, id: ClientId) -> Option<(&Camera, &ViewSettings)> {
         match &self.viewers.get(&id)?.source {
             ViewTarget::Own(view) => Some((&view.camera, &view.settings)),
@@ -267,7 +266,7 @@ impl Views {
         }
     }
 
-    /// What a client sees, in a view of its own or another's: from where, how, and how large.
+    /// Camera, settings and size of the view that a client sees, its own or another's.
     pub fn viewed_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
         match &self.viewers.get(&self.owner_of(id)?)?.source {
             ViewTarget::Own(view) => Some((&view.camera, &view.settings, view.size)),
@@ -275,7 +274,7 @@ impl Views {
         }
     }
 
-    /// Sends each client how its view is served, where that has changed.
+    /// Tells each client the size and source of its view if they have changed.
     pub fn configure(&mut self, outboxes: &mut Outboxes) {
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
         for id in ids {
@@ -301,7 +300,7 @@ impl Views {
         }
     }
 
-    /// The client whose own view `id` sees in the end.
+    /// The client whose own view `id` sees, over any number of leaders.
     fn owner_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
             ViewTarget::Nothing => None,
@@ -310,12 +309,12 @@ impl Views {
         }
     }
 
-    /// Whether who follows `from` sees, directly or by others, what `to` looks at.
+    /// True if `from` follows `to`, directly or through others, or is the same client.
     fn follows_to(&self, from: ClientId, to: ClientId) -> bool {
         std::iter::successors(Some(from), |id| self.leader_of(*id)).any(|id| id == to)
     }
 
-    /// Who sees the view of `owner`, itself included.
+    /// All clients that see the view of `owner`, including `owner`.
     fn watchers_of(&self, owner: ClientId) -> Vec<ClientId> {
         self.viewers.keys().copied().filter(|&id| self.owner_of(id) == Some(owner)).collect()
     }

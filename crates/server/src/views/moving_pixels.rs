@@ -1,5 +1,5 @@
-//! How many pixels each client has move, over all its sockets and sessions. What all of them together may have is bounded: past
-//! that its pictures become smaller, so that no number of views takes more of the machine than one large one.
+//! Pixels of moving views per actor, over all sockets and sessions. Their sum is limited. Above the limit the actor's
+//! pictures become smaller, so many views take no more of the machine than one large view.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,16 +9,16 @@ use render::ViewSlot;
 
 use crate::limits::{MAX_MOVING_PIXELS, MOVING_FOR};
 
-/// How long after its last moving picture a view counts.
+/// Time after its last moving picture during which a view counts.
 const MOVING_VIEW_LIFETIME: Duration = Duration::from_secs(5);
-/// Sides become shorter by steps of this share, so that a picture goes onto the one before for a while.
+/// Steps per side in which pictures become smaller, so that several consecutive ones have the same size and can share
+/// tiles.
 const SIZE_STEPS: f64 = 16.0;
 
-/// Of every actor that has a view that moves.
+/// The moving views of each actor.
 #[derive(Debug, Default)]
 pub struct MovingPixels(Mutex<BTreeMap<Arc<str>, Vec<MovingView>>>);
 
-/// A view that moves.
 #[derive(Clone, Copy, Debug)]
 struct MovingView {
     view: ViewSlot,
@@ -27,22 +27,23 @@ struct MovingView {
     at: Instant,
 }
 
-/// By how much the sides of a moving picture are shorter than they would be.
+/// Scale of a moving picture's sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PictureScale(f64);
 
 impl PictureScale {
-    /// Not at all.
+    /// No reduction.
     pub const FULL: Self = Self(1.0);
 
-    /// Width and height in pixels, of a picture that would have those.
+    /// Scales a width and height in pixels.
     pub fn size(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|side| ((f64::from(side) * self.0) as u32).max(1))
     }
 }
 
 impl MovingPixels {
-    /// A picture of an actor's view of `size` pixels is begun, which is moved `is_interactive` by who sees it, or watched.
+    /// Notes the start of a picture of an actor's view of `size` pixels, and returns its scale. `by_hand` is true if
+    /// the viewer moves the view, and false if it only watches.
     pub fn record_picture(
         &self,
         actor_id: &Arc<str>,
@@ -69,12 +70,12 @@ impl MovingPixels {
         PictureScale((share * SIZE_STEPS).floor().max(1.0) / SIZE_STEPS)
     }
 
-    /// Whether several actors have views that moved lately.
+    /// True if several actors have views that moved lately.
     pub fn is_shared(&self) -> bool {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).len() > 1
     }
 
-    /// Whether a hand moves a view of any other actor than this one. Views that only show what this one moves do not count.
+    /// True if another actor moves a view of its own. Views that only watch this actor do not count.
     pub fn is_another_interacting(&self, actor_id: Option<&Arc<str>>, now: Instant) -> bool {
         let actors = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let mut others = actors.iter().filter(|(id, _)| Some(*id) != actor_id);
@@ -107,11 +108,11 @@ mod tests {
             !account.is_another_interacting(Some(&ada), start) && account.is_another_interacting(None, start)
         );
         assert!(!account.is_another_interacting(None, start + MOVING_FOR));
-        // The planted fault: who watches a drag holds it up.
+        // The planted fault: a watching client counts as interacting.
         let watched = MovingPixels::default();
         watched.record_picture(&"ben".into(), (ViewSlot(1), false), large, start);
         assert!(!watched.is_another_interacting(Some(&ada), start));
-        // Others are none of that, and what rests does not count. The planted fault: one account for all.
+        // Other actors have their own account, and views at rest do not count. The planted fault: one account for all.
         assert_eq!(
             account.record_picture(&"ben".into(), (ViewSlot(9), true), large, start),
             PictureScale::FULL

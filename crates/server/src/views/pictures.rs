@@ -1,4 +1,4 @@
-//! Pictures of views: made only for who can take one, and once for all who look at the same.
+//! Pictures of views: made only for clients that can receive one, and once for all clients of the same view.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,16 +24,16 @@ use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, Urgency};
 
 impl Views {
-    /// A client has shown a frame.
+    /// Notes that a client has shown a frame.
     pub fn acknowledge(&mut self, id: ClientId, frame: u64) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
-            // One that is not under way was given up before.
+            // A frame that is not in flight was dropped before.
             viewer.pace.acked(frame, now());
         }
     }
 
-    /// A client could not decode a frame, and so shows nothing that another could go onto: its next one is whole. What it asks
-    /// for is on its way where a whole one was begun since.
+    /// Handles a frame that a client could not decode. The client has no picture to draw tiles on, so its next one is
+    /// complete. If a complete one was begun since, it is already in flight and nothing changes.
     pub fn request_key_frame(&mut self, id: ClientId, frame: u64) {
         if let Some(viewer) = self.viewers.get_mut(&id)
             && (viewer.last_key_frame..=viewer.frame).contains(&frame)
@@ -43,11 +43,11 @@ impl Views {
         }
     }
 
-    /// Sends what there is to who lacks it and starts what is needed. Returns when to look again.
+    /// Sends finished pictures to clients that lack them and starts needed ones. Returns the time of the next call.
     pub fn update(&mut self, now: Instant, live: LiveSession, outboxes: &mut Outboxes) -> Instant {
         let mut wake = now + SESSION_IDLE_TIMEOUT;
         let ids: Vec<ClientId> = self.viewers.keys().copied().collect();
-        // Once for all of them: a session may have as many views as clients.
+        // Computed once for all views, since a session may have as many views as clients.
         let mut watchers: BTreeMap<ClientId, Vec<ClientId>> = BTreeMap::new();
         for &id in &ids {
             if let Some(owner) = self.owner_of(id) {
@@ -75,19 +75,20 @@ impl Views {
                 self.start_picture((owner, &watchers), quality, live, outboxes);
             }
         }
-        // What was only now begun to be sent has tiles left too.
+        // Pictures that were only just started have remaining tiles too.
         for id in ids {
             wake = self.send_tiles(id, outboxes).map_or(wake, |next| wake.min(next));
         }
         wake
     }
 
-    /// The next picture that is drawn or encoded, or will never be; `None` where none is under way.
+    /// Waits for the next finished or failed step. Returns `None` if no picture is in progress.
     pub async fn next_step(&mut self) -> Option<Result<(Id, ViewStepResult), JoinError>> {
         self.pictures.join_next_with_id().await
     }
 
-    /// Takes what [`Self::next_step`] gave, and what else is ready: each change gives up as many pictures as there are views.
+    /// Handles the result of [`Self::next_step`] and all other finished steps. Each change cancels as many pictures as
+    /// there are views.
     pub fn take_steps(&mut self, first: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let mut next = Some(first);
         while let Some(step) = next {
@@ -96,13 +97,13 @@ impl Views {
         }
     }
 
-    /// Has encoded what is drawn, and sends what is encoded to who wants it.
+    /// Starts the encoding of a drawn picture, or sends an encoded one to the clients that want it.
     fn take_step(&mut self, step: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let is_it = |job: &mut PendingPicture| job.task.id() == task;
         let mut own_views =
             self.viewers.iter_mut().filter_map(|(id, viewer)| Some((*id, viewer.source.own()?)));
-        // One that was given up belongs to no view.
+        // A cancelled picture belongs to no view.
         let Some((owner, view, job)) = own_views.find_map(|(id, view)| {
             let job = view.drawing.take_if(is_it).or_else(|| view.encoding.take_if(is_it))?;
             Some((id, view, job))
@@ -136,8 +137,8 @@ impl Views {
         self.start_encoding(owner, outboxes);
     }
 
-    /// Starts to encode what is drawn of a view, one at a time, so that pictures stay in order: what differs from the one
-    /// before, if all who want it have that.
+    /// Starts to encode the drawn picture of a view. One is encoded at a time, so pictures stay in order. Only the
+    /// differences from the one before are encoded, if all clients that want the picture have that one.
     fn start_encoding(&mut self, owner: ClientId, outboxes: &Outboxes) {
         let Some(view) = self.own_view(owner).filter(|view| view.encoding.is_none()) else { return };
         let Some(drawing) = view.drawn.take() else { return };
@@ -156,14 +157,14 @@ impl Views {
         }
     }
 
-    /// Whether a client takes another picture of the view of `owner` besides those that are drawn and not yet sent.
+    /// True if a client can take another picture of the view of `owner`, besides those that are drawn and not yet sent.
     fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
         let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
         let pending = if let Some(ViewTarget::Own(view)) = source { view.encoding_count() } else { 0 };
         self.viewers.get(&id).is_some_and(|viewer| viewer.pace.free_slots() > pending)
     }
 
-    /// Whether one of those who see a view edits, or moves it.
+    /// True if a viewer of a view edits or moves it.
     fn has_interactive_viewer(&self, watchers: &[ClientId]) -> bool {
         let acts = |id: &ClientId| {
             self.viewers.get(id)?.last_interaction.map(|then| then.elapsed() < INTERACTIVE_FOR)
@@ -171,7 +172,7 @@ impl Views {
         watchers.iter().any(|id| acts(id).unwrap_or(false))
     }
 
-    /// Sends a frame to all of those who see its view that want it, and have what it goes onto.
+    /// Sends a frame to all clients of its view that want it and have its base.
     fn deliver(
         &mut self,
         watchers: &[ClientId],
@@ -194,23 +195,24 @@ impl Views {
         }
     }
 
-    /// Sends a client what it can take of the picture that is on its way. Returns when to look again, where something is left.
+    /// Sends a client as many tiles of its current picture as it can take. Returns the time of the next call if tiles
+    /// are left.
     fn send_tiles(&mut self, id: ClientId, outboxes: &mut Outboxes) -> Option<Instant> {
         let content = self.owner_of(id).and_then(|owner| Some(self.own_view(owner)?.content));
         let (viewer, now) = (self.viewers.get_mut(&id)?, now());
-        // The rest of a lossless picture of the past is of no use, also while there is no other.
+        // The rest of an outdated lossless picture is useless, even if no newer one exists.
         viewer.sending.take_if(|sending| {
             let FrameStamp { quality, content: of, .. } = sending.picture.stamp;
             quality == FrameQuality::Settled && Some(of) != content
         });
         let sending = viewer.sending.as_mut()?;
         let count = sending.picture.message_count();
-        // A moving picture goes as a whole. Of a lossless one a tile goes when the last is taken, so that an edit leaves the
-        // others out.
+        // A moving picture is sent as a whole. The next tile of a lossless one is sent once the last was taken, so an
+        // edit drops the remaining tiles.
         let to = match sending.picture.stamp.quality {
             FrameQuality::Moving => count,
             FrameQuality::Settled if outboxes.has_empty_frame_queue(id) => sending.sent + 1,
-            // Who has not taken one for so long has stalled.
+            // A client that takes no tile for that long has stalled.
             FrameQuality::Settled if now.saturating_duration_since(sending.sent_at) < STALLED_CHECK_EVERY => {
                 return Some(now + TILES_CHECK_EVERY);
             }
@@ -224,7 +226,8 @@ impl Views {
         self.backend.metrics.frame_bytes_sent.inc_by(bytes as u64);
         sending.bytes += bytes;
         if viewer.wants_stats && to == count {
-            // With the frame and behind it: what has no room goes with it, and no picture waits for it.
+            // Statistics are sent with the last tile. They are dropped with it if there is no room, and delay no
+            // picture.
             let stats = sending.picture.stats(sending.frame, sending.bytes, sending.is_reused);
             messages.push(SocketMessage::Text(text(&ServerMessage::Stats(Box::new(stats)))));
         }
@@ -237,7 +240,7 @@ impl Views {
         is_left.then_some(now + TILES_CHECK_EVERY)
     }
 
-    /// Whether a client was last sent what a picture goes onto.
+    /// True if the last picture sent to a client is the base of another.
     fn has_base_of(&self, id: ClientId, base: Option<FrameId>) -> bool {
         let has = |base| {
             self.viewers
@@ -247,7 +250,7 @@ impl Views {
         base.is_none_or(has)
     }
 
-    /// What a client needs of its view.
+    /// The next need of a client of that view.
     fn next_frame_for(
         &self,
         id: ClientId,
@@ -257,13 +260,13 @@ impl Views {
     ) -> NextFrame {
         let Some(viewer) = self.viewers.get(&id) else { return NextFrame::Nothing };
         if !outboxes.can_take_frame(id) {
-            // The socket has stalled. What it is sent when it goes on is what there is then.
+            // The socket has stalled. Once it continues, the client gets the content of that time.
             return NextFrame::WaitUntil(now + STALLED_CHECK_EVERY);
         }
         viewer.pace.next(content, now)
     }
 
-    /// Starts a picture of a view, unless one is under way or cannot be made.
+    /// Starts a picture of a view, unless one is in progress or cannot be made.
     fn start_picture(
         &mut self,
         (owner, watchers): (ClientId, &[ClientId]),
@@ -340,7 +343,7 @@ impl Views {
         let task = self.pictures.spawn(draw_picture(self.backend.clone(), request, stamp, whose));
         let (revision, place, asked_at) = (content.revision, Some(place), Instant::now());
         view.drawing = Some(PendingPicture { quality, revision, ticket: place, asked_at, task });
-        // Said once, to all who see it.
+        // Sent once, to all viewers.
         if is_news {
             for &id in watchers {
                 outboxes.warn(id, &ServerError::ViewsMoveTooMuch);
@@ -356,7 +359,7 @@ impl Views {
 }
 
 impl Viewer {
-    /// From now on it is sent this picture. What it has not been sent of the one before, it never is.
+    /// Starts to send a picture. Unsent tiles of the one before are dropped.
     fn start_sending(&mut self, picture: Arc<EncodedFrame>, now: Instant) {
         self.frame += 1;
         let (frame, key) = (self.frame, self.pace.needs_key_frame());

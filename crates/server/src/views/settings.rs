@@ -1,4 +1,4 @@
-//! What is a viewer's own, besides the camera.
+//! Settings of a viewer's view, besides the camera.
 
 use std::collections::BTreeSet;
 
@@ -8,17 +8,17 @@ use protocol::RenderRequest;
 
 use crate::ServerError;
 
-/// How a view is; in no document, and others see their own.
+/// Settings of a view. They are in no document, and each viewer has its own.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewSettings {
     /// Stops, within [`scene::View::EXPOSURE_RANGE`].
     pub exposure: f64,
-    /// The lights that shine alone; all where none of them is there.
+    /// Lights to show alone. If the document has none of them, all lights are shown.
     pub solo: BTreeSet<LightId>,
 }
 
 impl ViewSettings {
-    /// Which of the document's lights the view shows.
+    /// The lights of the document that the view shows.
     pub fn visible_lights(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
         if lights.iter().any(|instance| self.solo.contains(&instance.id)) {
             lights.retain(|instance| self.solo.contains(&instance.id));
@@ -26,7 +26,7 @@ impl ViewSettings {
         lights
     }
 
-    /// Which of the document's lights the view does not show.
+    /// The lights of the document that the view hides.
     pub fn hidden_lights(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
         let shown: BTreeSet<LightId> =
             self.visible_lights(lights.to_vec()).iter().map(|instance| instance.id).collect();

@@ -1,4 +1,4 @@
-//! One view, and what a client looks at.
+//! A view, and a client's choice of view.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -15,50 +15,49 @@ use super::settings::ViewSettings;
 use crate::outboxes::ClientId;
 use crate::renderer::{PictureTicket, RenderLease};
 
-/// What a client looks at.
+/// The view that a client sees.
 pub enum ViewTarget {
-    /// Nothing yet.
     Nothing,
-    /// A view of its own.
+    /// Its own view.
     Own(Box<ClientView>),
-    /// What another sees.
+    /// The view of another client.
     Follow(ClientId),
 }
 
-/// A camera and what it is shown of.
+/// A camera with its settings and pictures.
 pub struct ClientView {
     pub camera: Camera,
     pub camera_revision: u32,
     pub settings: ViewSettings,
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// How fine its moving pictures are.
     pub detail_choice: DetailChoice,
     pub content: ViewContent,
-    /// The latest picture that was made of it.
+    /// Latest picture of the view.
     pub latest: Option<Arc<EncodedFrame>>,
-    /// The picture that is being drawn, the one that is drawn and waits to be encoded, and the one that is.
+    /// The picture being drawn, the drawn one that waits for its encoding, and the one being encoded.
     pub drawing: Option<PendingPicture>,
     pub drawn: Option<DrawnFrame>,
     pub encoding: Option<PendingPicture>,
-    /// Since when a moving picture waited that was given up, as it was stale before it was begun.
+    /// Start of the wait of a moving picture that was cancelled before it was begun. The next picture takes its
+    /// position.
     pub waits_since: Option<Instant>,
-    /// The revision of the content that could not be drawn; another may.
+    /// Revision of content that could not be drawn. Other content may succeed.
     pub failed: Option<u64>,
-    /// The lights that its latest lossless picture lacks.
+    /// Lights that its latest lossless picture lacks.
     pub left_out: Vec<UndrawableLight>,
-    /// Whether who sees it has been told that its moving pictures are smaller than they would be.
+    /// True if its viewers were told that its moving pictures are reduced.
     pub was_warned_smaller: bool,
-    /// Keeps what the renderer has of it.
+    /// Keeps the view's data in the renderer.
     pub lease: Arc<RenderLease>,
 }
 
-/// A picture that is being made; dropping this gives it up.
+/// A picture in progress. Dropping this cancels it.
 pub struct PendingPicture {
     pub quality: FrameQuality,
-    /// Of the content that it shows.
+    /// Revision of its content.
     pub revision: u64,
-    /// In line for the renderer, of one that is drawn.
+    /// Ticket in the renderer's queue, if it is being drawn.
     pub ticket: Option<PictureTicket>,
     pub asked_at: Instant,
     pub task: AbortHandle,
@@ -109,8 +108,9 @@ impl ClientView {
         }
     }
 
-    /// It shows something else from now on. A lossless picture of what it showed is given up, and a moving one that is not
-    /// begun yet, unless it was asked for within `keeps_for`: the next is of what it shows now, and has its place in line.
+    /// Sets new content. Cancels a lossless picture of the old content, and a moving one that is not begun yet, unless
+    /// it was requested within `keeps_for`. The next picture shows the new content and takes the position of the
+    /// cancelled one.
     pub fn set_content(&mut self, content: ViewContent, keeps_for: Duration) {
         self.content = content;
         self.drawing.take_if(|job| job.quality == FrameQuality::Settled);
@@ -123,12 +123,12 @@ impl ClientView {
         }
     }
 
-    /// How many of its pictures are drawn and not yet sent.
+    /// Number of its pictures that are drawn and not yet sent.
     pub fn encoding_count(&self) -> usize {
         usize::from(self.drawn.is_some()) + usize::from(self.encoding.is_some())
     }
 
-    /// Whether a picture of that quality of what it shows now is on its way, or cannot be made.
+    /// True if a picture of that quality of the current content is in progress or has failed.
     pub fn is_pending_or_failed(&self, quality: FrameQuality) -> bool {
         let is_it = |job: &PendingPicture| (job.quality, job.revision) == (quality, self.content.revision);
         let encoding = self.encoding.as_ref().is_some_and(is_it);

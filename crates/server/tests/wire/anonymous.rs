@@ -1,4 +1,4 @@
-//! What is asked without the token: answers that are made once, and turns that bound the rest.
+//! Anonymous requests: constant answers, and limits of the rest.
 
 use std::time::{Duration, Instant};
 
@@ -30,7 +30,7 @@ fn what_never_changes_has_a_tag_by_which_clients_keep_it() {
     }
 }
 
-/// Asks one connection for a path so many times, one after the other.
+/// Requests a path that many times on one connection, one request after the other.
 async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, count: usize) {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let request = format!("GET {path} HTTP/1.1\r\nHost: localhost\r\n{headers}\r\n");
@@ -46,7 +46,7 @@ async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, c
     }
 }
 
-/// How long so many connections take that ask for a path so many times each.
+/// Time that so many connections take to request a path so many times each.
 async fn time_of(path: &'static str, headers: &str, connections: usize, count: usize) -> Duration {
     let began = Instant::now();
     let asking: Vec<_> = (0..connections)
@@ -58,8 +58,8 @@ async fn time_of(path: &'static str, headers: &str, connections: usize, count: u
     began.elapsed()
 }
 
-/// The bound is a lower one on time, which no slow machine breaks. Whoever has the token is the planted fault: nothing
-/// bounds what they ask for.
+/// The bound is a lower one on time, so a slow machine cannot break it. The planted fault is a client with the token,
+/// whose requests are not limited.
 ///
 /// Rules: HTTP-25
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -1,4 +1,4 @@
-//! Bodies and answers in memory: as many bytes as the account has room for, given back when they are cut off.
+//! Bodies and answers in memory: limited by the account, and given back when they are cut off.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::client::{HttpAnswer, bearer, get, post};
 use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
-/// What a body of 8 MiB counts for, and how many have room: half of the account.
+/// Cost of a body of 8 MiB, and the number of such bodies that fit: half of the account.
 const COST: usize = 4 * 8 * MIB;
 const ROOM: usize = 320 / 2 * MIB / COST;
 
@@ -23,14 +23,14 @@ async fn on_thread(
     spawn_blocking(move || ask(&door)).await.unwrap()
 }
 
-/// What the account holds.
+/// Bytes on the account.
 async fn held(door: &ServerDoor) -> usize {
     let metrics = on_thread(door, |door| get(door, "/metrics")).await;
     let line = metrics.text().lines().find_map(|line| line.strip_prefix("bendylights_bytes_in_flight "));
     line.expect("a count").parse().expect("a number")
 }
 
-/// Waits until the account holds what is wanted.
+/// Waits until the bytes on the account satisfy `wanted`.
 async fn holds(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
     let mut tries = 0..1_000;
     while !wanted(held(door).await) {
@@ -39,7 +39,7 @@ async fn holds(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
     }
 }
 
-/// Begins to send a body: its head, with the header that says how it comes, and some of it.
+/// Starts a request: its head, with a header for the length of its body, and a part of the body.
 async fn begin(door: &ServerDoor, how: &str, part: &[u8]) -> TcpStream {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let head = format!(
@@ -69,7 +69,7 @@ async fn bodies_that_are_cut_off_give_back_what_they_held() {
         resting.push(begin(door, &said, b"{").await);
     }
     holds(door, |held| held == ROOM * COST).await;
-    // One byte of each has come: what a head says counts. A body that says nothing counts once it is large.
+    // One byte of each has arrived, so the length in the head counts. A body of unknown length counts once it is large.
     let mut one_more = begin(door, &said, &vec![b' '; 8 * MIB]).await;
     let mut answer = String::new();
     one_more.read_to_string(&mut answer).await.unwrap();
@@ -86,7 +86,7 @@ async fn bodies_that_are_cut_off_give_back_what_they_held() {
     let answer = on_thread(door, |door| get(door, "/openapi.json")).await;
     let is_large = answer.text().len() > 64 << 10;
     assert!(answer.status == 200 && is_large, "a large answer is not refused for bodies: {}", answer.status);
-    // Far more than there is room for, all of which break off.
+    // Far more than fit, all of which break off.
     for _ in 0..200 {
         resting.push(begin(door, &said, b"{").await);
     }
@@ -108,7 +108,7 @@ async fn a_large_body_comes_within_two_minutes() {
     tokio::time::pause();
     for _ in 0..7 {
         sleep(Duration::from_secs(20)).await;
-        // Once the answer is there nobody reads on.
+        // The server stops reading after its answer.
         let _ = slow.write_all(b" ").await;
     }
     let mut answer = vec![0; 12];

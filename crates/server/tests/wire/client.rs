@@ -1,4 +1,4 @@
-//! Both ways to talk to a server.
+//! Clients of both interfaces.
 
 use futures_util::{SinkExt, StreamExt};
 use protocol::{Actor, ClientMessage, PROTOCOL, ServerMessage, Welcome};
@@ -14,24 +14,23 @@ use ureq::http::HeaderMap;
 use crate::documented::check;
 use crate::server::ServerDoor;
 
-/// What came over a socket.
+/// A message from a socket.
 #[derive(Debug)]
 pub enum ReceivedMessage {
     Control(ServerMessage),
-    /// The last tile of a frame; the others are passed over.
+    /// The last tile of a frame. Earlier tiles are skipped.
     Frame(FrameHeader),
-    /// The server has closed.
+    /// The server has closed the connection.
     End,
 }
 
-/// A connection for which the client's system keeps little that is not read, and says soon when some of it is.
+/// A connection with a small receive buffer of the client's system, which soon reports a read.
 pub async fn connect_with_small_buffers(door: &ServerDoor) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();
     socket.set_recv_buffer_size(16 << 10).unwrap();
     socket.connect(door.address).await.unwrap()
 }
 
-/// A WebSocket client.
 pub struct Client(WebSocketStream<MaybeTlsStream<TcpStream>>);
 
 impl Client {
@@ -44,18 +43,18 @@ impl Client {
         Self::connect(door).await.welcomed(door, session, name).await
     }
 
-    /// As [`Self::join`], by a socket for which the system keeps little that is not read.
+    /// Joins like [`Self::join`], with a small receive buffer.
     pub async fn join_with_small_buffers(door: &ServerDoor, session: &str, name: &str) -> (Self, Welcome) {
         Self::connect_with_small_buffers(door).await.welcomed(door, session, name).await
     }
 
-    /// As [`Self::connect`], by such a socket.
+    /// Connects like [`Self::connect`], with a small receive buffer.
     pub async fn connect_with_small_buffers(door: &ServerDoor) -> Self {
         let stream = MaybeTlsStream::Plain(connect_with_small_buffers(door).await);
         Self(client_async(socket_request(door), stream).await.unwrap().0)
     }
 
-    /// Connects and says hello; the welcome, where that is the answer.
+    /// Connects and says hello. Returns the welcome if that is the answer.
     pub async fn greeted(door: &ServerDoor, session: &str, name: &str) -> Option<Welcome> {
         let mut client = Self::connect(door).await;
         client.say(&hello(&door.token, session, name)).await;
@@ -65,7 +64,6 @@ impl Client {
         }
     }
 
-    /// What it reads from.
     pub fn into_stream(self) -> MaybeTlsStream<TcpStream> {
         self.0.into_inner()
     }
@@ -91,7 +89,7 @@ impl Client {
         self.0.send(Message::binary(bytes)).await.unwrap();
     }
 
-    /// The next control message, frame or end.
+    /// Returns the next control message, frame or end.
     pub async fn next(&mut self) -> ReceivedMessage {
         loop {
             match self.0.next().await {
@@ -110,7 +108,7 @@ impl Client {
         }
     }
 
-    /// Passes over what comes until `wanted` takes something.
+    /// Skips messages until `wanted` returns a value.
     pub async fn until<T>(&mut self, mut wanted: impl FnMut(ReceivedMessage) -> Option<T>) -> T {
         loop {
             let came = self.next().await;
@@ -121,7 +119,7 @@ impl Client {
         }
     }
 
-    /// The next tile of a frame, passing over what else comes.
+    /// Returns the next tile of a frame. Skips other messages.
     pub async fn tile(&mut self) -> FrameHeader {
         loop {
             match self.0.next().await {
@@ -132,7 +130,7 @@ impl Client {
         }
     }
 
-    /// The next frame, acknowledged.
+    /// Returns the next frame after acknowledging it.
     pub async fn frame(&mut self) -> FrameHeader {
         let header = self
             .until(|came| match came {
@@ -160,7 +158,7 @@ fn socket_request(door: &ServerDoor) -> Request<()> {
     format!("ws://{}/socket", door.address).into_client_request().unwrap()
 }
 
-/// The status that a socket with these headers is refused with; `None` where it is let in.
+/// Status that refuses a socket with these headers. `None` if it is accepted.
 pub async fn socket_with(door: &ServerDoor, headers: &[(&'static str, &str)]) -> Option<u16> {
     let mut request = socket_request(door);
     for (name, value) in headers {
@@ -173,7 +171,6 @@ pub async fn socket_with(door: &ServerDoor, headers: &[(&'static str, &str)]) ->
     }
 }
 
-/// An answer over HTTP.
 #[derive(Clone, Debug)]
 pub struct HttpAnswer {
     pub status: u16,
@@ -191,7 +188,7 @@ impl HttpAnswer {
         serde_json::from_slice(&self.body).unwrap()
     }
 
-    /// The status and the code of an error, which has a sentence too.
+    /// Status and code of an error. Checks that it has a message too.
     pub fn refusal(&self) -> (u16, String) {
         let json = self.json();
         let error = json["error"].as_object().expect("an error");
@@ -200,7 +197,7 @@ impl HttpAnswer {
     }
 }
 
-/// Sends a request with the headers given and nothing else; the answer is one that `/openapi.json` names.
+/// Sends a request with only those headers. Checks that `/openapi.json` names the answer.
 pub fn send(
     door: &ServerDoor,
     method: &str,
@@ -227,12 +224,12 @@ pub fn send(
     answer
 }
 
-/// Asks with the headers given and nothing else. `body` makes it a POST.
+/// Requests with only those headers. A `body` makes it a POST.
 pub fn ask_with(door: &ServerDoor, path: &str, headers: &[(&str, &str)], body: Option<&[u8]>) -> HttpAnswer {
     send(door, if body.is_some() { "POST" } else { "GET" }, path, headers, body.unwrap_or_default())
 }
 
-/// Asks with the token.
+/// Requests with the token.
 pub fn get(door: &ServerDoor, path: &str) -> HttpAnswer {
     ask_with(door, path, &[("authorization", &bearer(door))], None)
 }
@@ -248,12 +245,12 @@ pub fn post(door: &ServerDoor, path: &str, body: &str) -> HttpAnswer {
     )
 }
 
-/// The value of the header that shows the token.
+/// Value of the header with the token.
 pub fn bearer(door: &ServerDoor) -> String {
     format!("Bearer {}", door.token)
 }
 
-/// A new session of the demo scene, under a name that only its test uses.
+/// A new session of the demo scene, with a name that only its test uses.
 pub fn new_session(door: &ServerDoor, name: &str) {
     let made = post(door, "/sessions", &format!(r#"{{"name": "{name}", "scene": "demo:vases"}}"#));
     assert_eq!(made.status, 201, "{}", made.text());

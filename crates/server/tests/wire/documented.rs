@@ -1,4 +1,4 @@
-//! What `/openapi.json` says of answers, held against each that a test sees.
+//! Checks of all answers against `/openapi.json`.
 
 use std::sync::LazyLock;
 
@@ -7,14 +7,14 @@ use serde_json::{Value, json};
 use crate::client::{HttpAnswer, get, post};
 use crate::server::SHARED;
 
-/// Whether an answer is one that the document names for its operation: its status, and its kind or its code.
+/// Checks that the document names an answer for its operation: its status, and its media type or its code.
 pub fn check(method: &str, path: &str, answer: &HttpAnswer) -> Result<(), String> {
     static DOCUMENT: LazyLock<Value> = LazyLock::new(protocol::openapi);
     let path = path.split('?').next().unwrap_or_default();
     let operation = |(template, methods): (&String, &'static Value)| {
         if is_of(path, template) { methods.get(method.to_lowercase()) } else { None }
     };
-    // What is no operation, such as the page, is not in the document.
+    // Paths that are no operations, such as the page, are not in the document.
     let Some(operation) = DOCUMENT["paths"].as_object().unwrap().iter().find_map(operation) else {
         return Ok(());
     };
@@ -45,7 +45,7 @@ fn is_of(path: &str, template: &str) -> bool {
         && path.zip(template).all(|(part, of_template)| of_template.starts_with('{') || part == of_template)
 }
 
-/// Every answer that these tests get is checked; here are those that the check must not let pass.
+/// Every answer of these tests is checked. Here are some that the check must refuse.
 ///
 /// Rules: HTTP-3
 #[test]

@@ -1,4 +1,4 @@
-//! Stopping.
+//! Stopping the server.
 
 use light::parameters::CONE_ANGLE;
 use std::time::Duration;
@@ -46,7 +46,7 @@ async fn a_server_that_stops_finishes_what_it_has_accepted() {
     assert!(told, "the client was not told");
     served.await.unwrap().unwrap();
 
-    // The folder is free again, pages stay signed in, and what was acknowledged is there.
+    // The folder is unlocked, pages stay signed in, and acknowledged records are there.
     let again = OwnServer::start_in(folder).await;
     assert_eq!(again.door.token, token);
     let (again, session) = spawn_blocking(move || {
@@ -69,9 +69,9 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
         stream.write_all(begun.as_bytes()).await.unwrap();
         silent.push(stream);
     }
-    // The last is answered and kept open; by then the others are accepted too.
+    // The last one is answered and kept open. The others are accepted by then too.
     silent[2].read_exact(&mut [0; 12]).await.unwrap();
-    // From here on time passes as soon as everybody waits.
+    // From here on time advances once everybody waits.
     pause();
     let stopped = Instant::now();
     let (_folder, served) = own.stop();
@@ -83,7 +83,7 @@ async fn connections_that_ask_for_nothing_do_not_hold_up_a_stop() {
 #[tokio::test]
 async fn who_asks_while_it_drains_is_told_so() {
     let own = OwnServer::start().await;
-    // A request whose body is still to come is waited for.
+    // A request whose body has not arrived is waited for.
     let mut slow = TcpStream::connect(own.door.address).await.unwrap();
     let (token, body) = (&own.door.token, r#"{"name": "late"}"#);
     let head = format!(
@@ -117,7 +117,7 @@ async fn who_asks_while_it_drains_is_told_so() {
     assert!(TcpStream::connect(address).await.is_err(), "nobody listens");
 }
 
-/// A picture that is not done in time is refused as what comes too late is; it is no fault of the server's.
+/// A picture that is not finished in time is refused like a late request. It is no fault of the server.
 ///
 /// Rules: SOCK-9, HTTP-9
 #[tokio::test]

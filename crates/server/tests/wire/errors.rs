@@ -1,4 +1,4 @@
-//! Who is let in, and how the rest is told.
+//! Access and errors.
 
 use crate::client::{ask_with, get, post, socket_with};
 use crate::server::SHARED;
@@ -26,7 +26,7 @@ fn all_but_the_page_and_signs_of_life_need_the_token() {
     for path in ["/healthz", "/openapi.json"] {
         assert_eq!(ask_with(&SHARED, path, &[], None).status, 200, "{path}");
     }
-    // The page says how to build it where it is not: either way it is let out.
+    // A page that is not built says how to build it. In both cases it needs no token.
     assert!(ask_with(&SHARED, "/", &[], None).text().contains("<title>BendyLights</title>"));
     assert_eq!(get(&SHARED, "/sessions").status, 200, "the token opens");
 }
@@ -44,7 +44,7 @@ async fn pages_of_other_places_are_refused() {
     assert_eq!(socket_with(&SHARED, &[("origin", &own)]).await, None);
 }
 
-/// A page of another place, whose name its owner has made lead to this machine, and pages that come by a proxy.
+/// A foreign page whose name leads to this machine, and pages behind a proxy.
 ///
 /// Rules: HTTP-2, HTTP-13
 #[tokio::test]

@@ -1,4 +1,4 @@
-//! Edits that are one step.
+//! Edits that make one step.
 
 use serde_json::{Value, json};
 
@@ -12,7 +12,7 @@ fn atomic(session: &str, op_id: &str, commands: &Value) -> HttpAnswer {
     post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string())
 }
 
-/// The one result of edits that are one step.
+/// The one result of edits that make one step.
 fn result(answer: &HttpAnswer) -> Value {
     assert_eq!(answer.status, 200, "{}", answer.text());
     let results = answer.json()["results"].clone();
@@ -43,8 +43,8 @@ fn edits_are_one_step_where_that_is_asked() {
         json!({"type": "dragFeature", "light": key, "kind": "hotspot", "camera": view, "size": [640, 360],
             "from": [320.5, 180.5], "to": to})
     };
-    // What a command names may have come before it in the group; what needs the scene is found in the document that
-    // those before leave.
+    // A name in a command may have been added by an earlier one in the group. Parts that depend on the scene are solved
+    // in the document after the earlier commands.
     let commands = json!([
         spot("rim"),
         set("/lights/rim/exposure", 2),
@@ -74,7 +74,7 @@ fn edits_are_one_step_where_that_is_asked() {
     assert!(
         undone["results"].as_array().expect("results").iter().all(|result| result["status"] == "committed")
     );
-    // The record has ids for names, and each drag's outcome.
+    // The record has ids instead of names, and each drag's outcome.
     let log = get(&SHARED, "/sessions/atomic/log?from=2&limit=1").text().to_owned();
     let record: Value = serde_json::from_str(&log).expect("a record");
     assert_eq!((&record["format"], &record["action"]["type"]), (&json!(5), &json!("group")));
@@ -82,7 +82,7 @@ fn edits_are_one_step_where_that_is_asked() {
     assert_eq!(record["action"]["edits"][3]["outcome"], outcomes[3]);
 }
 
-/// The planted fault: the same edits without `atomic`, of which those that can be are done.
+/// The planted fault: the same edits without `atomic`, of which the valid ones are carried out.
 ///
 /// Rules: CMD-17, HTTP-6
 #[test]

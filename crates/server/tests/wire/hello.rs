@@ -33,7 +33,7 @@ async fn a_hello_that_does_not_fit_is_answered_and_the_socket_closed() {
     for (message, code) in cases {
         let mut client = Client::connect(&SHARED).await;
         client.say_text(message).await;
-        // What else the client has sent must not keep it from reading why.
+        // A later message of the client must not prevent it from reading the reason.
         client.say(&ClientMessage::Ping { sent: 2.0 }).await;
         assert_eq!(fatal(&mut client).await, code);
     }
@@ -54,7 +54,7 @@ async fn hello_and_gestures_have_their_time() {
         _ => None,
     };
     assert_eq!(client.until(status).await, GestureStatus::Held { refused: None });
-    // From here on time passes as soon as everybody waits.
+    // From here on time advances once everybody waits.
     tokio::time::pause();
     let began = tokio::time::Instant::now();
     assert_eq!(fatal(&mut silent).await, "helloTooLate");
@@ -86,7 +86,7 @@ async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
     client.until(pong).await;
 }
 
-/// The code and the sentence of an error that is not fatal.
+/// Code and message of an error that is not fatal.
 pub fn complaint(came: ReceivedMessage) -> Option<(String, String)> {
     match came {
         ReceivedMessage::Control(ServerMessage::Error { code, message, fatal: false }) => {

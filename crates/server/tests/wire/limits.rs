@@ -1,4 +1,4 @@
-//! What is too large or too many.
+//! Requests that are too large or too many.
 
 use std::time::Duration;
 
@@ -93,7 +93,7 @@ async fn sessions_with_somebody_in_them_stay_open() {
     assert_eq!(refused.refusal(), (429, "tooMany".into()));
     assert!(refused.text().contains("64"), "{}", refused.text());
     drop(people.pop());
-    // The server takes a moment to see that somebody has left.
+    // The server takes a moment to notice that a client has left.
     let mut tries = 0..1_000;
     while look().await.unwrap().status == 429 {
         tries.next().expect("whoever leaves makes room at once, not after a minute");

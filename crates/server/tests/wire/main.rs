@@ -1,4 +1,4 @@
-//! The server as clients and programs meet it: real sockets, real HTTP, a real store.
+//! The server in use by clients and programs: real sockets, real HTTP, a real store.
 
 mod anonymous;
 mod bodies;

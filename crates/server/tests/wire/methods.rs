@@ -1,4 +1,4 @@
-//! Methods that an address takes, and kinds of bodies.
+//! Methods of paths, and media types of bodies.
 
 use crate::client::{bearer, get, send};
 use crate::server::SHARED;

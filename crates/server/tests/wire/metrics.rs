@@ -1,11 +1,11 @@
-//! What the server counts.
+//! Metrics of the server.
 
 use tokio::task::spawn_blocking;
 
 use crate::client::{ask_with, get, post};
 use crate::server::{OwnServer, ServerDoor};
 
-/// The number that stands behind `name`, which has its labels.
+/// The value of `name`, which includes its labels.
 fn count(door: &ServerDoor, name: &str) -> Option<f64> {
     let text = get(door, "/metrics").text().to_owned();
     text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok())

@@ -1,11 +1,11 @@
-//! The nodes of a session's scene, and links that name them.
+//! Nodes of a session's scene, and links that name them.
 
 use serde_json::{Value, json};
 
 use crate::client::{ask_with, bearer, get, post};
 use crate::server::{SHARED, ServerDoor};
 
-/// A triangle that three nodes have, two of one name under another; and a node of which nothing is drawn.
+/// A triangle in three nodes, two of one name under another node, and a node without geometry.
 fn scene() -> Vec<u8> {
     let zeros = "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
     let file = json!({"asset": {"version": "2.0", "generator": "nodes"}, "scenes": [{"nodes": [0, 4, 5]}],
@@ -40,7 +40,7 @@ fn a_session_tells_the_nodes_of_its_scene() {
     assert_eq!(get(door, "/sessions/nobody/nodes").status, 404);
 }
 
-/// Links are set, taken back and set again as any parameter, whatever the scene has, and refused past their limits.
+/// Links are set, undone and set again like any parameter, whatever the scene has, and refused beyond their limits.
 ///
 /// Rules: LINK-3, LINK-4, UNDO-4, CMD-9
 #[test]

@@ -1,4 +1,4 @@
-//! Operations that come again, undo past a restart, and a disk that takes nothing.
+//! Repeated operations, undo past a restart, and a disk that refuses writes.
 
 use light::parameters::CONE_ANGLE;
 use protocol::{
@@ -22,7 +22,7 @@ fn cone_angle(degrees: f64) -> Command {
     Command::SetLight { light: 1, parameter: CONE_ANGLE.to(degrees).into() }
 }
 
-/// Stops a server and gives its folder.
+/// Stops a server and returns its folder.
 async fn stopped(own: OwnServer) -> TempDir {
     let (folder, served) = own.stop();
     served.await.expect("it ends").expect("well");
@@ -74,7 +74,7 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     let folder = stopped(own).await;
     let own = OwnServer::start_in(folder).await;
     let (mut ada, _) = Client::join(&own.door, "main", "Ada").await;
-    // The same names, for what would be carried out now.
+    // The same ids with commands that would be carried out now.
     for (op_id, expected) in ["x", "y", "z"].into_iter().zip(first) {
         assert_eq!(edit(&mut ada, op_id, known + 3, cone_angle(40.0)).await, expected);
     }
@@ -83,7 +83,7 @@ async fn an_operation_that_comes_again_gets_its_first_answer() {
     stopped(own).await;
 }
 
-/// A page and a script of one person are one actor, under whatever name; without the token a named actor is nobody.
+/// A page and a script of a person are one actor, whatever the name. Without the token a named actor has no access.
 ///
 /// Rules: WHO-1, UNDO-1
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -127,7 +127,7 @@ fn an_operation_twice_in_one_request_is_carried_out_once() {
     assert_eq!(answer["seq"], 2);
 }
 
-/// Refusals by a limit say nothing of the operation: sent again when there is room, it is carried out.
+/// A refusal by a limit is no outcome of the operation: when it is sent again with room, it is carried out.
 ///
 /// Rules: REC-4, HTTP-11
 #[test]
@@ -148,8 +148,8 @@ fn what_a_limit_refused_may_be_sent_again() {
     assert_eq!(answer["results"][2]["seq"], 256, "that one was carried out before");
 }
 
-/// Each of these holds all lights of a full document. Carried out together, as small edits are, 1,000 of them would take
-/// gigabytes of memory.
+/// Each of these edits holds all lights of a full document. Carried out together, like small edits, 1,000 of them would
+/// take gigabytes of memory.
 ///
 /// Rules: HTTP-6
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -204,7 +204,7 @@ async fn undo_reaches_past_a_checkpoint_and_a_restart() {
     stopped(own).await;
 }
 
-/// Another program holds the database while a drag is committed: the server waits ten seconds and gives up.
+/// Another program locks the database while a drag is committed. The server waits ten seconds and gives up.
 ///
 /// Rules: GEST-6, SOCK-4, REC-4
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -245,7 +245,7 @@ async fn a_drag_that_the_disk_refuses_frees_its_light() {
     stopped(own).await;
 }
 
-/// What came before cannot be read, so nobody can say that it is not in the log.
+/// Earlier operations cannot be read, so it is unknown if this one is in the log.
 ///
 /// Rules: SOCK-4, REC-4
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -1,4 +1,4 @@
-//! Who is slow, silent or stalled keeps nobody out, and is not waited for for ever.
+//! Slow, silent and stalled clients keep nobody out, and the server does not wait for them forever.
 
 use std::time::Duration;
 
@@ -13,7 +13,7 @@ use crate::server::{OwnServer, ServerDoor};
 
 const SCENE: &[u8] = br#"{"asset": {"version": "2.0"}}"#;
 
-/// A request's head, with the token.
+/// The head of a request, with the token.
 fn head(door: &ServerDoor, request: &str, length: usize) -> String {
     let ServerDoor { address, token } = door;
     format!(
@@ -27,7 +27,7 @@ async fn send(door: &ServerDoor, text: &str) -> TcpStream {
     stream
 }
 
-/// All that comes until the server closes, and after how long it does. Fails where it does not.
+/// Returns everything that arrives until the server closes, and the time until then. Fails if it does not close.
 async fn rest(stream: &mut TcpStream) -> (String, Duration) {
     let (began, mut text) = (Instant::now(), Vec::new());
     let read = timeout(Duration::from_hours(1), stream.read_to_end(&mut text));
@@ -36,7 +36,7 @@ async fn rest(stream: &mut TcpStream) -> (String, Duration) {
     (String::from_utf8(text).unwrap(), began.elapsed())
 }
 
-/// Asks on a thread of its own, as the server runs on this one.
+/// Asks on another thread, since the server runs on this one.
 async fn on_thread(
     door: &ServerDoor,
     ask: impl FnOnce(&ServerDoor) -> HttpAnswer + Send + 'static,
@@ -68,7 +68,7 @@ async fn stalled_requests_keep_nobody_out_and_are_cut_off() {
     let listed = on_thread(door, |door| get(door, "/sessions")).await;
     assert_eq!(listed.status, 200, "{}", listed.text());
 
-    // From here on time passes as soon as everybody waits.
+    // From here on time advances once everybody waits.
     pause();
     for mut stream in [half_a_head, nothing] {
         let (answer, waited) = rest(&mut stream).await;
@@ -104,7 +104,7 @@ async fn a_slow_upload_finishes() {
 async fn who_takes_nothing_is_cut_off() {
     let own = OwnServer::start().await;
     let door = &own.door;
-    // Records of 40 kB, by digits: 16 MB are more than the system keeps for this connection.
+    // Records of 40 kB, because of their digits. 16 MB are more than the system buffers for this connection.
     let third = 1.0 / 3.0;
     let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
     let (numbers, colors) = ([third; 200].to_vec(), [[third; 3]; 200].to_vec());

@@ -1,4 +1,4 @@
-//! Pictures over HTTP, and frames that are shared.
+//! Pictures over HTTP, and shared frames.
 
 use light::parameters::{CONE_ANGLE, EXPOSURE, NAME};
 use protocol::{ClientMessage, Command, Interaction, Reduction, ViewSource};
@@ -19,7 +19,7 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
     };
     let before = picture("");
     assert_eq!(before[..8], *b"\x89PNG\r\n\x1a\n");
-    // Width and height stand in the first chunk of a PNG.
+    // The first chunk of a PNG has width and height.
     assert_eq!(before[16..24], [0, 0, 0, 64, 0, 0, 0, 36]);
     let dark = json!({"edits": [{"command": {"type": "removeLight", "light": 1}}]});
     post(&SHARED, "/sessions/pictured/edits", &dark.to_string());
@@ -28,7 +28,7 @@ fn a_picture_shows_the_document_as_it_is_or_was() {
     assert_eq!(picture("&at=1&camera=camera"), before);
     assert_ne!(picture("&at=1&aov=visibility&light=key"), before);
 
-    // Without a size: 16:9, or what the camera frames, which a film gate shows.
+    // Without a size: 16:9, or the frame of the camera, which has a film gate.
     let size = |query: &str| {
         let png = get(&SHARED, &format!("/sessions/pictured/render?{query}")).body;
         let side = |at: usize| u32::from_be_bytes([png[at], png[at + 1], png[at + 2], png[at + 3]]);
@@ -69,7 +69,7 @@ async fn who_follows_sees_the_same_frames() {
     assert!(settled.flags.is_settled && moving.flags.is_key && !settled.flags.is_key);
     assert_eq!((settled.log_seq, settled.camera_revision, settled.frame), (1, 7, 2));
 
-    // What is there already is not made again: its timings are those of the same picture.
+    // An existing picture is not made again, so its timings are the same.
     bob.say(&view(ViewSource::Follow(welcome.client))).await;
     let shared = bob.frame().await;
     assert_eq!((shared.codec, shared.frame), (Codec::Png, 1));
@@ -80,7 +80,7 @@ async fn who_follows_sees_the_same_frames() {
         base_seq: 1,
         command: Command::SetLight { light: 1, parameter },
     };
-    // A name shows nowhere: the next frame is that of the edit after it.
+    // A name is not visible, so the next frame is of the edit after it.
     ada.say(&edit("name", NAME.to("lamp".into()).into())).await;
     ada.say(&edit("narrow", CONE_ANGLE.to(15.0).into())).await;
     for _ in 0..2 {
@@ -94,14 +94,14 @@ async fn who_follows_sees_the_same_frames() {
     }
 }
 
-/// A client that edits in the middle of a lossless frame is not sent the rest of it, but all of what there is to be seen then.
+/// A client that edits in the middle of a lossless frame does not get its rest, but the complete new picture.
 ///
 /// Rules: FRAME-2, FRAME-12
 #[tokio::test]
 async fn an_edit_ends_a_lossless_frame_under_way() {
     new_session(&SHARED, "interrupted");
     let (mut ada, welcome) = Client::join(&SHARED, "interrupted", "Ada").await;
-    // Large, so that it has many tiles, which go one after the other as they are taken.
+    // A large view has many tiles, each sent after the one before was taken.
     let (width, height, camera_revision, settings) = (2400, 2000, 1, None);
     let full = Some(Interaction { shadow_map: Reduction::Full, resolution: Reduction::Full });
     let source = ViewSource::Own(welcome.camera.clone());
@@ -133,7 +133,7 @@ async fn an_edit_ends_a_lossless_frame_under_way() {
     let FrameTile { x, y, width, height } = next.tile;
     assert_eq!((next.codec, next.log_seq, next.flags.is_last_tile), (Codec::Jpeg, 2, true));
     assert_eq!((x, y, width, height), (0, 0, next.width, next.height), "it is whole");
-    // Its acknowledgement counts for the one that never was complete: the next lossless frame comes, all of it.
+    // Its acknowledgement also counts for the incomplete one. The next lossless frame arrives completely.
     ada.say(&ClientMessage::Ack { frame: next.frame }).await;
     let settled = ada.frame().await;
     assert!(settled.flags.is_settled && settled.log_seq == 2);

@@ -1,4 +1,4 @@
-//! Why a pixel is lit or not, over HTTP and on the socket.
+//! Reasons for which a pixel is lit or not, over HTTP and on the socket.
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 use crate::client::{Client, HttpAnswer, ReceivedMessage, get, new_session, post};
 use crate::server::{SHARED, ServerDoor};
 
-/// In the demo's own picture of 640 x 360: the shadow of the blue vase's neck on the table, and a lit place of that.
+/// Pixels of the demo's own picture of 640 x 360: the shadow of the blue vase's neck on the table, and a lit point of
+/// the table.
 const SHADOW: [f64; 2] = [430.5, 265.5];
 const LIT: [f64; 2] = [430.5, 310.5];
 const SIZE: [u32; 2] = [640, 360];
@@ -42,7 +43,8 @@ fn a_program_asks_why_a_pixel_is_lit_or_not() {
     assert_eq!((lit.lights[0].state, lit.lights[0].share), (ProbeState::Lit, 1.0));
     assert_eq!(lit.lights[0].shadowed_by, None);
 
-    // By the camera's id, and by the camera itself, which may look elsewhere: nothing is seen there, which is an answer.
+    // By the camera's id, and by the camera itself, which may look elsewhere. Nothing is visible there, which is a
+    // valid answer.
     let document = get(door, &format!("/sessions/{session}")).json()["document"].take();
     let camera = document["cameras"][0].clone();
     for camera in [json!({"id": camera["id"]}), json!({"own": camera["camera"]})] {
@@ -124,7 +126,7 @@ async fn a_client_asks_of_what_it_sees_now() {
     let (door, session) = (&SHARED, "probe-socket");
     new_session(door, session);
     let (mut ada, welcome) = Client::join(door, session, "Ada").await;
-    // Without a view it has to be said where.
+    // Without a view the question needs a camera and a size.
     ada.say(&probe("too-soon", LIT)).await;
     let refused = answer_to(&mut ada, "too-soon").await.refused.expect("refused");
     assert_eq!(refused.code, ErrorCode::BadMessage);
@@ -150,7 +152,7 @@ async fn a_client_asks_of_what_it_sees_now() {
     let refused = answer_to(&mut ada, "off").await.refused.expect("refused");
     assert!(refused.message.contains("640x360"), "{}", refused.message);
 
-    // While a light is dragged it is what everybody sees of it.
+    // While a light is dragged, its live state is probed.
     let light = http.lights[0].light;
     let (gesture, base_seq) = (String::from("g"), welcome.seq);
     ada.say(&ClientMessage::GestureBegin { gesture: gesture.clone(), light, base_seq }).await;
@@ -165,7 +167,7 @@ async fn a_client_asks_of_what_it_sees_now() {
     assert_eq!(dragged.found.expect("found").lights[0].state, ProbeState::Outside);
     ada.say(&ClientMessage::GestureCancel { gesture }).await;
 
-    // Another light, shown alone, mutes this one, in that view and for who follows it.
+    // Another light, shown alone, hides this one, in that view and for its followers.
     let added = json!({"edits": [{"command": {"type": "addLight", "light": {"type": "omni", "name": "lamp",
         "transform": {"translation": [0.0, 3.0, 0.0]}}}}]});
     let added = post(door, &format!("/sessions/{session}/edits"), &added.to_string());
@@ -195,7 +197,7 @@ async fn a_client_asks_of_what_it_sees_now() {
     assert_ne!(found(door, session, LIT).lights[0].state, ProbeState::Disabled, "a program sees all");
 }
 
-/// Who asks faster than rays are followed is answered of the latest, and nobody waits for the rest.
+/// A client that asks faster than probes are traced gets an answer to the latest, and waits for no others.
 ///
 /// Rules: PROBE-5
 #[tokio::test]

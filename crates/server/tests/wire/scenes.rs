@@ -1,4 +1,4 @@
-//! Scenes that come over HTTP: what they are called, and what of them is not drawn.
+//! Scenes over HTTP: their names, and their parts that are not drawn.
 
 use std::fs;
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::client::{Client, HttpAnswer, ReceivedMessage, ask_with, bearer, get, post};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
-/// A scene's file that no other test sends: `mark` is in it.
+/// A scene's file that no other test sends, since it contains `mark`.
 fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
     let scene = own_name.map_or(json!({"nodes": [0]}), |name| json!({"name": name, "nodes": [0]}));
     let file =
@@ -17,7 +17,7 @@ fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-/// One whose light shines less than nothing, and whose animation is not played.
+/// A scene's file with a light of negative intensity and an animation, which is not played.
 fn file_with_notes(mark: &str) -> Vec<u8> {
     let light =
         json!({"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb", "intensity": -1}]}});
@@ -31,7 +31,7 @@ fn send(door: &ServerDoor, query: &str, file: &[u8]) -> HttpAnswer {
     ask_with(door, &format!("/assets{query}"), &[("authorization", &bearer(door))], Some(file))
 }
 
-/// What a document calls the asset that it loads, and the session's notes.
+/// Returns the document's name of the asset that it loads, and the session's notes.
 fn loaded(door: &ServerDoor, session: &str, scene: &Value) -> (Value, Value) {
     let made = post(door, "/sessions", &json!({"name": session, "scene": scene}).to_string());
     assert_eq!(made.status, 201, "{}", made.text());
@@ -44,7 +44,7 @@ fn loaded(door: &ServerDoor, session: &str, scene: &Value) -> (Value, Value) {
 /// Rules: HTTP-10, CMD-7
 #[test]
 fn a_scene_is_called_what_its_sender_or_its_file_calls_it() {
-    // What a scene without a name of its own is called.
+    // Name of an unnamed scene.
     let short = |file: &[u8]| format!("scene {}", &AssetHash::of(file).hex()[..8]);
     let (unnamed, unfit, exported) =
         (file("unnamed", None), file("unfit", Some(" \n ")), file("exported", Some("Scene")));
@@ -64,7 +64,7 @@ fn a_scene_is_called_what_its_sender_or_its_file_calls_it() {
         let asset = sent.json()["asset"].clone();
         assert_eq!(loaded(&SHARED, &format!("called-{number}"), &asset).0, name, "{query}");
     }
-    // A demo goes by its name whether it is asked for by that or by its hash.
+    // A demo has its name, whether it is requested by name or by hash.
     let demo = AssetHash::of(&assets::demo_bytes("vases").unwrap()).to_string();
     assert_eq!(loaded(&SHARED, "called-demo", &json!("demo:vases")).0, "demo:vases");
     assert_eq!(loaded(&SHARED, "called-by-hash", &json!(demo)).0, "demo:vases");
@@ -112,7 +112,7 @@ async fn names_and_notes_survive_restarts_and_old_folders_have_some() {
     loaded(&own.door, "before", &sent);
     let with_notes = send(&own.door, "", &noted).json()["asset"].clone();
     let (_, notes) = loaded(&own.door, "noted", &with_notes);
-    // An asset as a version that knew no names has left it.
+    // An asset of a version without names.
     let old = file("old", Some("Attic"));
     fs::write(own.folder.path().join("assets").join(AssetHash::of(&old).hex()), &old).unwrap();
     let (folder, served) = own.stop();
@@ -166,7 +166,8 @@ async fn what_of_a_scene_is_not_drawn_is_told_everywhere() {
     assert_eq!(headers(&picture(&format!("&at={seq}"))), expected);
 }
 
-/// The light that a scene without lights comes with is in the record like any other, can be removed, and undo brings it back.
+/// The light that is added to a scene without lights is in the record like any other. It can be removed, and undo
+/// restores it.
 ///
 /// Rules: CMD-13, SOCK-11
 #[test]

@@ -1,4 +1,4 @@
-//! What a script asks next: ids of what it added, how its drag ended, things by name, pictures as it wants them.
+//! Scripts: ids of added objects, outcomes of drags, names as addresses, picture options.
 
 use std::io::{Cursor, Read};
 
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::client::{HttpAnswer, ask_with, bearer, get, new_session, post};
 use crate::server::SHARED;
 
-/// Percent-encoded for a query, as `curl --data-urlencode` does it.
+/// Percent-encoded for a query, like `curl --data-urlencode`.
 fn encoded(value: &Value) -> String {
     let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     text.bytes()
@@ -21,7 +21,7 @@ fn encoded(value: &Value) -> String {
         .collect()
 }
 
-/// The results of edits, in order.
+/// Returns the results of edits, in order.
 fn edited(session: &str, edits: &Value) -> Vec<Value> {
     let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &json!({"edits": edits}).to_string());
     assert_eq!(answer.status, 200, "{}", answer.text());
@@ -128,14 +128,14 @@ fn a_name_that_one_alone_has_is_an_address() {
         results[..2].iter().map(|result| result["added"]["lights"][0].to_string()).collect();
     let sentence = results[5]["message"].as_str().expect("a sentence");
     assert!(sentence.contains(&twins.join(", ")), "{sentence}");
-    // The log has ids, so that a light may be called otherwise later.
+    // The log has ids, so a light can be renamed later.
     let log = get(&SHARED, "/sessions/names/log?from=5&limit=1").text().to_owned();
     let record: Value = serde_json::from_str(&log).expect("a record");
     assert_eq!(
         record["action"]["command"],
         json!({"type": "setLight", "light": 1, "parameter": {"exposure": 1.5}})
     );
-    // An id comes before a name that looks like one.
+    // An id precedes a name that looks like one.
     edited("names", &json!([spot("1"), set("/lights/1/exposure", 3)]));
     let lights = get(&SHARED, "/sessions/names").json()["document"]["lights"].clone();
     assert_eq!(lights[0]["light"]["exposure"], 3.0);
@@ -161,14 +161,14 @@ fn a_picture_is_asked_for_as_it_would_be_after_an_edit() {
     edited("wedge", &json!([set("/lights/key/exposure", 2), set("/lights/second/enabled", false)]));
     assert!(drawn("wedge", "") == wanted);
     assert!(wanted != as_it_is);
-    // The lights that shine, by name or id, are as if the others did not.
+    // Lights chosen by name or id shine as if there were no others.
     edited("wedge", &json!([set("/lights/second/enabled", true)]));
     assert!(drawn("wedge", "&lights=key") == wanted);
     assert_eq!(
         drawn("wedge", &format!("&lights={}", encoded(&json!(["key", "second"])))),
         drawn("wedge", "")
     );
-    // A camera of one's own is as good as one of the document.
+    // A given camera is like one of the document.
     edited("wedge", &json!([{"command": {"type": "addCamera", "camera": camera("wide")}}]));
     let own = format!("&camera={}", encoded(&camera("wide")));
     assert_eq!(drawn("wedge", &own), drawn("wedge", "&camera=wide"));
@@ -207,7 +207,7 @@ fn several_files_come_of_one_drawing() {
     assert!(file("beauty.png") == drawn("files", ""));
     assert!(file("picture.exr") == drawn("files", "&format=exr"));
     assert!(drawn("files", "").windows(4).any(|bytes| bytes == b"sRGB"));
-    // Which colour type a PNG has stands in its first chunk: 2 without an alpha, 6 with one.
+    // The color type of a PNG is in its first chunk: 2 without alpha, 6 with it.
     assert_eq!((drawn("files", "")[25], drawn("files", "&background=transparent")[25]), (2, 6));
 
     let all = channels(&drawn("files", "&aov=all&format=exr"));
@@ -236,12 +236,12 @@ fn several_files_come_of_one_drawing() {
         (Value::from(said("documentHash")), Value::from(said("scene"))),
         (state["hash"].clone(), state["document"]["scene"]["asset"].clone())
     );
-    // Of one light its channels need no name.
+    // With a single light its channels need no name.
     let one = channels(&drawn("files", "&aov=t,visibility&light=second&format=exr"));
     let names: Vec<String> =
         one.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
     assert_eq!(names, ["A", "t", "visibility"]);
-    // Beside what the camera sees they have one, or two alphas would have the same.
+    // Beside other quantities of the camera they have a name. Otherwise two alphas would have the same.
     let both = channels(&drawn("files", "&aov=depth,t&light=second&format=exr"));
     let names: Vec<String> =
         both.layer_data.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
@@ -274,7 +274,7 @@ fn what_a_program_has_is_neither_sent_nor_drawn_again() {
     assert!(!known("/render?size=64x35", &tag(&shot)), "another picture");
     edited("tagged", &json!([set("/lights/key/exposure", 2)]));
     assert!(!known("", &tag(&state)) && !known(render, &tag(&shot)));
-    // The document as it was is what it was.
+    // The earlier document is unchanged.
     let was = asked("/render?size=64x36&at=1", "\"\"");
     edited("tagged", &json!([{"undo": "session"}]));
     assert!(!known("", &tag(&state)), "another record");

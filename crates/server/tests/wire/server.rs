@@ -1,4 +1,4 @@
-//! Servers to test.
+//! Servers for tests.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -14,14 +14,14 @@ use tokio::runtime::{Handle, Runtime};
 use tokio::sync::oneshot;
 use tokio::task::{JoinHandle, spawn_blocking};
 
-/// Where a server is and what lets one in.
+/// Address of a server, and the token for it.
 #[derive(Clone)]
 pub struct ServerDoor {
     pub address: SocketAddr,
     pub token: String,
 }
 
-/// A server of one test's own.
+/// A server for one test.
 pub struct OwnServer {
     pub door: ServerDoor,
     pub folder: TempDir,
@@ -29,11 +29,10 @@ pub struct OwnServer {
     served: JoinHandle<Result<(), ServerError>>,
 }
 
-/// The server that tests share; each uses sessions of its own. It ends with the process, and so it is warm before it is
-/// used: a process that ends while its driver compiles may crash.
+/// The server that tests share. Each test uses its own sessions. It ends with the process, so it is warm before its
+/// use: a process that ends while its driver compiles may crash.
 pub static SHARED: LazyLock<ServerDoor> = LazyLock::new(|| {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("shared-server");
-    // What an earlier run has left.
     let _ = fs::remove_dir_all(&folder);
     let (opened, door) = std::sync::mpsc::sync_channel(1);
     thread::spawn(move || {
@@ -53,7 +52,7 @@ pub static SHARED: LazyLock<ServerDoor> = LazyLock::new(|| {
     panic!("the server is not warm after two minutes");
 });
 
-/// Whether a server has drawn with every common pipeline.
+/// True if a server has drawn with every common pipeline.
 pub fn is_ready(address: SocketAddr) -> bool {
     let mut stream = TcpStream::connect(address).unwrap();
     stream.write_all(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
@@ -74,7 +73,7 @@ impl OwnServer {
         Self { door, folder, stop, served }
     }
 
-    /// Asks it to stop.
+    /// Asks the server to stop.
     pub fn stop(self) -> (TempDir, JoinHandle<Result<(), ServerError>>) {
         self.stop.send(()).unwrap();
         (self.folder, self.served)

@@ -1,4 +1,4 @@
-//! The list of sessions, and what is done with whole ones.
+//! The list of sessions, and operations on whole sessions.
 
 use protocol::ServerMessage;
 use serde_json::{Value, json};
@@ -7,7 +7,7 @@ use tokio::task::spawn_blocking;
 use crate::client::{Client, HttpAnswer, ReceivedMessage, bearer, get, hello, new_session, post, send};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
-/// What the list says of a session; `None` where it leaves it out.
+/// The list's entry of a session. `None` if the list leaves it out.
 fn entry(door: &ServerDoor, query: &str, name: &str) -> Option<Value> {
     let list = get(door, &format!("/sessions{query}")).json();
     let sessions = list["sessions"].as_array().expect("a list");
@@ -72,15 +72,14 @@ async fn the_list_says_what_changed_last_and_who_is_there() {
     let empty = post(&SHARED, "/sessions", r#"{"name": "listed-empty"}"#);
     assert_eq!(empty.status, 201);
     assert_eq!(entry(&SHARED, "", "listed-empty").expect("an entry")["changed"], Value::Null);
-    // One alone, or none.
+    // A list of one session, and an empty one.
     assert_eq!(get(&SHARED, "/sessions?name=listed").json(), json!({"sessions": [of_list()]}));
     assert_eq!(get(&SHARED, "/sessions?name=nowhere").json(), json!({"sessions": []}));
     let wrong = get(&SHARED, "/sessions?archive=true");
     assert_eq!(wrong.refusal(), (400, "badMessage".into()));
 }
 
-/// A hundred sessions come in one answer, for which none is opened. That no log is read either is shown where they are
-/// stored.
+/// A hundred sessions are listed in one answer, and none is opened. A test of the store shows that no log is read.
 ///
 /// Rules: HTTP-32, HTTP-12
 #[tokio::test]
@@ -129,7 +128,7 @@ async fn a_session_gets_a_title_and_is_archived_while_people_work_in_it() {
     assert_eq!(entry(&SHARED, "?archived=false", "titled"), None);
     assert_eq!(entry(&SHARED, "?archived=true", "titled"), Some(answer.json()));
     assert_eq!(entry(&SHARED, "?name=titled", "titled"), Some(answer.json()), "its link finds it");
-    // Its link opens it, and who is there goes on.
+    // Its link opens it, and its clients continue.
     assert_eq!(widen(&SHARED, "titled", 21).status, 200);
     let logged = |came| match came {
         ReceivedMessage::Control(ServerMessage::Log { record, .. }) => Some(record.seq),
@@ -165,7 +164,7 @@ fn a_session_is_duplicated_with_its_whole_log() {
     assert_ne!(of_copy["epoch"], original["epoch"]);
     let log = |name: &str| get(&SHARED, &format!("/sessions/{name}/log")).body;
     assert_eq!(log("a-copy"), log("original"));
-    // It goes on by itself, from the same history.
+    // The copy continues independently, from the same history.
     let undo = json!({"actor": {"id": "bob", "name": "Bob"}, "edits": [{"undo": "mine"}]});
     let undone = post(&SHARED, "/sessions/a-copy/edits", &undo.to_string()).json();
     assert_eq!(undone["results"][0]["status"], "committed");
@@ -210,14 +209,14 @@ async fn only_an_archived_session_that_nobody_is_in_is_deleted() {
         panic!("no error")
     };
     assert_eq!((code.name(), fatal), ("notFound", true));
-    // A new one of its name has nothing of it.
+    // A new session of its name has nothing of it.
     new_session(&SHARED, "deleted");
     let again = get(&SHARED, "/sessions/deleted").json();
     assert_eq!(again["seq"], 1);
     assert_ne!(again["epoch"], epoch);
 }
 
-/// Who asks for a session while it is deleted finds it whole or not at all, and a room that was open is not found again.
+/// A request for a session during its deletion finds all or nothing of it. A room that was open is not found again.
 ///
 /// Rules: HTTP-35
 #[tokio::test(flavor = "multi_thread")]

@@ -8,14 +8,14 @@ use tokio::task::{JoinHandle, spawn, spawn_blocking};
 use crate::client::{Client, ReceivedMessage, get, post};
 use crate::server::SHARED;
 
-/// A session that needs no scene, with one light.
+/// A session without a scene, with one light.
 fn lit_session(name: &str, light: &Value) {
     let made = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
     assert_eq!(made.status, 201, "{}", made.text());
     assert_eq!(batch(name, &[json!({"type": "addLight", "light": light})]), [Some(1)]);
 }
 
-/// Carries out commands in one request; the records' numbers.
+/// Carries out commands in one request. Returns the records' numbers.
 fn batch(session: &str, commands: &[Value]) -> Vec<Option<u64>> {
     let edits: Vec<Value> = commands.iter().map(|command| json!({ "command": command })).collect();
     let answer = post(&SHARED, &format!("/sessions/{session}/edits"), &json!({ "edits": edits }).to_string());
@@ -29,7 +29,7 @@ fn cone_angles(count: u32) -> Vec<Value> {
     (0..count).map(angle).collect()
 }
 
-/// What a client knows of a session's history, as its messages tell it.
+/// A session's history as a client knows it from its messages.
 struct MirroredDocument {
     seq: u64,
     hash: String,
@@ -58,7 +58,7 @@ fn hash_of(document: Document) -> String {
     document.into_domain(0).expect("a document without a scene").hash().to_string()
 }
 
-/// Reads on until record `last` is known.
+/// Reads until record `last` is known.
 fn watch(mut client: Client, mut known: MirroredDocument, last: u64) -> JoinHandle<MirroredDocument> {
     spawn(async move {
         while known.seq < last {
@@ -115,7 +115,7 @@ async fn a_long_request_does_not_make_others_wait_for_its_end() {
 /// Rules: SOCK-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn who_has_not_read_for_a_while_is_told_the_outcome_and_then_its_answers() {
-    // Records of 40 kB, by digits: 24 MB are more than the server and the system keep for this socket.
+    // Records of 40 kB, because of their digits. 24 MB are more than the server and the system buffer for this socket.
     let third = 1.0 / 3.0;
     let points: Vec<[f64; 3]> = (0..200).map(|k| [0.0, 0.0, -third * f64::from(k)]).collect();
     let (colors, numbers) = ([[third; 3]; 200].to_vec(), [third; 200].to_vec());

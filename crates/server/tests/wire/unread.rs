@@ -1,4 +1,4 @@
-//! Who reads nothing: what the server holds for them, by the memory of a server in a process of its own.
+//! Clients that read nothing, and the memory that a server process holds for them.
 
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStdin, Command, Stdio};
@@ -28,11 +28,11 @@ async fn child_that_serves_until_its_input_ends() {
     own.stop().1.await.unwrap().unwrap();
 }
 
-/// A server in a process of its own.
+/// A server in another process.
 struct ChildServer {
     door: ServerDoor,
     child: Child,
-    /// It ends with this.
+    /// The server ends when this is dropped.
     _input: ChildStdin,
 }
 
@@ -51,7 +51,7 @@ impl ChildServer {
         Self { door: door.expect("it serves"), child, _input: input }
     }
 
-    /// Bytes of memory that it holds.
+    /// Resident memory in bytes.
     fn resident(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -88,7 +88,7 @@ fn asks_for_document(door: &ServerDoor) -> String {
     format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door))
 }
 
-/// A socket that says hello and a request for the document, neither of which reads what comes.
+/// A socket that says hello and a request for the document. Neither reads its data.
 async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) {
     let mut socket = Client::connect(door).await;
     socket.say(&hello(&door.token, "large", &format!("client {number}"))).await;
@@ -99,7 +99,7 @@ async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) 
     (socket, http)
 }
 
-/// Whoever asks for another revision than the others is the planted fault: their texts cannot be shared.
+/// The planted fault: each client asks for another revision, so their texts cannot be shared.
 ///
 /// Rules: SOCK-10, SOCK-13, HTTP-26
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -152,7 +152,7 @@ async fn a_document_is_held_once_however_many_read_nothing_of_it() {
     }
 }
 
-/// Takes a little every 10 seconds, which is never nothing for 30, until the connection ends; how long that is.
+/// Reads a little every 10 seconds, so never nothing for 30, until the connection ends. Returns the time until then.
 async fn take_slowly(mut stream: impl AsyncRead + Unpin) -> Duration {
     let (began, mut part) = (Instant::now(), vec![0; 32 << 10]);
     while let Ok(1..) = stream.read(&mut part).await {
@@ -175,10 +175,10 @@ async fn slow_readers_are_disconnected() {
     for stream in [&mut http as &mut (dyn AsyncRead + Unpin), &mut client] {
         stream.read_exact(&mut [0; 4]).await.unwrap();
     }
-    // From here on time passes as soon as everybody waits.
+    // From here on time advances once everybody waits.
     pause();
     let (of_http, of_socket) = join(take_slowly(http), take_slowly(client)).await;
-    // 17 MiB at 16 KiB a second; at 32 KiB in 10 seconds all of it would take 90 minutes.
+    // 17 MiB at 16 KiB per second. At 32 KiB in 10 seconds all of it would take 90 minutes.
     for taken in [of_http, of_socket] {
         assert!((Duration::from_mins(17)..Duration::from_hours(1)).contains(&taken), "{taken:?}");
     }

@@ -1,4 +1,4 @@
-//! Scenes on their way to the server that do not arrive: cut off, or too large.
+//! Uploads of scenes that fail: cut off, or too large.
 
 use std::fs;
 use std::path::Path;
@@ -14,10 +14,10 @@ use crate::client::{ask_with, bearer};
 use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
-/// More than the server lets on their way at once.
+/// More than the server receives at once.
 const MANY: usize = 40;
 
-/// Begins to send a scene whose head says that it has so many bytes.
+/// Starts to upload a scene of that many bytes by its head.
 async fn begin(door: &ServerDoor, bytes: usize, part: &[u8]) -> TcpStream {
     let mut stream = TcpStream::connect(door.address).await.unwrap();
     let head = format!(
@@ -29,7 +29,7 @@ async fn begin(door: &ServerDoor, bytes: usize, part: &[u8]) -> TcpStream {
     stream
 }
 
-/// Bytes of files without a name in the folder that this process, which serves, holds open, and how many there are.
+/// Size and number of the unnamed files in the folder that this process, which is the server, has open.
 fn unnamed(folder: &Path) -> (u64, usize) {
     let open = fs::read_dir("/proc/self/fd").unwrap().filter_map(Result::ok).filter(|entry| {
         let target = fs::read_link(entry.path()).unwrap_or_default();
@@ -39,7 +39,7 @@ fn unnamed(folder: &Path) -> (u64, usize) {
     (sizes.iter().sum(), sizes.len())
 }
 
-/// Every file in the folder that has a name, but for those that the log itself writes.
+/// Named files in the folder, except for those of the log.
 fn named(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -65,7 +65,7 @@ async fn until(what: &str, holds: impl Fn() -> bool) {
     }
 }
 
-/// Of a scene of 500 MB that is cut off nothing is left on the disk, and its turn is free again.
+/// An upload of 500 MB that is cut off leaves nothing on disk, and its permit is free again.
 ///
 /// Rules: HTTP-10
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -76,7 +76,7 @@ async fn what_is_cut_off_leaves_nothing() {
     let part = vec![b' '; 8 * MIB];
     for _ in 0..MANY {
         let sending = begin(&own.door, 500 * MIB, &part).await;
-        // The planted fault: while it comes, it is there.
+        // The planted fault: while it arrives, it is there.
         until("what has come is on the disk", || unnamed(&folder).0 == part.len() as u64).await;
         assert_eq!(named(&folder), before, "what is on its way has no name");
         drop(sending);
@@ -91,7 +91,7 @@ async fn what_is_cut_off_leaves_nothing() {
     assert_eq!(named(&folder).len(), before.len() + 1, "one that arrives is kept");
 }
 
-/// What is too large by its head is refused before any of it comes.
+/// A body that is too large by its head is refused before any of it arrives.
 ///
 /// Rules: HTTP-11
 #[tokio::test]
@@ -103,7 +103,7 @@ async fn what_is_too_large_is_refused_at_once() {
     let answer = String::from_utf8_lossy(&answer[..length]);
     assert!(answer.starts_with("HTTP/1.1 413 ") && answer.contains("tooLarge"), "{answer}");
     assert!(answer.contains(&(768 * MIB).to_string()), "{answer}");
-    // One that may come is waited for.
+    // A body of the greatest size is waited for.
     let mut fits = begin(&own.door, 768 * MIB, b"glTF").await;
     let waits = tokio::time::timeout(Duration::from_millis(200), fits.read(&mut [0; 16])).await;
     assert!(waits.is_err(), "{waits:?}");

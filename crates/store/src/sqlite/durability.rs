@@ -1,10 +1,10 @@
-//! Tests that what is acknowledged is on the disk. They stand in the crate to look at its live connection, and to
-//! break it: a test that cannot fail proves nothing.
+//! Tests that acknowledged records are on disk. They are in the crate, since they inspect its live connection and break
+//! it: a test that cannot fail proves nothing.
 //!
-//! A child process appends records and prints a line for each once [`Store::append`] has returned. One test kills it and
-//! looks for what it had acknowledged. That cannot tell the disk from the system's memory, which outlives a process;
-//! another watches its system calls for a sync of the write-ahead log before each acknowledgement. A third makes its
-//! syncs fail and looks for what it had refused.
+//! A child process appends records and prints a line for each once [`Store::append`] has returned. One test kills the
+//! child and looks for the records it acknowledged. That cannot tell the disk from the system's memory, which outlives
+//! a process. So a second test watches the child's system calls for a sync of the write-ahead log before each
+//! acknowledgement. A third makes its syncs fail and looks for the records it refused.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -23,11 +23,11 @@ const CHILD: &str = "sqlite::durability::child_that_appends_and_acknowledges";
 const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 const COUNT: &str = "BENDYLIGHTS_CHILD_COUNT";
 const FAULT: &str = "BENDYLIGHTS_CHILD_FAULT";
-/// Acknowledges what it has not committed.
+/// Planted fault: acknowledges records without a commit.
 const NO_COMMIT: &str = "no commit";
-/// Commits without waiting for the disk.
+/// Planted fault: commits without waiting for the disk.
 const NO_SYNC: &str = "no sync";
-/// Leaves the write-ahead log as a failed commit left it.
+/// Planted fault: leaves the write-ahead log as a failed commit left it.
 const NO_LOG_CLEANUP: &str = "no settling";
 
 #[test]
@@ -61,11 +61,11 @@ fn child_that_appends_and_acknowledges() {
         };
         writeln!(std::io::stdout(), "{said} {seq}").expect("a reader");
         if said != "ack" {
-            // Nobody has seen it. What comes next has the same number.
+            // Nobody has seen the record. The next one gets the same number.
             session = before;
         }
     }
-    // As a kill: nothing is closed, so nothing is moved out of the write-ahead log.
+    // Exits like a kill: nothing is closed, so nothing moves out of the write-ahead log.
     std::process::exit(0);
 }
 
@@ -75,7 +75,7 @@ fn append_without_settling(store: &mut Store, batch: &CommitBatch) -> Result<(),
     Ok(writer.commit()?)
 }
 
-/// Adds a camera first, then moves it each time.
+/// Adds a camera in record 1 and moves it in each later one.
 fn next_record(session: &mut Session) -> edit::Record {
     let next = session.seq() + 1;
     let translation = glam::DVec3::splat(next as f64);
@@ -93,7 +93,7 @@ fn next_record(session: &mut Session) -> edit::Record {
     session.execute_request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
 }
 
-/// The child, ready to be started, by itself or as arguments of `tracer`.
+/// The command line of the child, alone or as arguments of `tracer`.
 fn child(tracer: &[&str], folder: &Path, count: u64, fault: &str) -> Command {
     let test = env::current_exe().expect("this program").display().to_string();
     let words = tracer.iter().copied().chain([&*test, "--exact", CHILD, "--ignored", "--nocapture"]);
@@ -117,7 +117,7 @@ fn a_commit_waits_for_the_disk() {
     assert_eq!(pragma("foreign_keys"), "1");
 }
 
-/// Starts the child, kills it once it has acknowledged `patience` records, and gives the last acknowledged.
+/// Starts the child, kills it once it has acknowledged `patience` records, and returns the last acknowledged one.
 fn killed_after(patience: usize, folder: &Path, fault: &str) -> u64 {
     let mut child = child(&[], folder, 1_000_000, fault).spawn().expect("the child runs");
     let lines = BufReader::new(child.stdout.take().expect("a pipe")).lines();
@@ -133,7 +133,7 @@ fn killed_after(patience: usize, folder: &Path, fault: &str) -> u64 {
     last
 }
 
-/// How many acknowledged records are missing from the store.
+/// Number of acknowledged records that are missing from the store.
 fn lost(acknowledged: u64, folder: &Path) -> u64 {
     let store = Store::open(folder).expect("a store");
     let session = store.replay("main", None).expect("a log that replays");
@@ -155,7 +155,7 @@ fn a_killed_program_loses_nothing_acknowledged() {
     assert!(lost(planted, folder.path()) >= 5, "a child that commits nothing is caught");
 }
 
-/// The system calls of a trace, each in one piece where another thread's came between.
+/// The system calls of a trace. A call that another thread interrupted is put together again.
 fn calls(trace: &str) -> Vec<String> {
     let mut unfinished = std::collections::BTreeMap::new();
     let mut calls = Vec::new();
@@ -173,8 +173,8 @@ fn calls(trace: &str) -> Vec<String> {
     calls
 }
 
-/// Runs the child under strace: how many records it acknowledged, and how many of them before the write-ahead log was
-/// written and then synced.
+/// Runs the child under strace. Returns the number of acknowledged records, and the number of those that came before
+/// the write-ahead log was written and then synced.
 fn traced(fault: &str) -> (usize, usize) {
     let folder = TempDir::new().expect("a folder");
     let trace = folder.path().join("trace").display().to_string();
@@ -202,19 +202,20 @@ fn traced(fault: &str) -> (usize, usize) {
     (acknowledged, early)
 }
 
-/// What a child says that it did while its disk failed, and what its log holds then.
+/// Output of a child whose disk failed, and the end of its log afterwards.
 struct FaultRun {
-    /// Each word that it said with the record's sequence.
+    /// Each printed word and its record.
     acknowledgements: Vec<(String, u64)>,
-    /// The latest record that is found afterwards.
+    /// The latest record in the log afterwards.
     found: u64,
 }
 
 impl FaultRun {
-    /// `faults` says which system calls fail how and when, each as strace's `inject` does.
+    /// Runs the child with `faults` in the syntax of strace's `inject`: the system calls that fail, the error and the
+    /// count.
     fn run(faults: &[&str], fault: &str) -> Self {
         let folder = TempDir::new().expect("a folder");
-        // The folder is there before anything fails.
+        // The folder exists before anything fails.
         assert!(child(&[], folder.path(), 1, "").output().expect("the child runs").status.success());
         let mut tracer = vec!["strace", "-f", "-o", "/dev/null", "-e", "trace=fsync,fdatasync,pwrite64"];
         let injected: Vec<String> = faults.iter().map(|fault| format!("inject={fault}")).collect();
@@ -235,10 +236,10 @@ impl FaultRun {
         self.acknowledgements.iter().filter(|(said, _)| said == word).count()
     }
 
-    /// Whether the log holds what it was said to hold.
+    /// True if the log holds the acknowledged records and no refused one.
     fn matches_log(&self) -> bool {
         let acknowledged = 1 + self.count("ack") as u64;
-        // What was refused last would stand behind what was acknowledged last; nothing else can have come since.
+        // Only the last record can have an unknown outcome, and it would follow the acknowledged ones.
         let may_be_more = self.acknowledgements.last().is_some_and(|(word, _)| word == "unknown");
         self.found == acknowledged || may_be_more && self.found == acknowledged + 1
     }
@@ -271,7 +272,7 @@ fn what_a_failing_disk_refused_is_not_in_the_log_after_a_crash() {
     assert!(resurrected > 0, "a store that does not settle a failed commit is caught");
 }
 
-/// First nobody can tell what became of a record, and then the disk is full when it is sent again.
+/// First the outcome of a record is unknown. Then the disk is full when it is sent again.
 ///
 /// Rules: SOCK-4
 #[test]

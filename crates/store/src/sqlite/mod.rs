@@ -1,7 +1,7 @@
-//! The database of logs, in SQLite: all SQL is in this folder.
+//! The SQLite database of logs. All SQL is in this folder.
 //!
-//! It keeps and gives plain values ([`crate::stored`]) and knows no document. What it has to do for the store is what
-//! [`Database`] and [`Writer`] can do; a second engine has to do the same.
+//! The module stores and returns plain values ([`crate::stored`]) and knows no document. Its interface to the store is
+//! [`Database`] and [`Writer`]. A second engine would offer the same.
 
 #[cfg(test)]
 mod durability;
@@ -23,35 +23,36 @@ use crate::disk::sync_folder;
 pub use snapshot::DatabaseSnapshot;
 pub use write::Writer;
 
-/// The database's name in the data folder.
+/// Name of the database file in the data folder.
 pub const DATABASE_FILE: &str = "bendylights.sqlite";
-/// The database's `user_version`.
+/// `user_version` of the database.
 const SCHEMA_VERSION: u32 = 4;
-/// How long to wait for another program that is writing.
+/// Time to wait while another program writes.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A connection to a database. Several may be open at a time, in this program and others: one writes, the others wait
-/// their turn; reading waits for nobody.
+/// A connection to a database. Several can be open at once, in this program and others. One writes while the other
+/// writers wait. Reads never wait.
 #[derive(Debug)]
 pub struct Database {
     connection: Connection,
     write_ahead_log: PathBuf,
-    /// The write-ahead log may hold a commit that failed ([`Database::failed_commit`]).
+    /// True if the write-ahead log may hold a failed commit ([`Database::failed_commit`]).
     may_hold_failed_commit: bool,
 }
 
 impl Database {
-    /// Opens the database in `folder`, and makes what is missing.
+    /// Opens the database in `folder`, and makes the folder's missing files.
     pub fn create(folder: &Path) -> Result<Self, StoreError> {
         let path = folder.join(DATABASE_FILE);
-        // SQLite gives the files beside its database the rights of that, and would let everybody read it.
+        // SQLite gives the files beside its database the permissions of the database. Its default would let everybody
+        // read them.
         let made = File::options().create(true).append(true).mode(0o600).open(&path);
         let synced = made.and_then(|_| sync_folder(folder));
         synced.map_err(|reason| StoreError::Io { path: path.clone(), reason })?;
         Self::connect(path)
     }
 
-    /// Opens the database in `folder`, which must be there.
+    /// Opens the database in `folder`. Gives an error if it is missing.
     pub fn open(folder: &Path) -> Result<Self, StoreError> {
         let path = folder.join(DATABASE_FILE);
         if !path.is_file() {
@@ -60,8 +61,8 @@ impl Database {
         Self::connect(path)
     }
 
-    /// Does `work` in one transaction: all of it is on the disk when this returns. On an error none is, but for
-    /// [`StoreError::UnknownOutcome`].
+    /// Does `work` in one transaction, which is on disk when this returns. On an error other than
+    /// [`StoreError::UnknownOutcome`] nothing is written.
     pub fn write<T>(&mut self, work: impl FnOnce(&Writer) -> Result<T, StoreError>) -> Result<T, StoreError> {
         let writer = self.begin()?;
         let done = work(&writer)?;
@@ -77,8 +78,8 @@ impl Database {
         if mode != "wal" {
             return Err(StoreError::NoWriteAheadLog(path));
         }
-        // FULL: a commit returns once its part of the write-ahead log is on the disk. What is deleted or replaced is
-        // overwritten, so that nothing of a deleted session is left in the file, earlier checkpoints neither.
+        // FULL: a commit returns once its part of the write-ahead log is on disk. Deleted and replaced data is
+        // overwritten, so the file keeps nothing of deleted sessions or earlier checkpoints.
         connection.execute_batch(
             "PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON; PRAGMA secure_delete = ON",
         )?;
@@ -91,11 +92,11 @@ impl Database {
         Ok(Self { connection, write_ahead_log, may_hold_failed_commit: false })
     }
 
-    /// What a commit that failed comes to.
+    /// Cleans up after a failed commit and returns its error.
     ///
-    /// Where the disk did not confirm it, its pages may stand whole in the write-ahead log, and whoever opens the
-    /// database after a crash would find it committed. So the log is emptied before anybody is told that nothing was
-    /// changed. Where that fails too, nobody knows.
+    /// The pages of a commit that the disk did not confirm may still be complete in the write-ahead log. A program that
+    /// opens the database after a crash would find it committed. So the log is emptied before the caller learns that
+    /// nothing was changed. If that fails too, the outcome is unknown.
     fn failed_commit(&mut self, reason: rusqlite::Error) -> StoreError {
         // A log that did not fit on the disk ends before the page that commits.
         let is_full = reason.sqlite_error_code() == Some(ErrorCode::DiskFull);
@@ -107,10 +108,10 @@ impl Database {
         }
     }
 
-    /// A transaction that writes, alone in doing so from its start.
+    /// Begins a write transaction. It excludes other writers from its start.
     ///
-    /// What an earlier commit may have left in the write-ahead log is gone before: it may be the same operation that
-    /// is now sent again, and a refusal would be a lie.
+    /// First it removes the remains of a failed commit from the write-ahead log. The new transaction may repeat the
+    /// same operation, and a refusal would be wrong if the failed commit came back.
     fn begin(&mut self) -> Result<Writer<'_>, StoreError> {
         if self.may_hold_failed_commit {
             self.truncate_write_ahead_log()
@@ -120,16 +121,16 @@ impl Database {
         Ok(Writer(self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?))
     }
 
-    /// Empties the write-ahead log, in which what was deleted stands as it was. Where somebody is reading, as a backup
-    /// does for long, later commits do so: none waits for it.
+    /// Empties the write-ahead log, which still holds the deleted data. While somebody reads, such as a long backup,
+    /// this does nothing, and a later commit empties the log. No commit waits for it.
     pub fn purge_deleted(&self) -> Result<(), StoreError> {
         self.connection.busy_timeout(Duration::ZERO)?;
-        // What was deleted is so in any case.
+        // The deletion itself is already committed.
         let _ = self.truncate_write_ahead_log();
         Ok(self.connection.busy_timeout(BUSY_TIMEOUT)?)
     }
 
-    /// Moves what is committed from the write-ahead log into the database, and empties the log, on the disk too.
+    /// Moves committed pages from the write-ahead log into the database, then empties the log on disk.
     fn truncate_write_ahead_log(&self) -> Result<(), StoreError> {
         let query = "PRAGMA wal_checkpoint(TRUNCATE)";
         let is_busy: bool = self.connection.query_row(query, [], |row| row.get(0))?;
@@ -152,7 +153,7 @@ fn schema_version(connection: &Connection) -> Result<u32, StoreError> {
     Ok(connection.query_row("PRAGMA user_version", [], |row| row.get(0))?)
 }
 
-/// Makes the tables, or brings those of an earlier version up to this one, unless another program has just done so.
+/// Makes the tables, or upgrades those of an earlier version, unless another program has just done so.
 fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     if schema_version(&transaction)? == 0 {
@@ -171,7 +172,7 @@ fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     Ok(transaction.commit()?)
 }
 
-/// Notes the proofs of logs that were written before there were any.
+/// Adds the proofs to logs that were written before proofs existed.
 fn note_proofs(transaction: &Transaction<'_>) -> Result<(), StoreError> {
     let mut select =
         transaction.prepare("SELECT session, seq, json, hash FROM record ORDER BY session, seq")?;

@@ -1,4 +1,4 @@
-//! What is read from the database.
+//! Reads from the database.
 
 use std::ops::{ControlFlow, RangeInclusive};
 
@@ -19,31 +19,29 @@ const SESSION: &str = "
     LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
     WHERE name = :name";
 
-/// What is said of sessions in a list. It takes no record's line: the latest number stands in an index.
+/// The rows of the list of sessions. The query reads no record's line, since an index has the latest number.
 const SUMMARIES: &str = "
     SELECT name, coalesce(title, name) AS title, epoch, archived, made_ms, changed_ms, changed_by,
         coalesce((SELECT max(seq) FROM record WHERE session = id), 0) AS seq
     FROM session";
 
 impl Database {
-    /// All sessions, in the order of names.
+    /// Lists all sessions by name.
     pub fn summaries(&self) -> Result<Vec<SessionSummary>, StoreError> {
         let mut statement = summaries(&self.connection, "ORDER BY name")?;
         let rows = statement.query_map([], summary)?;
         Ok(rows.collect::<Result<_, _>>()?)
     }
 
-    /// What the list says of the session of that name.
     pub fn summary(&self, name: &str) -> Result<SessionSummary, StoreError> {
         find_summary(&self.connection, name)
     }
 
-    /// The session of that name.
     pub fn find(&self, name: &str) -> Result<FoundSession, StoreError> {
         find(&self.connection, name)
     }
 
-    /// Gives the records with numbers of `range` to `visit`, in order, until it says that it has enough.
+    /// Calls `visit` with the records in `range`, in order, until it breaks.
     pub fn visit_records(
         &self,
         key: SessionKey,
@@ -53,21 +51,21 @@ impl Database {
         visit_records(&self.connection, key, range, &mut visit)
     }
 
-    /// The line of record `seq`, with its references.
+    /// Reads the line of record `seq`, with its references unresolved.
     pub fn line(&self, key: SessionKey, seq: u64) -> Result<Option<String>, StoreError> {
         let select = "SELECT json FROM record WHERE session = ? AND seq = ?";
         let mut statement = self.connection.prepare_cached(select)?;
         Ok(statement.query_row(params![key.0, seq], |row| row.get(0)).optional()?)
     }
 
-    /// The record of an actor's operation.
+    /// Finds the record of an actor's operation.
     pub fn record_of(&self, key: SessionKey, actor_id: &str, op_id: &str) -> Result<Option<u64>, StoreError> {
         let select = "SELECT seq FROM record WHERE session = ? AND actor = ? AND op_id = ?";
         let mut statement = self.connection.prepare_cached(select)?;
         Ok(statement.query_row(params![key.0, actor_id, op_id], |row| row.get(0)).optional()?)
     }
 
-    /// Why an actor's operation was refused, where that is kept.
+    /// Finds the reason for which an actor's operation was refused. Returns `None` if no rejection is kept.
     pub fn rejection_of(
         &self,
         key: SessionKey,
@@ -84,7 +82,6 @@ impl Database {
         Ok(Some(Problem { code, message }))
     }
 
-    /// A session's checkpoint.
     pub fn checkpoint(&self, key: SessionKey) -> Result<Option<StoredCheckpoint>, StoreError> {
         let select = "
             SELECT checkpoint.json, digest, hash, proof, record.json AS line
@@ -98,7 +95,7 @@ impl Database {
     }
 }
 
-/// Gives records in order to `visit`, until it says that it has enough.
+/// Calls `visit` with the records in `range`, in order, until it breaks.
 pub(super) fn visit_records(
     connection: &Connection,
     key: SessionKey,
@@ -119,7 +116,6 @@ pub(super) fn visit_records(
     Ok(())
 }
 
-/// The session of that name.
 pub(super) fn find(connection: &Connection, name: &str) -> Result<FoundSession, StoreError> {
     let mut statement = connection.prepare_cached(SESSION)?;
     let empty = Document::default().hash().to_string();
@@ -145,7 +141,6 @@ fn session_row(row: &Row<'_>) -> rusqlite::Result<SessionRow> {
     Ok(row)
 }
 
-/// What the list says of the session of that name.
 pub(super) fn find_summary(connection: &Connection, name: &str) -> Result<SessionSummary, StoreError> {
     let found = summaries(connection, "WHERE name = ?")?.query_row([name], summary).optional()?;
     found.ok_or_else(|| StoreError::NoSession(name.into()))

@@ -1,4 +1,4 @@
-//! The database as it is at one moment, copied while others write on.
+//! A snapshot of the database, copied while others continue to write.
 
 use std::fs::File;
 use std::os::unix::fs::OpenOptionsExt;
@@ -10,33 +10,33 @@ use rusqlite::{Connection, OpenFlags};
 use super::{BUSY_TIMEOUT, DATABASE_FILE, SCHEMA_VERSION, schema_version};
 use crate::StoreError;
 
-/// Pages copied between two words on how far it is: 1 MiB or so.
+/// Number of pages copied between two reports of progress: about 1 MiB.
 const PAGES_PER_STEP: i32 = 256;
 
-/// Holds the moment: what is committed later is not in it, and who commits does not wait.
+/// A read transaction on the database. Later commits are not in it and do not wait for it.
 #[derive(Debug)]
 pub struct DatabaseSnapshot {
     connection: Connection,
-    /// Sessions and records.
+    /// Number of sessions and of records.
     pub counts: [u64; 2],
-    /// Of all pages.
+    /// Size of all pages.
     pub bytes: u64,
 }
 
 impl DatabaseSnapshot {
-    /// The database in `folder` now. It stays in its version's form, whatever this program's is.
+    /// Takes a snapshot of the database in `folder`. The copy keeps the schema version of the original.
     pub fn take(folder: &Path) -> Result<Self, StoreError> {
         let path = folder.join(DATABASE_FILE);
         if !path.is_file() {
             return Err(StoreError::NoData(folder.into()));
         }
-        // Not to read only: who reads a database with a write-ahead log takes part in its locks.
+        // Read-write access, since even a reader of a database with a write-ahead log takes part in its locks.
         let connection = Connection::open_with_flags(&path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         connection.busy_timeout(BUSY_TIMEOUT)?;
-        // The transaction begins with the first thing read in it, and lasts as long as the connection.
+        // The transaction begins with its first read and lasts as long as the connection.
         connection.execute_batch("BEGIN")?;
         match schema_version(&connection)? {
-            // A first start that was cut off has made no tables.
+            // An interrupted first start has made no tables.
             0 => return Err(StoreError::NoData(folder.into())),
             1..=SCHEMA_VERSION => {}
             found => return Err(StoreError::NewerDatabase { path, found }),
@@ -47,8 +47,8 @@ impl DatabaseSnapshot {
         Ok(Self { connection, counts, bytes })
     }
 
-    /// Writes it as the database of another folder, which has none. It is on the disk when this returns. `copied` is told of the
-    /// bytes of each step.
+    /// Writes the snapshot as the database of another folder, which has none. It is on disk when this returns. `copied`
+    /// receives the bytes of each step.
     pub fn copy_to(self, folder: &Path, copied: &mut dyn FnMut(u64)) -> Result<(), StoreError> {
         let path = folder.join(DATABASE_FILE);
         let made = File::options().create_new(true).write(true).mode(0o600).open(&path);
@@ -71,7 +71,7 @@ impl DatabaseSnapshot {
             }
         }
         drop(backup);
-        // What cannot be read is no backup.
+        // A backup must be readable.
         let check: String = copy.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
         if check != "ok" {
             return Err(StoreError::Database(check));

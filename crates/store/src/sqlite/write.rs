@@ -1,4 +1,4 @@
-//! What is written to the database, in one transaction.
+//! Writes to the database, in one transaction.
 
 use std::ops::ControlFlow;
 
@@ -10,31 +10,27 @@ use crate::StoreError;
 use crate::limits::{MAX_ALL_REJECTIONS, MAX_REJECTIONS};
 use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, SessionSummary, StoredRecord};
 
-/// A transaction that writes. What it has written stays only if [`super::Database::write`] commits it.
+/// A write transaction. [`super::Database::write`] commits it. Without that its writes are dropped.
 pub struct Writer<'a>(pub(super) Transaction<'a>);
 
 impl Writer<'_> {
-    /// Makes all that was written stay.
     pub(super) fn commit(self) -> rusqlite::Result<()> {
         self.0.commit()
     }
 
-    /// The session of that name.
     pub fn find(&self, name: &str) -> Result<FoundSession, StoreError> {
         find(&self.0, name)
     }
 
-    /// How many sessions there are.
     pub fn count_sessions(&self) -> Result<u64, StoreError> {
         Ok(self.0.query_row("SELECT count(*) FROM session", [], |row| row.get(0))?)
     }
 
-    /// What the list says of the session of that name.
     pub fn summary(&self, name: &str) -> Result<SessionSummary, StoreError> {
         find_summary(&self.0, name)
     }
 
-    /// Makes a session whose log begins in `format`; its key and its epoch, or `None` where the name is taken.
+    /// Makes a session whose log begins in `format`. Returns its key and its epoch, or `None` if the name is taken.
     pub fn insert_session(
         &self,
         name: &str,
@@ -50,20 +46,19 @@ impl Writer<'_> {
         Ok(made.optional()?)
     }
 
-    /// Says what people call a session.
     pub fn set_title(&self, key: SessionKey, title: &str) -> Result<(), StoreError> {
         self.0.execute("UPDATE session SET title = ? WHERE id = ?", params![title, key.0])?;
         Ok(())
     }
 
-    /// Archives a session, or brings it back.
+    /// Archives a session, or restores it.
     pub fn set_archived(&self, key: SessionKey, archived: bool) -> Result<(), StoreError> {
         self.0.execute("UPDATE session SET archived = ? WHERE id = ?", params![archived, key.0])?;
         Ok(())
     }
 
-    /// Gives session `to`, which has no record, the records of `from` with the hashes noted there and no proofs, and
-    /// its checkpoint.
+    /// Copies the records, their noted hashes and the checkpoint of `from` to `to`, which has no record. Copies no
+    /// proofs.
     pub fn copy_log(&self, from: SessionKey, to: SessionKey) -> Result<(), StoreError> {
         let copies = [
             "INSERT INTO record (session, seq, actor, op_id, json, hash)
@@ -81,7 +76,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Gives all records of a session to `visit`, in order.
+    /// Calls `visit` with all records of a session, in order.
     pub fn visit_all_records(
         &self,
         key: SessionKey,
@@ -91,9 +86,9 @@ impl Writer<'_> {
         visit_records(&self.0, key, range, &mut |record| visit(record).map(ControlFlow::Continue))
     }
 
-    /// Takes an archived session away, with its log and all that is kept of it.
+    /// Deletes a session with its log and everything that belongs to it.
     pub fn delete_session(&self, key: SessionKey) -> Result<(), StoreError> {
-        // Until the commit its records refer to nothing.
+        // Until the commit its records refer to a missing session.
         self.0.execute_batch("PRAGMA defer_foreign_keys = ON")?;
         self.0.execute("DELETE FROM session WHERE id = ?", [key.0])?;
         for table in ["checkpoint", "held_value", "rejection", "record"] {
@@ -102,7 +97,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Where the log holds the long value of that hash.
+    /// Finds the position in the log of the long value of that hash.
     pub fn position_of_value(&self, key: SessionKey, hash: &str) -> Result<Option<LogPosition>, StoreError> {
         let select = "SELECT record, at FROM held_value WHERE session = ? AND hash = ?";
         let mut statement = self.0.prepare_cached(select)?;
@@ -110,7 +105,8 @@ impl Writer<'_> {
         Ok(statement.query_row(params![key.0, hash], place).optional()?)
     }
 
-    /// Adds the next record to a log. Refuses one that does not follow, and an operation that is in it.
+    /// Adds the next record to a log. Refuses a record that does not follow the log, and an operation that the log
+    /// already has.
     pub fn insert_record(&self, key: SessionKey, record: &NewRecord) -> Result<(), StoreError> {
         let NewRecord { seq, time_ms, actor_id, actor_name, op_id, line, new_values: first_holds } = record;
         let insert = "INSERT INTO record (session, seq, actor, op_id, json) VALUES (?, ?, ?, ?, ?)";
@@ -136,7 +132,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Keeps a rejection, and lets go of that actor's oldest.
+    /// Stores a rejection, and removes the oldest ones over the limits.
     pub fn insert_rejection(&self, key: SessionKey, rejection: &Rejection) -> Result<(), StoreError> {
         let Rejection { actor_id, op_id, problem } = rejection;
         let insert = "
@@ -153,7 +149,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Keeps a session's checkpoint after record `seq`, in place of an earlier one.
+    /// Stores a session's checkpoint after record `seq` and replaces an earlier one.
     pub fn replace_checkpoint(
         &self,
         key: SessionKey,

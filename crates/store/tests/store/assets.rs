@@ -1,4 +1,4 @@
-//! Assets: named by their bytes, proven by them.
+//! Assets: named by the hash of their bytes, and checked against it.
 
 use std::fs;
 

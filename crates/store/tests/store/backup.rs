@@ -1,4 +1,4 @@
-//! Backups: all that was acknowledged before, whole or not there.
+//! Backups: complete with everything acknowledged before, or not there.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -41,7 +41,7 @@ fn a_backup_is_a_data_folder_of_its_own() {
         back_up(&folder.data(), &to, |step, bytes| (told, all) = (told + step, bytes)).expect("backed up");
     assert_eq!(backup, Backup { sessions: 2, records: 42 + 5, files: 2, bytes: all });
     assert_eq!(told, all, "all of it was told");
-    // The store that is open goes on, and none of that is in the copy.
+    // The open store continues, and the copy has nothing of that.
     stored_log(&mut store, "third", 3);
     let copy = Store::open(&to).expect("a store");
     let names: Vec<_> = copy.sessions().expect("a list").into_iter().map(|row| row.name).collect();
@@ -76,12 +76,12 @@ fn a_backup_is_never_written_over_and_leaves_nothing_where_it_fails() {
         assert!(refused.to_string().contains("never written over"), "{refused}");
         assert_eq!(fs::read_to_string(&file).expect("still there"), "mine");
     }
-    // One of a newer version is for that to copy.
+    // A database of a newer version is refused.
     let newer = Connection::open(folder.data().join("bendylights.sqlite")).expect("a database");
     newer.pragma_update(None, "user_version", 99).expect("a pragma");
     assert!(refused(&to).to_string().contains("schema 99"));
     newer.pragma_update(None, "user_version", 4).expect("a pragma");
-    // A damaged page, in the middle of the file.
+    // A damaged page in the middle of the file.
     stored_log(&mut store, "second", 400);
     drop((store, newer));
     let database = folder.data().join("bendylights.sqlite");
@@ -110,7 +110,8 @@ fn what_a_killed_backup_left_is_removed_and_one_under_way_is_not() {
     assert_eq!(names(&folder), [".bendylights-backup-under-way", "copy", "data"]);
 }
 
-/// One thread writes as fast as the disk lets it, others back up: each copy has all that was acknowledged before it began.
+/// One thread writes as fast as the disk allows while others back up. Each copy has everything acknowledged before it
+/// began.
 #[test]
 fn backups_beside_a_writer_hold_all_that_was_acknowledged() {
     let folder = Folder::new();
@@ -139,7 +140,7 @@ fn backups_beside_a_writer_hold_all_that_was_acknowledged() {
                         back_up(&folder.data(), &to, |_, _| {}).expect("backed up");
                         let found = seq(&to);
                         assert!(found >= before, "{found} of {before}");
-                        // Every record of it is whole, and comes to the document that the copy says.
+                        // Every record of the copy is complete, and gives the document of the copy's hash.
                         let copy = Store::open(&to).expect("a store");
                         let hash = copy.session("main").expect("a session").hash;
                         let document = copy.replay("main", None).expect("a log");

@@ -1,4 +1,4 @@
-//! Opening from a checkpoint: the same session, for the cost of what came since.
+//! Opening from a checkpoint: the same session, for the cost of the later records.
 
 use document::Command;
 use protocol::{ErrorCode, SessionCheckpoint};
@@ -48,7 +48,7 @@ fn only_what_follows_a_checkpoint_is_replayed() {
         log.session.session_history(),
         "undo reaches past the checkpoint"
     );
-    // The log alone says the same.
+    // The log alone gives the same history.
     let replayed = store.replay("main", None).expect("a log");
     assert_eq!(replayed.session_history(), log.session.session_history());
 }
@@ -70,7 +70,7 @@ fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
         assert!(found.checkpoint_failed, "{fault}");
         assert_eq!((found.tail.records, found.session.document().hash()), (62, log.hash()), "{fault}");
     }
-    // One that is whole in itself, but of another document.
+    // A valid checkpoint of another document.
     let folder = Folder::new();
     let (mut store, log) = with_checkpoint(&folder);
     let other = SessionCheckpoint { seq: 42, ..SessionCheckpoint::from(&Log::of(39).session) };
@@ -78,14 +78,14 @@ fn a_checkpoint_that_the_log_does_not_prove_is_passed_over() {
     assert_eq!((opened(&store).tail.records, opened(&store).session.document().hash()), (62, log.hash()));
 }
 
-/// A person's thousands of steps are numbers, whatever that person is called: each checkpoint holds them all.
+/// The thousands of steps of one actor are numbers, whatever the actor's name: each checkpoint holds them all.
 ///
 /// Rules: LOG-5
 #[test]
 fn a_step_takes_a_few_bytes_of_a_checkpoint() {
     let bytes = |edits: u64| SessionCheckpoint::from(&Log::of(edits).session).to_json().len();
     let (few, many) = (bytes(700), bytes(1_400));
-    // Of seven edits one undoes another: five are in effect. A number of four digits has a comma.
+    // Of seven edits one undoes another, so five are in effect. A number of four digits takes a comma.
     assert!(many - few < 500 * 6, "{} bytes for 500 steps", many - few);
 }
 
@@ -108,8 +108,8 @@ fn what_follows_a_checkpoint_is_proven() {
     }
 }
 
-/// A document near its limits, replaced and brought back over and over: its values stand in the log once, and opening
-/// does not read them over and over.
+/// A document near its limits, replaced and restored many times: the log holds its values once, and opening does not
+/// read them again and again.
 ///
 /// Rules: REC-6, LOG-5
 #[test]
@@ -144,7 +144,7 @@ fn a_log_does_not_grow_by_what_it_holds() {
     let again = store.records("main", 40, 3).expect("from the middle");
     let wire: Vec<_> = log.records[39..42].iter().map(protocol::Record::from).collect();
     assert_eq!(again, wire, "in full");
-    // And in and out of a file.
+    // The same through a log file.
     let other = Folder::new();
     let row = other.store().import(&*text, None, &is_here).expect("a sound log");
     assert_eq!(
@@ -153,7 +153,7 @@ fn a_log_does_not_grow_by_what_it_holds() {
     );
     store.keep_checkpoint("main", &SessionCheckpoint::from(&log.session)).expect("kept");
     assert_eq!(opened(&store).tail, RecordTail::default());
-    // A file of format 1, which holds everything in full, comes to the same.
+    // A file of format 1, which holds every value in full, gives the same session.
     let lines: Vec<_> = log.records.iter().map(of_format_1).collect();
     let header = r#"{"format":1,"session":"old"}"#;
     let checkpoint =

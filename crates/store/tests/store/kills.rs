@@ -1,6 +1,6 @@
-//! A program that is killed while it duplicates and deletes sessions leaves each of them whole or not there.
+//! A program that is killed while it duplicates and deletes sessions leaves each of them complete or not there.
 //!
-//! A child process makes a copy of a session, deletes the one before, and prints a line for each that is done.
+//! A child process copies a session, deletes the copy before it, and prints a line for each step.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -17,7 +17,7 @@ const CHILD: &str = "kills::child_that_duplicates_and_deletes";
 const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 const FIRST: &str = "BENDYLIGHTS_CHILD_FIRST";
 const KILLS: u32 = 12;
-/// Of the log that is copied: enough for a kill to come in the midst.
+/// Length of the copied log: enough for a kill to hit the middle of a step.
 const EDITS: u64 = 400;
 
 #[test]
@@ -37,7 +37,8 @@ fn child_that_duplicates_and_deletes() {
     }
 }
 
-/// Starts the child and kills it so long after it has made a copy; what it has said last of each kind.
+/// Starts the child and kills it that long after its first copy. Returns the last copy and the last deletion that it
+/// printed.
 fn killed(data: &Path, first: u64, after: Duration) -> (Option<u64>, Option<u64>) {
     let mut child = Command::new(env::current_exe().expect("this program"));
     child
@@ -67,7 +68,7 @@ fn killed(data: &Path, first: u64, after: Duration) -> (Option<u64>, Option<u64>
     (made, gone)
 }
 
-/// What of the sessions is neither whole nor gone.
+/// Lists the sessions that are neither complete nor gone.
 fn damage(data: &Path) -> Vec<String> {
     let store = Store::open(data).expect("a store");
     let main = store.replay("main", None).expect("a log").document().hash();
@@ -95,7 +96,7 @@ fn sessions_are_whole_or_gone_after_a_kill() {
     drop(store);
     let mut next = 0;
     for kill in 0..KILLS {
-        // From one of the two transactions into the next.
+        // The kill moves from one of the two transactions into the next.
         let (made, gone) = killed(&data, next, took.mul_f64(2.0 * f64::from(kill) / f64::from(KILLS)));
         assert_eq!(damage(&data), Vec::<String>::new(), "after {made:?} and {gone:?}");
         let made = made.expect("it was waited for");

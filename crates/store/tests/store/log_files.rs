@@ -1,4 +1,4 @@
-//! Log files: written, read back, and refused where they were changed.
+//! Log files: written, read back, and refused after a change.
 
 use protocol::ErrorCode;
 use protocol::{FIRST_PROOF, next_proof};
@@ -13,7 +13,7 @@ fn exported(store: &Store, session: &str) -> String {
     String::from_utf8(text).expect("JSON")
 }
 
-/// The log of `edits` steps as a file, and what it was.
+/// The log of `edits` steps as a file, and the log itself.
 fn log_file(edits: u64) -> (String, Log) {
     let mut store = Folder::new().store();
     let log = stored_log(&mut store, "main", edits);
@@ -98,7 +98,7 @@ fn a_changed_log_is_refused_by_line_or_record() {
         assert!(error.to_string().contains(expected), "{what}: {error}");
         assert_eq!(error.code(), ErrorCode::BadLog, "{what}");
     };
-    // Up to record 10 its index is its sequence; a checkpoint follows each tenth.
+    // Up to record 10 the index of a line is its sequence number. A checkpoint follows each tenth record.
     refused("dropped", "record 10 follows record 8", &|l| drop(l.remove(9)));
     refused("swapped", "record 10 follows record 8", &|l| l.swap(9, 10));
     refused("doubled", "record 9 follows record 9", &|l| l.insert(10, l[9].clone()));
@@ -129,7 +129,7 @@ fn a_changed_log_is_refused_by_line_or_record() {
     refused("a checkpoint twice", "line 27: a checkpoint of record 22 does not stand directly", &|l| {
         l.push(l[l.len() - 1].clone());
     });
-    // What no document holds: who, when, under which name.
+    // Data that no document holds: actor, time and operation id.
     for (was, now) in
         [("Ada", "Eve"), ("\"id\":\"a\"", "\"id\":\"e\""), ("17900", "17800"), ("op 21", "op x")]
     {

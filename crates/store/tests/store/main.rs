@@ -1,4 +1,4 @@
-//! What the store keeps and what it refuses, on real folders.
+//! Storage and refusals of the store, in real folders.
 
 mod assets;
 mod backup;

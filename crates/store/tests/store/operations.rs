@@ -1,4 +1,4 @@
-//! What became of operations.
+//! Outcomes of operations.
 
 use document::Command;
 use edit::Action;
@@ -61,8 +61,8 @@ fn a_refusal_with_a_code_of_a_newer_program_is_named() {
     assert_eq!(error.code(), ErrorCode::Storage);
 }
 
-/// A record that brings a long light back refers to where that stands. Whoever sends its operation again is not made to
-/// wait until all of it is put together, which takes long where the document is large.
+/// A record that restores a long light refers to the record that holds it. A repeated operation is answered without
+/// resolving that, which takes long in a large document.
 ///
 /// Rules: REC-4, REC-6
 #[test]
@@ -83,7 +83,7 @@ fn an_outcome_is_read_of_its_own_line_alone() {
     assert_eq!(store.outcome("main", "a", "op 3").expect("an answer"), Some(committed));
 }
 
-/// What was skipped is itself referred to where it is long and comes again.
+/// A long list of skipped records is itself replaced by a reference if it comes again.
 ///
 /// Rules: REC-4, REC-6
 #[test]

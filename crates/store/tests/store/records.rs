@@ -1,4 +1,4 @@
-//! Records: appended as a whole, kept as they are, replayed to what they were.
+//! Records: appended in whole batches, stored unchanged, replayed to the same documents.
 
 use edit::{Record, ReplayError};
 use protocol::ErrorCode;
@@ -7,7 +7,7 @@ use store::{CommitBatch, Store, StoreError};
 
 use crate::support::{Folder, Log, stored_log};
 
-/// The records as they come out of the store.
+/// The records as the store returns them.
 fn all(store: &Store, session: &str) -> Vec<Record> {
     let records = store.records(session, 1, usize::MAX).expect("a log");
     records.into_iter().map(|record| record.try_into().expect("a sound record")).collect()
@@ -137,7 +137,7 @@ fn replay_names_the_record_that_was_tampered_with() {
         let error = store.replay("main", None).expect_err(change);
         (error.to_string(), error)
     };
-    // A value that nothing later starts from: only the hash tells.
+    // A value that no later record starts from: only the hash shows the change.
     let (said, last) = error(r"UPDATE record SET json = replace(json, '39.0', '39.5') WHERE seq = 42");
     assert!(matches!(last, StoreError::HashMismatch { seq: 42 }), "{said}");
     let (said, early) = error(r"UPDATE record SET json = replace(json, '[1.0,', '[1.25,') WHERE seq = 4");

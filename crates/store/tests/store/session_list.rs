@@ -1,4 +1,4 @@
-//! The list of sessions, and what is done with whole ones.
+//! The list of sessions, and operations on whole sessions.
 
 use std::fs;
 use std::path::Path;
@@ -26,7 +26,7 @@ fn exported(store: &Store, session: &str) -> Vec<String> {
     String::from_utf8(file).expect("text").lines().map(str::to_owned).collect()
 }
 
-/// What of `words` stands in a file of the database.
+/// Finds the words that occur in a file of the database.
 fn found(data: &Path, words: &[&str]) -> Vec<String> {
     let files =
         [DATABASE, "bendylights.sqlite-wal"].map(|file| fs::read(data.join(file)).unwrap_or_default());
@@ -53,7 +53,7 @@ fn a_list_says_when_a_session_was_made_and_changed_last() {
     assert_eq!(store.summary("no").expect_err("none").code(), ErrorCode::NotFound);
 }
 
-/// Takes every line of every log away, and lists all the same.
+/// Removes every line of every log. The list still works.
 ///
 /// Rules: HTTP-32
 #[test]
@@ -118,10 +118,10 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     assert_ne!(of_main.last(), of_copy.last(), "the proofs cover the name");
     let replayed = replay_log((of_copy.join("\n") + "\n").as_bytes(), None).expect("a log");
     assert!(replayed.first_difference.is_none(), "{:?}", replayed.first_difference);
-    // The proofs of the original are not those of the copy: planted, they are caught.
+    // Planted: the proofs of the original do not fit the copy.
     let planted = [&of_copy[..1], &of_main[1..]].concat().join("\n") + "\n";
     assert!(replay_log(planted.as_bytes(), None).expect("a log").first_difference.is_some());
-    // Undo goes on in it, and neither knows of the other's records.
+    // The copy can undo, and original and copy do not have each other's new records.
     log.undo();
     let more = CommitBatch { records: &log.records[42..], ..log.batch("copy") };
     store.append(&[more]).expect("it goes on");
@@ -202,7 +202,7 @@ fn what_is_deleted_is_gone_from_the_disk_and_nothing_else() {
     assert_eq!(names, ["kept"]);
     assert_eq!(store.replay("kept", None).expect("a log").document().hash(), kept.hash());
     assert!(store.assets.bytes(&scene).expect("whole").is_some(), "others may load it");
-    // Its name begins another history.
+    // The free name starts another history.
     store.create_session("gone-with-all").expect("free again");
     assert_eq!(store.summary("gone-with-all").expect("a session").seq, 0);
 }

@@ -1,4 +1,4 @@
-//! Sessions: their names, their epochs, and folders that hold none.
+//! Sessions: their names, their epochs, and folders without any.
 
 use protocol::{ErrorCode, FIRST_PROOF, next_proof};
 use store::{CommitBatch, MAX_NAME_CHARS, Store, StoreError};
@@ -56,7 +56,7 @@ fn a_database_of_a_newer_program_is_left_alone() {
     assert!(matches!(Store::open(&folder.data()), Err(StoreError::NewerDatabase { found: 5, .. })));
 }
 
-/// A folder of version 1, whose tables are made as that version made them.
+/// A folder of version 1, with tables made by that version's schema.
 ///
 /// Rules: LOG-2, LOG-4, REC-5
 #[test]
@@ -86,7 +86,7 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     }
     drop(database);
     let mut store = Store::open(&folder.data()).expect("a store of this version");
-    // What came later, which the hash of that version passes over.
+    // Planted: a property of a later version, which the hash of version 1 leaves out.
     let refused = store.open_session("planted").expect_err("what came later");
     assert!(refused.to_string().contains("format 1 has no `exposure`"), "{refused}");
     let replayed = store.replay("two", None).expect("a log");
@@ -94,13 +94,13 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     let lines = log.records.iter().map(of_format_1);
     let proof = lines.fold(FIRST_PROOF.to_owned(), |proof, line| next_proof(&proof, &line));
     assert_eq!(store.session("one").expect("a session").proof, proof);
-    // Their hash is that of today, whoever asks.
+    // Their hash is in today's format for every caller.
     let row = store.session("two").expect("a session");
     assert_eq!(row.hash, log.session.document().hash_of_format(1).to_string(), "as it was written");
     assert_eq!(store.document_hash(&row).expect("a log"), log.hash().to_string());
     let planted = store.session("planted").expect("a session");
     assert!(store.document_hash(&planted).is_err(), "no document, no hash");
-    // And it goes on from there.
+    // The upgraded log continues.
     let mut longer = log;
     longer.add_long_light();
     store.append(&[CommitBatch { records: &longer.records[32..], ..longer.batch("one") }]).expect("a commit");

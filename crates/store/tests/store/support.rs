@@ -1,4 +1,4 @@
-//! Folders that go when a test ends, and logs to put there.
+//! Temporary folders, and logs to store there.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,15 +12,14 @@ use serde_json::Value;
 use store::{CommitBatch, Store};
 use tempfile::TempDir;
 
-/// A scene that [`is_here`], and is empty.
+/// A scene for which [`is_here`] is true. It is empty.
 pub const SCENE: AssetHash = AssetHash([7; 32]);
 
-/// Whether a scene is there.
 pub fn is_here(asset: &AssetHash) -> bool {
     *asset == SCENE
 }
 
-/// A folder for one test's data.
+/// A folder for the data of one test.
 pub struct Folder(TempDir);
 
 impl Folder {
@@ -28,7 +27,7 @@ impl Folder {
         Self(TempDir::new().expect("a temporary folder"))
     }
 
-    /// The data folder, there or not.
+    /// The data folder, which may be missing.
     pub fn data(&self) -> PathBuf {
         self.0.path().join("data")
     }
@@ -47,7 +46,7 @@ fn checked(light: Light) -> Arc<CheckedLight> {
     Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
-/// A log under way: its records, and the session after them.
+/// A log in the making: its records, and the session after them.
 #[derive(Default)]
 pub struct Log {
     pub session: Session,
@@ -55,7 +54,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// A scene, a light, and `edits` more steps on it; every seventh is an undo.
+    /// A scene, a light, and `edits` more steps on it. Every seventh step is an undo.
     pub fn of(edits: u64) -> Self {
         let mut log = Self::default();
         log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
@@ -86,7 +85,7 @@ impl Log {
         self.take(EditRequest::Undo(UndoScope::Mine));
     }
 
-    /// A light of 64 control points, each log its own.
+    /// Adds a light of 64 control points, different in each call.
     pub fn add_long_light(&mut self) {
         let seq = self.session.seq() as f64;
         let points = (0..64).map(|i| DVec3::new(0.0, 0.0, -0.1 * f64::from(i))).collect();
@@ -106,7 +105,7 @@ impl Log {
         self.records.push(record.expect("a valid request"));
     }
 
-    /// All of it, as one batch of `session`.
+    /// All records as one batch of `session`.
     pub fn batch<'a>(&'a self, session: &'a str) -> CommitBatch<'a> {
         CommitBatch { session, records: &self.records, rejections: &[], hash: self.hash() }
     }
@@ -115,12 +114,10 @@ impl Log {
         self.session.document().hash()
     }
 
-    /// The document's hash after record `seq`.
     pub fn hash_after(&self, seq: u64) -> DocumentHash {
         self.document_after(seq).hash()
     }
 
-    /// The document after record `seq`.
     pub fn document_after(&self, seq: u64) -> Document {
         let mut session = Session::default();
         for record in self.records.iter().filter(|record| record.seq <= seq) {
@@ -130,7 +127,7 @@ impl Log {
     }
 }
 
-/// A record as format 1 wrote it, in full: without what lights came to have later.
+/// A record as format 1 wrote it, in full: without the properties that lights got later.
 pub fn of_format_1(record: &Record) -> String {
     fn strip(value: &mut Value) {
         if let Value::Object(fields) = value {
@@ -152,12 +149,11 @@ pub fn of_format_1(record: &Record) -> String {
     json.to_string()
 }
 
-/// The hash of a document without anything.
 pub fn empty_hash() -> String {
     Document::default().hash().to_string()
 }
 
-/// A session called `name` with the log of [`Log::of`], a batch of ten records at a time.
+/// Stores the log of [`Log::of`] as a session `name`, in batches of ten records.
 pub fn stored_log(store: &mut Store, name: &str, edits: u64) -> Log {
     let log = Log::of(edits);
     store.create_session(name).expect("a new name");

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use stream::{Codec, FrameFlags, FrameHeader, FrameTile, HEADER_BYTES, StreamError};
 
-/// Each field has bytes of its own, so that a field in the wrong place shows.
+/// Each field has its own bytes, so a field at a wrong offset shows.
 fn header() -> FrameHeader {
     FrameHeader {
         codec: Codec::Png,
@@ -65,7 +65,7 @@ fn a_message_that_is_no_frame_is_refused_with_a_sentence() {
 }
 
 proptest! {
-    /// Any message is read or refused; what is read is written back as it was.
+    /// Any message is either read or refused. A header that is read is written back unchanged.
     #[test]
     fn what_is_read_is_written_back(
         mut message in proptest::collection::vec(any::<u8>(), 0..80),

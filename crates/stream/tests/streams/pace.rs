@@ -1,5 +1,5 @@
-//! Clients with good and bad links over planned changes, millisecond by millisecond. No time passes in these
-//! tests.
+//! Simulated clients with good and bad links over planned changes, in steps of one millisecond. The tests read no
+//! clock.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -7,19 +7,18 @@ use std::time::{Duration, Instant};
 use proptest::prelude::*;
 use stream::{FramePacer, FrameQuality, MAX_FRAMES_IN_FLIGHT, NextFrame, SETTLE_AFTER, ViewContent};
 
-/// A frame that was sent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Sent {
     at_ms: u64,
     revision: u64,
     quality: FrameQuality,
     key: bool,
-    /// When its acknowledgement comes.
+    /// Time at which the acknowledgement arrives.
     acked_at_ms: Option<u64>,
 }
 
-/// A client and its link. Frame `k` is acknowledged after `delays_ms[k % len]`, never before an earlier one;
-/// `None` never.
+/// A client and its link. Frame `k` is acknowledged after `delays_ms[k % len]`, never before an earlier one. A delay of
+/// `None` means never.
 struct Client {
     delays_ms: Vec<Option<u64>>,
     pace: FramePacer,
@@ -34,7 +33,7 @@ impl Client {
         Self { delays_ms, pace: FramePacer::new(), wake: None, acks: VecDeque::new(), sent: Vec::new() }
     }
 
-    /// Delivers what arrives now. Returns whether anything did.
+    /// Delivers the acknowledgements that are due. Returns true if there were any.
     fn receive(&mut self, now_ms: u64, now: Instant) -> bool {
         let mut any = false;
         while self.acks.front().is_some_and(|(at_ms, _)| *at_ms <= now_ms) {
@@ -45,7 +44,7 @@ impl Client {
         any
     }
 
-    /// Sends what the pace asks for.
+    /// Sends the frames that the pacer requests.
     fn send(&mut self, content: ViewContent, now_ms: u64, now: Instant) {
         self.wake = None;
         loop {
@@ -70,7 +69,7 @@ impl Client {
     }
 }
 
-/// What each client is sent when the content changes at those times, and for 20 seconds after.
+/// Returns the frames of each client if the content changes at those times, until 20 seconds after the last one.
 fn play(changes_ms: &[u64], links: &[&[Option<u64>]]) -> Vec<Vec<Sent>> {
     let start = Instant::now();
     let mut clients: Vec<_> = links.iter().map(|delays_ms| Client::new(delays_ms)).collect();
@@ -92,7 +91,7 @@ fn play(changes_ms: &[u64], links: &[&[Option<u64>]]) -> Vec<Vec<Sent>> {
     clients.into_iter().map(|client| client.sent).collect()
 }
 
-/// What is wrong with the frames of a client that acknowledges all of them.
+/// Finds the faults in the frames of a client that acknowledges all of them.
 fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
     let mut faults = Vec::new();
     let mut fault = |found: bool, what| faults.extend(found.then_some(what));
@@ -120,7 +119,7 @@ fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
     faults
 }
 
-/// Sorted times of changes: bursts and pauses.
+/// Sorted times of changes, in bursts and with pauses.
 fn changes() -> impl Strategy<Value = Vec<u64>> {
     let gaps = proptest::collection::vec(prop_oneof![1..40_u64, 200..300_u64, 1..3000_u64], 0..40);
     gaps.prop_map(|gaps| {
@@ -133,7 +132,7 @@ fn changes() -> impl Strategy<Value = Vec<u64>> {
     })
 }
 
-/// A link that acknowledges everything, however late.
+/// A link that acknowledges everything, even if late.
 fn live_link() -> impl Strategy<Value = Vec<Option<u64>>> {
     proptest::collection::vec((0..2500_u64).prop_map(Some), 1..6)
 }
@@ -145,13 +144,13 @@ fn any_link() -> impl Strategy<Value = Vec<Option<u64>>> {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(128) })]
 
-    /// FRAME-2, FRAME-3 and FRAME-4 on every link that works.
+    /// FRAME-2, FRAME-3 and FRAME-4 on every link that acknowledges.
     #[test]
     fn a_live_client_ends_with_the_settled_state(changes_ms in changes(), link in live_link()) {
         let sent = &play(&changes_ms, &[&link])[0];
         prop_assert_eq!(faults(sent, &changes_ms), Vec::<&str>::new());
 
-        // Planted: the last frame lost, one out of date, one too early, one too many, a fourth under way.
+        // Planted: the last frame lost, one out of date, one too early, one too many, a fourth in flight.
         let damaged = |damage: fn(&mut Vec<Sent>)| {
             let mut sent = sent.clone();
             damage(&mut sent);
@@ -170,7 +169,7 @@ proptest! {
         prop_assert!(before_the_first_ack.count() <= 1);
     }
 
-    /// FRAME-6: however bad one link is, it changes nothing for the other client; and at rest it ends.
+    /// FRAME-6: a bad link changes nothing for the other client. At rest the sending ends.
     #[test]
     fn links_do_not_touch_each_other(changes_ms in changes(), good in live_link(), bad in any_link()) {
         let both = play(&changes_ms, &[&bad, &good]);
@@ -180,7 +179,7 @@ proptest! {
     }
 }
 
-/// FRAME-6: nothing more is drawn for a client that acknowledges nothing, whatever changes.
+/// FRAME-6: a client that acknowledges nothing gets no further frame.
 #[test]
 fn a_silent_client_gets_one_frame() {
     let changes_ms: Vec<u64> = (1..600).map(|k| 10 * k).collect();
@@ -189,13 +188,13 @@ fn a_silent_client_gets_one_frame() {
         assert_eq!(sent.len(), 1, "{sent:?}");
         assert!(sent[0].key && sent[0].quality == FrameQuality::Moving);
     }
-    // One that falls silent gets a window full.
+    // A client that stops acknowledging gets a full window.
     let sent = &play(&changes_ms, &[&[Some(5), None, None, None, None]])[0];
     let acked = sent.iter().take_while(|frame| frame.acked_at_ms.is_some()).count();
     assert_eq!(sent.len(), acked + MAX_FRAMES_IN_FLIGHT, "{sent:?}");
 }
 
-/// A client that was silent and speaks again is served as any other, and one that shows nothing gets a key frame.
+/// A client that resumes its acknowledgements is served again. One that starts anew gets a key frame.
 #[test]
 fn a_client_that_wakes_up_goes_on() {
     let start = Instant::now();
@@ -220,7 +219,7 @@ fn a_client_that_wakes_up_goes_on() {
     assert_eq!(pace.acked(4, at(60_002)), None, "given up");
 }
 
-/// A later frame's acknowledgement counts for those that the client passed over.
+/// An acknowledgement counts for the earlier frames that the client skipped.
 #[test]
 fn a_client_may_pass_frames_over() {
     let now = Instant::now();

@@ -1,9 +1,9 @@
-//! Parts of pictures, put together again.
+//! Parts of pictures, composed again.
 
 use proptest::prelude::*;
 use stream::{FrameTile, changed_tiles, crop, png_bands, whole_tile};
 
-/// A picture and another that differs from it in some rectangles.
+/// A picture and another one that differs from it in some rectangles.
 fn pictures() -> impl Strategy<Value = (u16, u16, Vec<u8>, Vec<u8>)> {
     let spot = (any::<u16>(), any::<u16>(), 1_u16..90, 1_u16..90, any::<u8>());
     (1_u16..300, 1_u16..200, proptest::collection::vec(spot, 0..5)).prop_map(|(width, height, spots)| {
@@ -22,7 +22,7 @@ fn pictures() -> impl Strategy<Value = (u16, u16, Vec<u8>, Vec<u8>)> {
     })
 }
 
-/// `onto` with those parts of `picture`; how often each pixel was covered.
+/// Draws those parts of `picture` onto `onto`. Also returns the number of times that each pixel was covered.
 fn composed(onto: &[u8], picture: &[u8], width: u16, tiles: &[FrameTile]) -> (Vec<u8>, Vec<u8>) {
     let (mut canvas, mut covered) = (onto.to_vec(), vec![0; onto.len() / 4]);
     for tile in tiles {
@@ -37,7 +37,8 @@ fn composed(onto: &[u8], picture: &[u8], width: u16, tiles: &[FrameTile]) -> (Ve
 }
 
 proptest! {
-    /// What differs, put onto the picture before, is the picture after; no pixel is sent twice, and tiles lie where JPEG's blocks do.
+    /// The differing tiles, drawn onto the first picture, give the second one. No pixel is sent twice, and tiles start
+    /// at blocks of JPEG.
     #[test]
     fn what_differs_makes_the_picture((width, height, before, after) in pictures()) {
         let tiles = changed_tiles(&before, &after, width, height).expect("sound");
@@ -46,7 +47,7 @@ proptest! {
         prop_assert!(covered.iter().all(|count| *count <= 1));
         prop_assert!(tiles.iter().all(|tile| tile.x % 16 == 0 && tile.y % 16 == 0));
         prop_assert_eq!(tiles.is_empty(), before == after);
-        // The comparison sees a tile that is left out.
+        // The comparison notices a missing tile.
         if let Some((_, rest)) = tiles.split_first() {
             prop_assert!(composed(&before, &after, width, rest).0 != after);
         }
@@ -65,7 +66,7 @@ fn little_that_changes_is_little_to_send_and_most_is_all() {
         changed_tiles(&before, &after, width, height).expect("sound")
     };
     assert_eq!(with(&[(100, 70)]), [FrameTile { x: 64, y: 64, width: 64, height: 64 }]);
-    // Blocks beside and below each other are one.
+    // Neighboring blocks become one rectangle.
     let square = [(100, 70), (130, 70), (100, 130), (130, 130)];
     assert_eq!(with(&square), [FrameTile { x: 64, y: 64, width: 128, height: 128 }]);
     let everywhere: Vec<(usize, usize)> = (0..60).map(|k| (64 * (k % 10), 64 * (k / 10))).collect();
@@ -78,7 +79,7 @@ fn bands_are_the_picture_in_pieces_of_tens_of_kilobytes() {
     let mut state = 1_u32;
     let noise = |_| {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        // Pictures are not all noise.
+        // Real pictures are not all noise.
         if state & 0x3000_0000 == 0 { (state >> 24) as u8 } else { 40 }
     };
     let rgba: Vec<u8> = (0..4 * 700 * 500).map(noise).collect();

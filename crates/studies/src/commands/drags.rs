@@ -1,4 +1,4 @@
-//! `bendylights-studies drags`: do drags land?
+//! `bendylights-studies drags`: drags that reach the cursor, in comparison with a slow solver.
 
 use std::path::{Path, PathBuf};
 
@@ -8,7 +8,7 @@ use cli::{OutputFile, Size, print_answer, print_note, progress};
 use studies::StudyError;
 use studies::drags::{self, DragStudyOptions, DragStudyReport, ReportCell};
 
-/// The demo, and scenes by others beside the checkout.
+/// The demo, and scenes of other authors beside the checkout.
 const SCENES: [&str; 4] = [
     "demo:vases",
     "../shared/assets/scenes/vases_bowl.glb",
@@ -91,7 +91,7 @@ pub fn run(args: &Args) -> Result<(), StudyError> {
     Ok(print_answer(&serde_json::to_string_pretty(&report).expect("plain data with string keys"))?)
 }
 
-/// `None` where there is no such scene here.
+/// Opens a scene. Returns `None` if there is no such file.
 fn open(name: &str) -> Result<Option<LoadedScene>, StudyError> {
     if let Some(demo) = name.strip_prefix("demo:") {
         return Ok(assets::demo(demo));

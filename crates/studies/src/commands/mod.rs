@@ -1,4 +1,4 @@
-//! What each study takes on the command line, and how its answer is written.
+//! Arguments of each study, and output of its report.
 
 pub mod drags;
 pub mod stress;

@@ -1,4 +1,4 @@
-//! `bendylights-studies stress`: does anything break for any light and scene.
+//! `bendylights-studies stress`: properties that must hold for all lights and scenes.
 
 use std::time::Duration;
 
@@ -24,13 +24,13 @@ Examples:
   bendylights-studies stress --minutes 10
   bendylights-studies stress --only wall --seed 1234 --cases 1    the case that a run printed")]
 pub struct Args {
-    /// How long to look, in all
+    /// Minutes to look, in all
     #[arg(long, default_value_t = 1.0, value_name = "N", value_parser = minutes)]
     minutes: f64,
     /// Look at so many cases of each property instead
     #[arg(long, value_name = "N", conflicts_with = "minutes", value_parser = clap::value_parser!(u64).range(1..))]
     cases: Option<u64>,
-    /// Where to begin; another number, other cases
+    /// Seed to begin with; another number, other cases
     #[arg(long, default_value_t = 1, value_name = "S")]
     seed: u64,
     /// Property to look at; all if left out. May be given several times

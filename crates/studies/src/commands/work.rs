@@ -1,4 +1,4 @@
-//! `bendylights-studies work`: what do drags cost?
+//! `bendylights-studies work`: the cost of drags.
 
 use cli::{print_answer, progress};
 use drag::MAX_DRAG_STEPS;
@@ -6,7 +6,7 @@ use serde_json::json;
 use studies::StudyError;
 use studies::work::{random, search, stages};
 
-/// The picture that is dragged in, in pixels.
+/// Size in pixels of the picture in which features are dragged.
 const SIZE: [u32; 2] = [640, 360];
 
 #[derive(clap::Args)]

@@ -1,4 +1,4 @@
-//! Do drags land? Of random drags, those that the product lands beside those that a slow solver with restarts does.
+//! Compares the random drags that the product's solver lands with those that a slow solver with restarts lands.
 
 mod pins;
 mod relaxed;
@@ -21,31 +21,31 @@ pub use report::{DragStudyReport, ReportCell, StudyOutcome};
 
 use pins::StudyPin;
 
-/// What to try.
+/// Options of the study.
 #[derive(Clone, Copy, Debug)]
 pub struct DragStudyOptions {
     /// Drags of each kind.
     pub drags: usize,
-    /// Another number, other drags.
+    /// Seed of the random drags.
     pub seed: u64,
     /// Pins of each drag.
     pub pins: usize,
 }
 
-/// A drag that did not land though it could, or that says that it landed and did not.
+/// A drag that did not land though it could, or whose result claims to have landed and has not.
 #[derive(Clone, Debug)]
 pub struct DragFailure {
-    /// Of scene, kind and number: a name for a file.
+    /// Name for a file: scene, kind and number.
     pub name: String,
-    /// A light file.
+    /// JSON of a light file.
     pub light: String,
-    /// A drag file with the one drag.
+    /// JSON of a drag file with the one drag.
     pub drags: Value,
-    /// What the product says, and a light that lands, as far as one is known.
+    /// Result of the product, and a light that lands if one is known.
     pub found: Value,
 }
 
-/// A drag that the product has made.
+/// A drag made by the product's solver.
 struct StudiedDrag {
     number: usize,
     trial: Trial,
@@ -54,7 +54,7 @@ struct StudiedDrag {
     ms: f64,
 }
 
-/// Drags in one scene, and `progress` for each.
+/// Makes drags in one scene. Calls `progress` for each.
 pub fn run(
     stage: &TrialScene,
     options: DragStudyOptions,
@@ -90,14 +90,15 @@ pub fn run(
     (outcomes, failures)
 }
 
-/// Holds what the product says to the independent way and to the slow solver.
+/// Judges the product's result by independent measures and by the slow solver.
 fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcome, Option<DragFailure>) {
     let StudiedDrag { trial, pins, landing, .. } = made;
     let (kind, is_landed) = (trial.kind, landing.status == DragStatus::Converged);
     let light = CheckedLight::new(landing.light.clone()).ok();
     let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
     let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, trial, light));
-    // A highlight lies where its centre is seen, however fast directions change over the surface there.
+    // The error of a highlight is the distance to its visible center, even if directions change quickly over the
+    // surface there.
     let is_near = px.is_some_and(|px| px < 0.5) && kind.feature == Feature::Highlight;
     let is_wrong = is_landed && !is_near && !off.is_some_and(|off| off.is_landed(kind.feature));
     let found = slow::feasible(stage, trial, pins, seed);
@@ -154,7 +155,7 @@ fn failure(
     }
 }
 
-/// Where M' and a shadow's pivot lie in a light, and whether the reference sees light at M'.
+/// Tube coordinates of M' and of a shadow's pivot in a light, and the reference's visibility at M'.
 fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Value {
     let place = |position: DVec3| stage.locate(light, position).map(|place| [place.t, place.v, place.w]);
     let to = stage.surface(trial.drag.to);
@@ -168,7 +169,7 @@ fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Val
     })
 }
 
-/// The drag as `bendylights drag` reads it.
+/// JSON of the drag for `bendylights drag`.
 fn drag_json(stage: &TrialScene, trial: &Trial) -> Value {
     json!([{
         "light": 0,
@@ -191,7 +192,7 @@ fn pin(pin: &drag::DragPin) -> Value {
     json!({ "kind": kind, "light": 0, "at": pin.at.to_array(), "hard": pin.is_hard })
 }
 
-/// The scene's name without what a file name cannot have.
+/// Makes a scene's name usable as a file name.
 pub fn file_name_of(scene: &str) -> String {
     let name = std::path::Path::new(scene).file_stem().map_or(scene.into(), |stem| stem.to_string_lossy());
     name.replace(':', "-")

@@ -1,4 +1,4 @@
-//! Random pins, and whether they hold: by the reference's visibility and the light's own `locate`.
+//! Random pins, and a test that they hold, by the reference's visibility and the light's `locate`.
 
 use bench::drag::{Trial, TrialScene};
 use drag::{DragPin, PinKind};
@@ -7,35 +7,35 @@ use glam::{DVec2, DVec3};
 use light::{CheckedLight, TubePoint};
 use reference::{ReferenceLight, ShadedPoint};
 
-/// Pixels that are tried for all pins of a drag.
+/// Number of pixels tried for all pins of a drag.
 const PIXELS: usize = 400;
 
-/// The least cosine between a surface and the light that is pinned there: light that grazes a facet is nobody's to keep.
+/// Minimum cosine between a pinned surface and the light there: a pin at grazing light cannot be kept.
 const LEAST_COSINE: f64 = 0.1;
 
-/// Nearer than this nothing shadows a surface, as a share of its distance from the viewer.
+/// Minimum distance of a caster from the surface, as a share of the surface's distance from the camera.
 const CONTACT: f64 = 1e-6;
 
-/// How far a hard pin may be off: degrees of a direction, pixels of a shadow.
+/// Allowed error of a hard pin: degrees of a direction, pixels of a shadow.
 const DEGREES: f64 = 0.1;
 const PIXELS_OFF: f64 = 0.5;
 
-/// A pin on a surface that is seen, as it was when its drag began.
+/// A pin on a visible surface, with the state before the drag.
 #[derive(Clone, Debug)]
 pub struct StudyPin {
-    /// As the product is given it.
+    /// The pin in the product's form.
     pub pin: DragPin,
-    /// Where it lies.
     pub surface: ShadedPoint,
-    /// Where it lay in the light.
+    /// Tube coordinates of the surface before the drag.
     pub place: TubePoint,
-    /// Of a shadow: what throws it, in scene space.
+    /// For a shadow: point of its caster, in scene space.
     pub pivot: Option<DVec3>,
     /// World units that a pixel covers there.
     pub per_pixel: f64,
 }
 
-/// `count` pins that hold as the drag begins, of random kinds, every other one hard; `None` where so many were not found.
+/// Makes `count` pins of random kinds that hold before the drag, with a random choice of hard ones. `None` if not
+/// enough were found.
 pub fn random_pins(stage: &TrialScene, trial: &Trial, count: usize, seed: u64) -> Option<Vec<StudyPin>> {
     let mut rng = Rng::with_seed(seed);
     let size = DVec2::from(stage.view.size.map(f64::from));
@@ -81,7 +81,7 @@ pub fn random_pins(stage: &TrialScene, trial: &Trial, count: usize, seed: u64) -
 }
 
 impl StudyPin {
-    /// Whether it holds in a light, within half a pixel or a tenth of a degree.
+    /// True if the pin holds in a light, within half a pixel or a tenth of a degree.
     pub fn holds(&self, stage: &TrialScene, light: &CheckedLight) -> bool {
         let is_lit = || {
             stage

@@ -1,33 +1,34 @@
-//! Where a point lies in a tube that may not hold it: what a search goes by until the light's own `locate` can be asked.
+//! Coordinates of a point in or near a tube. The slow solver uses them until the point is in the tube and the light's
+//! `locate` applies.
 
 use glam::{DVec2, DVec3};
 use light::{Tube, TubeRoot};
 
-/// Pieces of a segment between which the distance from the curve is looked at.
+/// Number of pieces of a segment in which the nearest curve parameter is searched.
 const PIECES: usize = 8;
 
-/// Bisections of such a piece: to a share of 1e-13 of a segment.
+/// Number of bisections of a piece: to a share of 1e-13 of a segment.
 const BISECTIONS: usize = 40;
 
-/// Segments that the last one of a light that goes on is followed for.
+/// Length in segments to which the last segment of a light with an extended end is followed.
 const MAX_EXTENSION_SEGMENTS: f64 = 64.0;
 
-/// A place in a tube or beside it.
+/// Coordinates of a point in or near a tube.
 #[derive(Clone, Copy, Debug)]
 pub struct NearestCoords {
     pub t: f64,
-    /// In radii.
+    /// (v, w) in radii.
     pub across: DVec2,
-    /// Unit vector in world space to where light comes from.
+    /// Unit vector in world space towards the light's origin along its path.
     pub direction: DVec3,
     /// `1 - kappa r.N`.
     pub fold_factor: f64,
-    /// How far past the source or the end, in radii.
+    /// Distance past the source or the end, in radii.
     pub beyond: f64,
 }
 
-/// The place with the smallest `|r| / R` of all at which the curve is square to the point in the world, whatever its radius
-/// there, and of the ends.
+/// Finds the coordinates with the smallest `|r| / R` among all parameters at which the curve is perpendicular to the
+/// direction of the point, at any distance from the curve, and among the ends.
 pub fn nearest_coords(tube: &Tube<f64>, point_in_world: DVec3) -> Option<NearestCoords> {
     let q = tube.placement.tube_from_world(point_in_world);
     let mut best: Option<NearestCoords> = None;
@@ -54,7 +55,7 @@ pub fn nearest_coords(tube: &Tube<f64>, point_in_world: DVec3) -> Option<Nearest
         }
     };
     for (segment, of) in tube.segments.iter().enumerate() {
-        // Before the point this is above 0, past it below.
+        // Positive before the foot point, negative past it.
         let ahead = |u: f64| of.curve.offset(q, u).dot(of.curve.d(u));
         let end = if segment == tube.n { MAX_EXTENSION_SEGMENTS } else { 1.0 };
         for piece in 0..PIECES {

@@ -1,4 +1,4 @@
-//! What came of drags of each kind.
+//! Report of the drags of each kind.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
@@ -7,17 +7,17 @@ use bench::drag::TrialKind;
 use drag::{DragLimit, DragRefusal, DragStatus};
 use serde::Serialize;
 
-/// All that was measured.
+/// Report of the study.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragStudyReport {
     /// Drags of each kind in each scene.
     pub drags: usize,
-    /// Where they began.
+    /// Seed of the random drags.
     pub seed: u64,
     /// Pins of each drag.
     pub pins: usize,
-    /// A scene and kind each, and under the scene `all` those of all scenes together.
+    /// One per scene and kind, and one per kind with the scene `all` for all scenes together.
     pub cells: Vec<ReportCell>,
 }
 
@@ -33,70 +33,70 @@ pub struct ReportCell {
     pub points: &'static str,
     /// `small` or `large`.
     pub way: &'static str,
-    /// Drags that were found and made.
+    /// Number of drags that were found and made.
     pub drags: usize,
-    /// Those that say that they landed.
+    /// Drags that the product reports as landed.
     pub landed: usize,
-    /// Those that a limit holds, by its name.
+    /// Drags that a limit stopped, by the limit's name.
     pub limited: BTreeMap<String, usize>,
-    /// Those that are refused, by the reason's name.
+    /// Drags that were refused, by the reason's name.
     pub refused: BTreeMap<String, usize>,
-    /// Of those that did not land, the ones that the slow solver landed.
+    /// Drags that did not land, but that the slow solver landed.
     pub missed: usize,
-    /// The same by limit or reason.
+    /// The missed drags by limit or reason.
     pub missed_by: BTreeMap<String, usize>,
-    /// Landed, of landed and missed; null of none.
+    /// `landed / (landed + missed)`; null if both are 0.
     pub landed_of_feasible: Option<f64>,
-    /// Of those that landed, the share that the slow solver landed too: how far it can be trusted.
+    /// Share of the landed drags that the slow solver landed too: a measure of its reliability.
     pub slow_of_landed: Option<f64>,
-    /// Those that say that they landed and did not, by the independent way.
+    /// Drags that the product reports as landed, but that did not land by the independent measures.
     pub wrong: usize,
     /// Hard pins that do not hold in the product's light.
     pub broken: usize,
-    /// Drags that land without their pins, and that nothing lands with them.
+    /// Drags that land without their pins, and that neither solver lands with them.
     pub infeasible: usize,
-    /// Of these, the ones that a pin limits.
+    /// Infeasible drags that the product reports as limited by a pin.
     pub infeasible_named: usize,
-    /// The farthest that the equation is off at the cursor of those that say that they landed: pixels of shadow and hotspot,
-    /// degrees of highlight and diffuse.
+    /// Largest error of the equation at the cursor among drags reported as landed: pixels for shadow and hotspot,
+    /// degrees for highlight and diffuse.
     pub worst_off: f64,
-    /// The farthest on screen, in pixels.
+    /// Largest distance in pixels on screen among them.
     pub worst_px: f64,
-    /// A drag's time with its picks: half are faster.
+    /// Median milliseconds of a drag, including the picks.
     pub p50_ms: f64,
-    /// 95 in 100 are faster.
+    /// 95th percentile of the milliseconds.
     pub p95_ms: f64,
-    /// Steps of the solver, the median of those that landed.
+    /// Median iterations of the product's solver over the landed drags.
     pub p50_iterations: usize,
 }
 
-/// What came of one drag.
+/// Results of one drag.
 #[derive(Clone, Debug)]
 pub struct StudyOutcome {
-    /// Of which kind it was.
     pub kind: TrialKind,
-    /// What the product says.
+    /// Status that the product reports.
     pub status: DragStatus,
-    /// Steps of the product's solver.
+    /// Iterations of the product's solver.
     pub iterations: usize,
-    /// What it took, picks included.
+    /// Milliseconds, including the picks.
     pub ms: f64,
-    /// How far the equation is off at the cursor, in pixels or degrees; `None` where the light does not hold that place.
+    /// Error of the equation at the cursor, in pixels or degrees; `None` if that point is outside of the light.
     pub equation_error: Option<f64>,
-    /// Of one that says that it landed, how far the feature is off on screen; `None` where it is not seen.
+    /// Distance in pixels on screen between cursor and feature of a drag reported as landed; `None` if the feature is
+    /// not visible.
     pub px: Option<f64>,
-    /// Whether one that says that it landed is too far off.
+    /// True if a drag reported as landed is too far off.
     pub is_wrong: bool,
-    /// Whether the slow solver landed it.
+    /// True if the slow solver landed it.
     pub is_feasible: bool,
-    /// Whether nothing lands it with its pins, and it lands without.
+    /// True if neither solver lands it with its pins, and the product lands it without.
     pub is_infeasible: bool,
     /// Hard pins that do not hold.
     pub broken: usize,
 }
 
 impl ReportCell {
-    /// Of outcomes of one kind.
+    /// Summarizes the outcomes of one kind.
     pub fn of<'a>(scene: &str, kind: TrialKind, outcomes: impl Iterator<Item = &'a StudyOutcome>) -> Self {
         let of_kind: Vec<_> = outcomes.filter(|outcome| outcome.kind == kind).collect();
         let count = |is: &dyn Fn(&StudyOutcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
@@ -145,7 +145,7 @@ impl ReportCell {
     }
 }
 
-/// The names that the contract has.
+/// Names in the protocol.
 fn limit_name(limit: DragLimit) -> String {
     let name = serde_json::to_value(protocol::DragLimit::from(limit));
     name.expect("a word").as_str().unwrap_or_default().to_owned()
@@ -156,7 +156,7 @@ fn reason_name(reason: DragRefusal) -> String {
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
 
-/// Of values in any order; 0 of none.
+/// Quantile of values in any order; 0 if there are none.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
@@ -165,7 +165,7 @@ fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
 }
 
 impl DragStudyReport {
-    /// A line a cell.
+    /// Formats one line per cell.
     pub fn table(&self) -> String {
         let mut text = String::from(
             "scene            feature   points    way   drags landed missed  of feasible    slow  wrong broken named of infeasible  worst off   worst px  \

@@ -1,8 +1,9 @@
-//! A slow solver with restarts: whether any light within the limits puts a feature under the cursor.
+//! A slow solver with restarts: it searches any light within the limits that puts a feature under the cursor.
 //!
-//! Levenberg and Marquardt's method on the equations and on what breaks the limits, from dozens of random lights. It shares
-//! nothing with the product's solver: no path from begin to end, no continuation of roots, no quadratic program. What it
-//! finds is held to the light's own `locate` and to the reference's shadows, and so are hard pins.
+//! It applies the Levenberg-Marquardt method to the equations and to the violations of the limits, from dozens of
+//! random lights. It shares nothing with the product's solver: no path from start to end, no continuation of roots, no
+//! quadratic program. Results are checked with the light's own `locate` and with the reference's shadows, and so are
+//! hard pins.
 
 use bench::drag::{EquationError, Trial, TrialScene};
 use drag::{Feature, PinKind};
@@ -15,48 +16,50 @@ use raycast::SeenPoint;
 use super::pins::StudyPin;
 use super::relaxed::nearest_coords;
 
-/// Lights that are started from.
+/// Number of start lights.
 const RESTARTS: usize = 60;
 
-/// Steps of each.
+/// Maximum steps from each.
 const STEPS: usize = 60;
 
-/// Steps without a hundredth of progress after which a start is given up.
+/// Number of steps in a row that reduce the norm of the residuals by less than a hundredth, after which a start is
+/// abandoned.
 const MAX_STALLED_STEPS: usize = 8;
 
-/// Step of the differences, in the units of the unknowns.
+/// Step of finite differences, in the units of the unknowns.
 const DIFFERENCE: f64 = 1e-7;
 
-/// The largest `R kappa` where the light had less as the drag began.
+/// Limit of `R kappa`, if the light had less before the drag.
 const MAX_R_KAPPA: f64 = 0.97;
 
-/// The least `1 - kappa r.N` at the feature.
+/// Minimum of `1 - kappa r.N` at the feature.
 const MIN_FOLD_FACTOR: f64 = 0.02;
 
-/// How far inside the tube the feature lies, in radii.
+/// Minimum distance of the feature from the tube's rim, in radii.
 const INSIDE: f64 = 1e-4;
 
-/// How far inside of the limits the search aims, so that what it finds is within them.
+/// Margin to the limits at which the search aims, so that its results are within them.
 const LIMIT_MARGIN: f64 = 1e-6;
 
-/// What a limit's breach weighs beside the equations.
+/// Weight of a limit's violation relative to the equations.
 const WEIGHT: f64 = 3.0;
 
 /// A drag as equations.
 struct DragEquations<'a> {
     stage: &'a TrialScene,
     trial: &'a Trial,
-    /// Those that are hard; the others give way to all that is asked.
+    /// The hard pins. The others yield to the drag.
     pins: Vec<&'a StudyPin>,
     to: SeenPoint,
-    /// The largest `R kappa` that each segment may have.
+    /// Limit of `R kappa` for each segment.
     max_r_kappa: Vec<f64>,
-    /// What an unknown of 1 moves by: the length of the control polygon, or for a whole light the way to the cursor.
+    /// World units per unit of an unknown: the length of the control polygon, or for a whole light its distance from
+    /// the cursor.
     unit: f64,
 }
 
-/// A light within the limits with the feature under the cursor, if one was found, and from which start: 0 is the light as the
-/// drag began, the others are random. Hard pins hold in it.
+/// Searches a light within the limits with the feature under the cursor, in which hard pins hold. Returns the light and
+/// the index of its start: 0 is the light before the drag, the others are random.
 pub fn feasible(
     stage: &TrialScene,
     trial: &Trial,
@@ -88,7 +91,7 @@ impl<'a> DragEquations<'a> {
         Some(Self { stage, trial, pins, to, max_r_kappa: folds, unit })
     }
 
-    /// How many unknowns there are.
+    /// Number of unknowns.
     fn count(&self) -> usize {
         self.trial.drag.points.as_ref().map_or(6, |points| 3 * points.len())
     }
@@ -122,7 +125,7 @@ impl<'a> DragEquations<'a> {
         Some(tube)
     }
 
-    /// All that is to be 0: the two equations, and by how much each limit is broken. `None` for what is no light.
+    /// Values that must become 0: the two equations, and the violation of each limit. `None` if the light is invalid.
     fn residuals(&self, x: &[f64]) -> Option<Vec<f64>> {
         let tube = self.tube(x)?;
         let origin = self.stage.origin();
@@ -149,7 +152,7 @@ impl<'a> DragEquations<'a> {
                     all.extend([over(pivot.t - here.t + 1e-5), WEIGHT * pivot.beyond]);
                     all.extend((pivot.across - here.across).to_array());
                 }
-                // What is lit and what is not has no slope: restarts find it.
+                // Visibility has no gradient, so restarts have to satisfy such pins.
                 _ => {}
             }
         }
@@ -168,8 +171,8 @@ impl<'a> DragEquations<'a> {
         all.iter().all(|residual| residual.is_finite()).then_some(all)
     }
 
-    /// Where a restart begins: at the light as it was, at that and a random change of any size, or at a light whose moving
-    /// points lie anywhere along a straight line.
+    /// Start of a restart: the light before the drag, a random change of it of any size, or a light whose moving points
+    /// are spread along a straight line.
     fn start(&self, restart: usize, rng: &mut Rng) -> Option<Vec<f64>> {
         const SIZES: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2];
         if restart == 0 {
@@ -179,7 +182,7 @@ impl<'a> DragEquations<'a> {
             let size = SIZES[restart % SIZES.len()];
             let mut x: Vec<f64> = (0..self.count()).map(|_| size * normal(rng)).collect();
             if !self.trial.kind.deforms {
-                // Turns of any size.
+                // Rotations of any size.
                 x[3..].iter_mut().for_each(|turn| *turn *= 2.0);
             } else if restart % 3 == 2 {
                 self.straighten(&mut x, rng);
@@ -188,7 +191,7 @@ impl<'a> DragEquations<'a> {
         })
     }
 
-    /// Puts the moving points on a random line from the source, `x` beside it.
+    /// Puts the moving points near a random line from the source, offset by half of `x`.
     fn straighten(&self, x: &mut [f64], rng: &mut Rng) {
         let all = self.trial.light.light().points();
         let Some(chosen) = &self.trial.drag.points else { return };
@@ -202,7 +205,7 @@ impl<'a> DragEquations<'a> {
         }
     }
 
-    /// Levenberg and Marquardt's method; `None` where it does not get to where all residuals are next to nothing.
+    /// Levenberg-Marquardt method; `None` if not all residuals become almost zero.
     fn descend(&self, mut x: Vec<f64>) -> Option<Vec<f64>> {
         let mut residuals = self.residuals(&x)?;
         let (mut damping, mut stalled) = (1e-3, 0);
@@ -230,11 +233,11 @@ impl<'a> DragEquations<'a> {
             }
             stalled = if squared(&residuals) > 0.98 * size { stalled + 1 } else { 0 };
         }
-        // Whether that is near enough is judged by the light itself.
+        // The light's own measures judge later if that is close enough.
         (squared(&residuals) < 1e-4).then_some(x)
     }
 
-    /// `J^T J` and `J^T r`, by differences.
+    /// `J^T J` and `J^T r`, by finite differences.
     fn normal_equations(&self, x: &[f64], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let columns: Vec<Vec<f64>> = (0..x.len())
             .map(|k| {
@@ -255,7 +258,8 @@ impl<'a> DragEquations<'a> {
         (matrix, gradient)
     }
 
-    /// What feasible means, by the light's own `locate`.
+    /// True if the light is a solution by its own `locate`: the feature has landed, the limits are met and the pins
+    /// hold.
     fn is_within_limits(&self, light: &CheckedLight) -> bool {
         let Some(tube) = light.tube() else { return false };
         let do_not_fold = !self.trial.kind.deforms
@@ -275,14 +279,15 @@ impl<'a> DragEquations<'a> {
     }
 }
 
-/// How far a direction is from another, as sines across it. Away from the wanted side these are no measure.
+/// Components of the sine between a direction and the wanted one. In the opposite half space they are replaced by
+/// larger values.
 fn turned(direction: DVec3, wanted: DVec3) -> [f64; 2] {
     let (right, up) = wanted.any_orthonormal_pair();
     let (x, y) = (direction.dot(right), direction.dot(up));
     if direction.dot(wanted) > 0.0 { [x, y] } else { [2.0 - x.abs(), 2.0 - y.abs()] }
 }
 
-/// From the normal distribution, by Box and Muller's method.
+/// Random number from the normal distribution, by the Box-Muller method.
 fn normal(rng: &mut Rng) -> f64 {
     (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
 }
@@ -295,7 +300,7 @@ fn squared(a: &[f64]) -> f64 {
     product(a, a)
 }
 
-/// `(A + damping (diag A + 1e-9 trace A)) x = b` for a symmetric A, by Cholesky's method.
+/// Solves `(A + damping (diag A + 1e-9 trace A)) x = b` for a symmetric A, by Cholesky's method.
 fn solve(matrix: &[Vec<f64>], right: &[f64], damping: f64) -> Vec<f64> {
     let count = right.len();
     let trace: f64 = (0..count).map(|k| matrix[k][k]).sum();

@@ -1,4 +1,4 @@
-//! The slow solver, which others are measured by: it finds what there is, and nothing else.
+//! Tests that the slow solver, against which others are measured, finds existing solutions and nothing else.
 
 use bench::drag::{EquationError, FEATURES, Trial, TrialKind, TrialScene};
 use light::CheckedLight;
@@ -18,8 +18,8 @@ fn trials(stage: &TrialScene, deforms: bool) -> impl Iterator<Item = Trial> + '_
     })
 }
 
-/// A light that moves as a whole can nearly always be put where it has to be: a hotspot goes with it, a highlight comes
-/// with a turn. What is said to land does, and the light as it was does not.
+/// A light that moves as a whole can nearly always be placed as needed: a translation moves a hotspot, and a rotation a
+/// highlight. A reported solution lands, and the light before the drag does not.
 #[test]
 fn a_light_that_moves_as_a_whole_is_feasible() {
     let stage = demo();
@@ -39,7 +39,7 @@ fn a_light_that_moves_as_a_whole_is_feasible() {
     assert!(found * 10 >= all.len() * 9, "{found} of {}", all.len());
 }
 
-/// Where control points take part the others stay to the bit, and with no point that moves nothing is feasible.
+/// With dragged control points the others stay equal to the bit, and with no point to move nothing is feasible.
 #[test]
 fn only_what_is_chosen_moves() {
     let stage = demo();
@@ -60,7 +60,7 @@ fn only_what_is_chosen_moves() {
     assert!(found >= 12, "{found}");
 }
 
-/// Inside of a tube the place that a search goes by is the light's own.
+/// Inside of a tube the search's coordinates are those of the light's `locate`.
 #[test]
 fn a_place_inside_is_the_lights_own() {
     let stage = demo();

@@ -1,5 +1,5 @@
-//! What the adapter finds against the model in f64: points located in a light, and mapped for its shadows. And pictures, lit
-//! by the processor and by the adapter.
+//! Compares the GPU with the light model in f64: points located in a light, and points mapped for its shadows. Also
+//! draws pictures with both backends for other checks.
 
 use std::cell::RefCell;
 use std::sync::Arc;
@@ -15,14 +15,13 @@ use super::place::{RootBounds, bounds, eps, places, root_at, split};
 use super::runner::{Check, CheckTally};
 use super::solver::RootCase;
 
-/// The device, and renderers that are kept because compiling for a new one takes longer than drawing.
+/// The GPU and renderers on it. Renderers are kept, because compiling for a new one takes longer than drawing.
 pub struct Adapter {
     pub gpu: Arc<Gpu>,
-    /// One for each who may draw shadows and lights.
+    /// One per backend.
     renderers: [(Backend, RefCell<Renderer>); 2],
 }
 
-/// A view of a scene under lights.
 #[derive(Clone, Copy)]
 pub struct StressPicture<'a> {
     pub scene: &'a Scene,
@@ -32,17 +31,17 @@ pub struct StressPicture<'a> {
 }
 
 impl Adapter {
-    /// Opens the best device.
+    /// Opens the best device, and a renderer per backend.
     pub fn open() -> Result<Self, RenderError> {
         let open = |backend| Gpu::open(MemoryBudget::default(), Some(backend)).map(Arc::new);
         let renderer = |gpu: &Arc<Gpu>| Renderer::new(Arc::clone(gpu)).map(RefCell::new);
         let (gpu, processor) = (open(Backend::Wgpu)?, open(Backend::Native)?);
-        // The processor first: a planted fault fails with what its pictures show.
+        // The CPU first: its pictures are then those that a planted fault reports.
         let renderers = [(Backend::Native, renderer(&processor)?), (Backend::Wgpu, renderer(&gpu)?)];
         Ok(Self { gpu, renderers })
     }
 
-    /// Whether pictures, a quantity each, hold to `check`, whoever draws shadows and lights.
+    /// Applies `check` to the pictures of the given AOVs from each backend.
     pub fn check_pictures<const N: usize>(
         &self,
         shown: StressPicture,
@@ -56,7 +55,7 @@ impl Adapter {
         })
     }
 
-    /// The same of what a screen shows: RGBA of 8 bits a channel.
+    /// Applies `check` to the displayed picture of each backend: RGBA of 8 bits per channel.
     pub fn check_display(&self, shown: StressPicture, mut check: impl FnMut(&[[u8; 4]]) -> Check) -> Check {
         self.check_backends(shown, |renderer| {
             let bytes =
@@ -81,7 +80,7 @@ fn no_picture(error: &RenderError) -> String {
     format!("no picture can be made: {error}")
 }
 
-/// Lights anywhere, and enough points to be worth a dispatch.
+/// Cases with lights anywhere, and enough points for a dispatch.
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 8, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..256);
@@ -89,14 +88,14 @@ pub fn cases() -> impl Strategy<Value = RootCase> {
         .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
-/// What was found at a point: (V, W, R) in tube units, t, and perhaps the direction in the world.
+/// Result at a point: (V, W, R) in tube units, t, and optionally the direction in the world.
 struct AdapterRoot {
     t: f64,
     vwr: [f64; 3],
     direction: Option<DVec3>,
 }
 
-/// Holds for the roots that the picture's shaders find.
+/// Checks the roots that the lighting shaders find.
 pub fn check_locate(case: &RootCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
@@ -115,18 +114,19 @@ pub fn check_locate(case: &RootCase, adapter: &Adapter, tally: &mut CheckTally) 
     Ok(())
 }
 
-/// Holds for what the shadow map's shaders make of vertices.
+/// Checks the vertices that the shaders of the shadow map compute.
 pub fn check_shadow_map(case: &RootCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let points: Vec<DVec3> = case.points.iter().map(|&p| p.into()).collect();
     let mapped = render::map_points(&adapter.gpu, &tube, &points).map_err(|error| error.to_string())?;
     let bound = |pick: fn(DVec3, DVec3) -> DVec3| points.iter().copied().reduce(pick).unwrap_or_default();
-    // Positions are rounded at their distance from the middle of all, and so is the way from there to the light.
+    // Positions are rounded relative to their distance from the center of all points, and so is the offset from there
+    // to the light.
     let (min, max) = (bound(DVec3::min), bound(DVec3::max));
     let middle = tube.placement.tube_from_world((min + max) / 2.0);
     let reach = (max - min).length() / 2.0 / tube.placement.world_per_tube + middle.length();
     for (&point, mapped) in points.iter().zip(&mapped) {
-        // What lies in slabs of two parts of the tube is mapped piece by piece after it is clipped.
+        // Points whose slabs belong to two parts of the tube are mapped only after clipping.
         let Some(mapped) = mapped.map(Vec4::as_dvec4) else { continue };
         let w = if tally.is_planted { -mapped.y } else { mapped.y };
         let found = AdapterRoot { t: mapped.w, vwr: [mapped.x, w, mapped.z], direction: None };
@@ -143,15 +143,15 @@ pub fn check_shadow_map(case: &RootCase, adapter: &Adapter, tally: &mut CheckTal
     Ok(())
 }
 
-/// Whether rounding may have put a root's point on the other side of the rim or of an end.
+/// True if rounding can put a root's point on the other side of the rim or of an end.
 fn on_edge(tube: &Tube<f64>, root: &TubeRoot<f64>, bound: &RootBounds) -> bool {
     let t = root.segment as f64 + root.u;
     let ends = t < bound.t || (tube.segments.len() == tube.n && tube.n as f64 - t < bound.t);
     root.radius - root.r.length() < 4.0 * (bound.across + bound.radius) || ends
 }
 
-/// Compares with the root of the f64 model that is nearest in t; `dq` is the error of the point as the adapter
-/// sees it.
+/// Compares a result with the root of the f64 model that is nearest in t. `dq` is the rounding error of the point on
+/// the GPU.
 fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&AdapterRoot>, tally: &mut CheckTally) -> Check {
     let mut roots = Vec::new();
     tube.for_each_root(q, |root| roots.push(root));
@@ -185,14 +185,14 @@ fn agrees(tube: &Tube<f64>, q: DVec3, dq: f64, found: Option<&AdapterRoot>, tall
     tally.within(format_args!("V {place}"), (v - root.v_len).abs(), bound.across)?;
     tally.within(format_args!("W {place}"), (w - root.w_len).abs(), bound.across)?;
     tally.within(format_args!("R {place}"), (radius - root.radius).abs(), bound.radius)?;
-    // The curvature jumps at a joint, and with it what rounding does to the direction.
+    // The curvature jumps at a joint, and with it the effect of rounding on the direction.
     let same_side = split(tube, found.t).0 == root.segment;
     let Some(direction) = found.direction.filter(|_| same_side) else { return Ok(()) };
     let error = (direction - tube.tube_point(&root).direction).length();
     tally.within(format_args!("the direction {place}"), error, bound.direction)
 }
 
-/// Whether rounding alone may have made a root where the f64 model has none: at the rim, an end or a joint.
+/// Checks that rounding can explain a root that the f64 model does not have: at the rim, an end or a joint.
 fn is_rounding_only(tube: &Tube<f64>, q: DVec3, t: f64, dq: f64, tally: &mut CheckTally) -> Check {
     let (segment, u) = split(tube, t);
     let claimed = root_at(tube, segment, u, q);

@@ -1,4 +1,4 @@
-//! Pictures of everything that is legal and unkind hold numbers.
+//! Pictures of all legal but extreme input have finite numbers only.
 
 use glam::{DVec3, Vec4};
 use light::parameters::{CONE_ANGLE, INTENSITY, WIDTH};
@@ -14,25 +14,25 @@ use super::light::{LightLimits, unit_cube};
 use super::runner::{Check, CheckTally};
 use super::scenes::{Shot, obstacle, shots, square};
 
-/// A shot, lights of the other shapes beside its own, a material, and how far the shadow mesh may stray.
+/// A shot, lights of the other shapes, a material, and an allowed error of simplified casters.
 #[derive(Clone, Debug, Serialize)]
 pub struct FiniteCase {
     #[serde(flatten)]
     pub shot: Shot,
-    /// Of all lights.
+    /// Intensity of all lights.
     pub intensity: f64,
-    /// Light-local place and direction of the others, and the spotlight's half angle in degrees, which is the width of
-    /// the directional light's window too.
+    /// Position and direction of the other lights, light-local, and the spotlight's half angle in degrees, which is
+    /// also the width of the directional light's window.
     pub spot: ([f64; 3], [f64; 3], f64),
     pub roughness: f32,
     pub metallic: f32,
-    /// The scene's own scale along each axis; 0 flattens it.
+    /// Scale of the scene along each axis; 0 flattens it.
     pub squash: [f64; 3],
     /// World units.
     pub mesh_error: f64,
 }
 
-/// Lights up to the fold, with pinches; facets without area; everything flattened now and then.
+/// Cases with lights up to the fold, with pinches, with facets without area, and sometimes a flattened scene.
 pub fn cases() -> impl Strategy<Value = FiniteCase> {
     let any_light = LightLimits { segments: 4, fold: 1.0, pinched: true, flipping: true };
     let shot = shots(any_light, square(0.5..60.0), prop::collection::vec(obstacle(true), 0..6));
@@ -80,11 +80,10 @@ impl FiniteCase {
 
 const OF_THE_CAMERA: [Aov; 3] = [Aov::Beauty, Aov::Depth, Aov::Normal];
 const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
-/// By the adapter alone: the reference has no shadow maps.
+/// Checked for the two backends only: the reference has no shadow maps.
 const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
-/// Holds for every AOV of the camera and of all lights, and for what a screen shows, by the adapter, by the processor and by
-/// the reference.
+/// Checks every AOV of the camera and of all lights, and the displayed picture, by both backends and by the reference.
 pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Check {
     let material = Material {
         roughness: case.roughness,
@@ -132,7 +131,7 @@ pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Ch
     by_the_reference(&scene, &view, &lights, tally)
 }
 
-/// The same for a small picture in f64, of the last light.
+/// Checks a small picture of the reference, with the last light.
 fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut CheckTally) -> Check {
     let reference = Reference::new(scene::pose(scene.clone()));
     for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {
@@ -149,7 +148,7 @@ fn check_ranges(aovs: &[Aov], pictures: &[Picture], tally: &mut CheckTally) -> C
     pixels.into_iter().try_for_each(|(aov, pixel)| check_range("adapter", aov, pixel.map(f64::from), tally))
 }
 
-/// Holds where a pixel holds numbers, each in the range of its AOV.
+/// Checks that a pixel has finite numbers, each in the range of its AOV.
 fn check_range(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut CheckTally) -> Check {
     let [x, y, z, alpha] = pixel;
     let length = DVec3::new(x, y, z).length();
@@ -158,7 +157,7 @@ fn check_range(whose: &str, aov: Aov, pixel: [f64; 4], tally: &mut CheckTally) -
         Aov::Visibility => (0.0..=1.0).contains(&x),
         // A few roundings of f32 each.
         Aov::Direction => (length - 1.0).abs() < 1e-6,
-        // In a square, where it is not in a circle.
+        // A square; the caller checks the circle for lights with a round cross-section.
         Aov::Vw => x.abs().max(y.abs()) < 1.0 + 1e-5,
         Aov::Beauty | Aov::Depth => x.min(y).min(z) >= 0.0,
         Aov::Wireframe => (0.0..=1.0).contains(&y),

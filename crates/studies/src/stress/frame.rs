@@ -1,4 +1,4 @@
-//! The cross-section's frame is orthonormal, and goes on over joints.
+//! The frame of the cross-section is orthonormal, and continuous at joints.
 
 use light::{FrameMode, Light, Real, Tube};
 use proptest::prelude::*;
@@ -8,23 +8,23 @@ use super::light::{LightLimits, as_file, lights};
 use super::place::eps;
 use super::runner::{Check, CheckTally};
 
-/// A light and places along it.
+/// A light and parameters along it.
 #[derive(Clone, Debug, Serialize)]
 pub struct FrameCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
-    /// As shares of the light's length.
+    /// Shares of the light's length.
     pub shares: Vec<f64>,
 }
 
-/// Thin lights too, that turn as sharply as they like.
+/// Cases that include thin lights with arbitrarily sharp turns.
 pub fn cases() -> impl Strategy<Value = FrameCase> {
     let lights = lights(LightLimits { segments: 40, fold: 1.0, pinched: true, flipping: true });
     let share = prop_oneof![4 => (0.0..1.0).boxed(), 1 => Just(0.0).boxed(), 1 => Just(1.0).boxed()];
     (lights, prop::collection::vec(share, 1..16)).prop_map(|(light, shares)| FrameCase { light, shares })
 }
 
-/// Holds at each place and joint, in f64 and f32.
+/// Checks each parameter and joint, in f64 and f32.
 pub fn check(case: &FrameCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     orthonormal(&tube, &case.shares, tally)?;
@@ -32,7 +32,7 @@ pub fn check(case: &FrameCase, tally: &mut CheckTally) -> Check {
     check_transport(&tube, tally)
 }
 
-/// A handful of roundings, of vectors that are differences of others of length `L`: `32 eps (1 + L / |d|)`.
+/// Bound of some roundings, for vectors that are differences of others of length `L`: `32 eps (1 + L / |d|)`.
 fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut CheckTally) -> Check {
     for share in shares {
         let t = share * tube.n as f64;
@@ -66,7 +66,7 @@ fn orthonormal<F: Real>(tube: &Tube<F>, shares: &[f64], tally: &mut CheckTally) 
     Ok(())
 }
 
-/// `v_hat` is the same from both sides of a joint, but for a corner, where it takes the smallest turn.
+/// `v_hat` is the same from both sides of a joint, except at a corner, which it crosses by the smallest rotation.
 fn check_transport(tube: &Tube<f64>, tally: &mut CheckTally) -> Check {
     if tube.frame == FrameMode::Up {
         return Ok(());

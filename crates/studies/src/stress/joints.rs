@@ -1,4 +1,4 @@
-//! Nothing jumps, gapes or counts twice where segments meet.
+//! Coordinates are continuous at joints, and no point there is lost or counted twice.
 
 use light::parameters::DIRECTION;
 use light::{DirectionMode, Light, LightWarning, Real, Tube};
@@ -9,7 +9,7 @@ use super::light::{LightLimits, as_file, lights};
 use super::place::{bounds, eps, point_at, root_at};
 use super::runner::{Check, CheckTally};
 
-/// A light and points about its joints.
+/// A light and points near its joints.
 #[derive(Clone, Debug, Serialize)]
 pub struct JointCase {
     #[serde(serialize_with = "as_file")]
@@ -17,10 +17,10 @@ pub struct JointCase {
     pub crossings: Vec<JointCrossing>,
 }
 
-/// A step over a joint.
+/// A step across a joint.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct JointCrossing {
-    /// From 1, modulo the number of joints.
+    /// Index of the joint, taken modulo the number of joints.
     pub joint: usize,
     pub v: f64,
     pub w: f64,
@@ -28,7 +28,7 @@ pub struct JointCrossing {
     pub step: f64,
 }
 
-/// Lights whose direction is "tube", the one that promises continuity.
+/// Cases of lights with the direction "tube", which is continuous by definition.
 pub fn cases() -> impl Strategy<Value = JointCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let step = prop_oneof![Just(0.0).boxed(), super::light::decades(-16.0, -6.0).boxed()];
@@ -46,7 +46,7 @@ pub fn cases() -> impl Strategy<Value = JointCase> {
     })
 }
 
-/// Holds for each crossing, in f64 and f32.
+/// Checks each crossing, in f64 and f32.
 pub fn check(case: &JointCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let corners: Vec<f64> = tube.warnings().into_iter().filter_map(corner).collect();
@@ -73,7 +73,7 @@ fn corner(warning: LightWarning) -> Option<f64> {
     }
 }
 
-/// `V`, `W`, `R`, direction and irradiance from the segment before and from the one after.
+/// Compares `V`, `W`, `R` and direction from the segment before the joint and from the one after it.
 fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &JointCrossing, tally: &mut CheckTally) -> Check {
     let q = point_at(tube, joint as f64, at.v, at.w);
     let (before, mut after) = (root_at(tube, joint - 1, 1.0, q), root_at(tube, joint, 0.0, q));
@@ -94,7 +94,8 @@ fn both_sides_agree(tube: &Tube<f64>, joint: usize, at: &JointCrossing, tally: &
     tally.within(format_args!("the direction {place}"), turn, 2.0 * bound.direction)
 }
 
-/// A point a little to one side of the joint's plane, or on it, is found once and where it should be.
+/// Checks that a point on the joint's plane, or a little to one side of it, is found once and at the expected
+/// parameter.
 fn check_no_gap<F: Real>(
     exact: &Tube<f64>,
     tube: &Tube<F>,
@@ -105,7 +106,7 @@ fn check_no_gap<F: Real>(
     let from = point_at(exact, joint as f64, at.v, at.w);
     let here = root_at(exact, joint - 1, 1.0, from);
     let q = from + here.u_hat * at.step;
-    // The curvature jumps here: the same step is another one in t on either side.
+    // The curvature jumps here, so the same step is a different one in t on either side.
     let there = root_at(exact, joint, 0.0, from);
     let [Some(before), Some(after)] =
         [here, there].map(|root| bounds(exact, &root, q, eps::<F>(), at.step.abs()))

@@ -1,4 +1,4 @@
-//! Lights that are valid and unkind.
+//! Valid lights with extreme shapes.
 
 use glam::{DQuat, DVec3};
 use light::parameters::{DECAY, DIRECTION, END_MODE, FRAME, UP};
@@ -6,39 +6,39 @@ use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightError, Transfo
 use proptest::prelude::*;
 use serde::{Serialize, Serializer};
 
-/// Writes a light as a light file has it.
+/// Serializes a light in the form of a light file.
 pub fn as_file<S: Serializer>(light: &Light, serializer: S) -> Result<S::Ok, S::Error> {
     protocol::Light::from(light).serialize(serializer)
 }
 
-/// A vector with each component in `[-1, 1]`.
+/// Vector with each component in `[-1, 1]`.
 pub fn unit_cube() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// A rotation; the identity when shrunk.
+/// Rotation that shrinks to the identity.
 pub fn rotation() -> impl Strategy<Value = DQuat> {
     (unit_cube(), 0.0..std::f64::consts::PI)
         .prop_map(|(axis, angle)| DQuat::from_axis_angle(axis.try_normalize().unwrap_or(DVec3::Y), angle))
 }
 
-/// A size between `10^low` and `10^high`.
+/// Number between `10^low` and `10^high`.
 pub fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low..high).prop_map(|exponent| 10_f64.powf(exponent))
 }
 
-/// How the control points lie.
+/// Arrangement of control points.
 #[derive(Clone, Copy, Debug)]
 enum CurveFamily {
-    /// Along -Z, strayed by up to this much.
+    /// Along -Z, displaced by up to this much.
     Wandering(f64),
-    /// To and fro, this far apart.
+    /// Back and forth, this far apart.
     Hairpin(f64),
-    /// Around a circle, this many radians a step.
+    /// Around a circle, this many radians per step.
     Ring(f64),
-    /// Wandering, with neighbours only this far from each other here and there.
+    /// Wandering, with some adjacent points only this far apart.
     Clustered(f64),
-    /// Wandering, with steps that differ in length by up to this many decades.
+    /// Wandering, with lengths of steps that differ by up to this many decades.
     Uneven(f64),
 }
 
@@ -55,7 +55,7 @@ fn family() -> impl Strategy<Value = CurveFamily> {
     ]
 }
 
-/// Control points of a family: each knot is where its point strays to.
+/// Control points of a family. A knot is the random displacement of its point.
 fn points(family: CurveFamily, knots: &[DVec3]) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = Vec::with_capacity(knots.len());
     for (i, &knot) in knots.iter().enumerate() {
@@ -77,28 +77,28 @@ fn points(family: CurveFamily, knots: &[DVec3]) -> Vec<DVec3> {
         });
     }
     let source = points[0];
-    // About a unit a step, whatever the family; by a power of two, so that what coincides still does.
+    // About one unit per step in every family. The factor is a power of two, so that coincident points still coincide.
     let length: f64 = points.windows(2).map(|leg| leg[1].distance(leg[0])).sum();
     let size = if length > 0.0 { ((points.len() - 1) as f64 / length).log2().round().exp2() } else { 1.0 };
     points.iter().map(|&point| (point - source) * size).collect()
 }
 
-/// Whether no tangent comes near `up`: each lies between two legs of the control polygon.
+/// True if no tangent comes near `up`: each tangent lies between two legs of the control polygon.
 fn is_away_from_up(family: CurveFamily, knots: &[(DVec3, f64)], up: DVec3) -> bool {
     let strays: Vec<DVec3> = knots.iter().map(|knot| knot.0).collect();
     let legs = points(family, &strays);
     legs.windows(2).all(|leg| (leg[1] - leg[0]).normalize_or_zero().dot(up.normalize_or_zero()).abs() < 0.8)
 }
 
-/// What a light is made from.
+/// Values from which a light is made.
 #[derive(Clone, Debug)]
 struct LightRecipe {
     family: CurveFamily,
-    /// Where each control point strays to, and its share of `width`.
+    /// Displacement of each control point, and its radius as a share of `width`.
     knots: Vec<(DVec3, f64)>,
-    /// The largest radius, in steps between control points.
+    /// Largest radius, in steps between control points.
     width: f64,
-    /// The largest `R kappa` that the radii are made smaller for.
+    /// Limit of `R kappa`, to which the radii are reduced.
     fold: f64,
     up: DVec3,
     frame: FrameMode,
@@ -107,11 +107,11 @@ struct LightRecipe {
     decay: Decay,
 }
 
-/// Radii of a tube that cannot fold, whatever its curve.
+/// Radii of a tube that cannot fold, for any curve.
 const THIN: f64 = 1e-12;
 
 impl LightRecipe {
-    /// The light, its radii made small enough not to fold; refused where its curve is.
+    /// Makes the light, with radii that do not fold; an error if its curve is invalid.
     fn light(self) -> Result<Light, LightError> {
         let (strays, shares): (Vec<DVec3>, Vec<f64>) = self.knots.into_iter().unzip();
         let points = points(self.family, &strays);
@@ -123,27 +123,27 @@ impl LightRecipe {
                 .with(END_MODE, self.end_mode)
                 .with(DECAY, self.decay)
         };
-        // `R kappa` grows with the radii: from that of a thin tube follows how wide one may be.
+        // `R kappa` is proportional to the radii, so that of a thin tube gives the largest radius.
         let thin = Tube::new(&with(THIN))?.r_kappa_max().into_iter().fold(0.0, f64::max);
         let widest = if thin > 0.0 { self.fold * THIN / thin } else { f64::INFINITY };
         Ok(with(self.width.min(widest)))
     }
 }
 
-/// Which lights to make.
+/// Limits of random lights.
 #[derive(Clone, Copy, Debug)]
 pub struct LightLimits {
-    /// Most segments.
+    /// Maximum number of segments.
     pub segments: usize,
-    /// Largest `R kappa`.
+    /// Maximum of `R kappa`.
     pub fold: f64,
-    /// Whether the radius may be zero past the source.
+    /// True if the radius may be zero past the source.
     pub pinched: bool,
-    /// Whether the "up" frame may come near the tangent, where it flips.
+    /// True if the direction `up` of the "up" frame may come near the tangent, where the frame flips.
     pub flipping: bool,
 }
 
-/// Valid lights at the origin, about a unit a step.
+/// Valid lights at the origin, about one unit per step.
 pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
     let share = prop_oneof![4 => (0.1..1.0).boxed(), u32::from(wanted.pinched) => Just(0.0).boxed()];
     let width = prop_oneof![4 => (0.05..0.6).boxed(), 1 => decades(-4.0, 1.5).boxed()];
@@ -173,7 +173,7 @@ pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
     )
 }
 
-/// A placement up to a million units from the world's origin, at sizes from a ten-thousandth to ten thousand.
+/// Placement up to a million units from the world's origin, with scales from a ten-thousandth to ten thousand.
 pub fn placement() -> impl Strategy<Value = Transform> {
     let far = prop_oneof![Just(0.0), (0.0..10.0), Just(1e3), Just(1e6)];
     let scale = prop_oneof![Just(1.0).boxed(), decades(-4.0, 4.0).boxed()];

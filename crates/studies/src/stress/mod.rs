@@ -1,7 +1,7 @@
-//! Numerical stress: what must hold for every light and scene, tried on random and on unkind ones.
+//! Numerical stress: properties that must hold for every light and scene, tested with random and extreme ones.
 //!
-//! Each property is a kind of case, a check, and a bound that follows from conditioning. What fails is made as simple as it can be
-//! (by proptest), and named by a seed that makes it again.
+//! Each property has a strategy for cases, a check, and a bound that follows from conditioning. proptest simplifies a
+//! failing case as far as possible, and a seed reproduces it.
 
 mod adapter;
 mod finite;
@@ -31,36 +31,36 @@ use self::runner::{Check, CheckTally, TrySeed, property};
 use self::shadow::Fault;
 use crate::StudyError;
 
-/// What must hold.
+/// Property that must hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Property {
-    /// No root is wrong, missing or NaN, in f64 and f32, against a search by brute force.
+    /// No root is wrong, missing or NaN, in f64 and f32, in comparison with a brute-force search.
     Solver,
-    /// The cross-section's frame is orthonormal and goes on over joints.
+    /// The frame of the cross-section is orthonormal and continuous at joints.
     Frame,
-    /// From (t, v, w) to a point and back.
+    /// Conversion from (t, v, w) to a point and back.
     RoundTrip,
     /// (t, v, w), radius and direction agree from both sides of a joint; no point there is lost or counted twice.
     Joints,
-    /// A light and its points, moved, turned and scaled together, stay as they were.
+    /// A light and its points keep their coordinates if they are moved, rotated and scaled together.
     World,
-    /// The adapter finds the same (t, v, w), radius and direction as the model in f64.
+    /// The GPU finds the same (t, v, w), radius and direction as the model in f64.
     Locate,
-    /// The adapter draws vertices into shadow maps where the model in f64 puts them.
+    /// The GPU puts vertices into shadow maps where the model in f64 does.
     Map,
-    /// A plane that nothing shadows is lit.
+    /// A plane without casters is lit.
     LonePlane,
-    /// Nothing shines through a wall of triangles.
+    /// No light passes through a wall of triangles.
     Wall,
-    /// Shadows of triangles of every kind are where a walk along the light's paths says.
+    /// Shadows of triangles of every kind agree with a walk along the light paths.
     Shadow,
-    /// Every AOV of every picture holds numbers, each in its range.
+    /// Every AOV of every picture has finite numbers, each in its range.
     Finite,
 }
 
 impl Property {
-    /// All of them, in the order in which they are tried.
+    /// All properties, in the order in which they are tried.
     pub const ALL: [Self; 11] = [
         Self::Solver,
         Self::Frame,
@@ -75,7 +75,7 @@ impl Property {
         Self::Finite,
     ];
 
-    /// As it is written in JSON and on the command line.
+    /// Name in JSON and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Solver => "solver",
@@ -92,7 +92,7 @@ impl Property {
         }
     }
 
-    /// What it does with a seed; `None` where it needs an adapter and there is none.
+    /// Function that tries the case of a seed; `None` if it needs a GPU and there is none.
     fn tries(self, adapter: Option<&Adapter>) -> Option<TrySeed<'_>> {
         let tries = match (self, adapter) {
             (Self::Solver, _) => property(solver::cases(), solver::check),
@@ -118,7 +118,7 @@ impl Property {
     }
 }
 
-/// A property of what an adapter does.
+/// Makes the function for a property of the GPU.
 fn with_adapter<'a, C: Debug + Serialize>(
     adapter: &'a Adapter,
     cases: impl Strategy<Value = C> + 'a,
@@ -127,7 +127,7 @@ fn with_adapter<'a, C: Debug + Serialize>(
     property(cases, move |case, tally| check(case, adapter, tally))
 }
 
-/// A name that is no property.
+/// Name that is no property.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("`{0}` is not a property: choose one of {names}", names = Property::ALL.map(Property::name).join(", "))]
 pub struct UnknownProperty(String);
@@ -143,55 +143,52 @@ impl FromStr for Property {
     }
 }
 
-/// How much to try.
+/// Amount of testing.
 #[derive(Clone, Copy, Debug)]
 pub enum Length {
-    /// For as long as this, shared evenly.
+    /// Total time, shared evenly by the properties.
     Time(Duration),
-    /// So many cases of each property.
+    /// Number of cases of each property.
     Cases(u64),
 }
 
-/// What to try.
+/// Options of a run.
 #[derive(Clone, Debug)]
 pub struct StressOptions {
-    /// Which properties.
     pub properties: Vec<Property>,
-    /// Case k is the first one of a run with this plus k.
+    /// Seed of the run. Case k is the first case of a run with the seed plus k.
     pub seed: u64,
-    /// When to stop.
     pub length: Length,
-    /// Spoil what each check looks at, to show that it would see such a fault.
+    /// Corrupts the input of each check, to show that it detects such a fault.
     pub planted: bool,
 }
 
-/// What was found.
+/// Results of a run.
 #[derive(Clone, Debug, Serialize)]
 pub struct StressReport {
-    /// Of the first case of each property.
+    /// Seed of the first case of each property.
     pub seed: u64,
-    /// One a property.
+    /// One per property.
     pub outcomes: Vec<PropertyOutcome>,
 }
 
-/// What was found of one property.
+/// Result for one property.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PropertyOutcome {
-    /// What was to hold.
     pub property: Property,
-    /// Cases tried; a failure ends it.
+    /// Number of cases tried; the first failure ends the property.
     pub cases: u64,
-    /// Numbers compared with their bound.
+    /// Number of values compared with their bounds.
     pub comparisons: u64,
-    /// Largest error as a share of its bound; `null` where something failed that has no size.
+    /// Largest error as a share of its bound; `null` after a failure that has no size.
     pub worst_share: f64,
-    /// The case it does not hold for.
+    /// Case for which the property does not hold.
     pub failure: Option<PropertyFailure>,
 }
 
 impl StressReport {
-    /// The properties that do not hold.
+    /// Properties that do not hold, with their failures.
     pub fn failed(&self) -> impl Iterator<Item = (Property, &PropertyFailure)> {
         self.outcomes.iter().filter_map(|outcome| Some((outcome.property, outcome.failure.as_ref()?)))
     }
@@ -206,11 +203,11 @@ struct PropertyRun<'a> {
     failure: Option<PropertyFailure>,
 }
 
-/// How long one property is tried before the next has its turn.
+/// Time for which a property is tried before the next one has its turn.
 const TURN_TIME: Duration = Duration::from_millis(200);
 
 impl PropertyRun<'_> {
-    /// Tries more cases, up to `most` in all.
+    /// Tries more cases, up to `most` in total.
     fn try_cases(&mut self, seed: u64, most: u64) {
         let began = Instant::now();
         while self.failure.is_none() && self.cases < most && began.elapsed() < TURN_TIME {
@@ -231,7 +228,7 @@ impl PropertyRun<'_> {
     }
 }
 
-/// Tries the properties in turns; one that fails does not stop the others. `progress` is told the share that is done.
+/// Tries the properties in turns; one that fails does not stop the others. `progress` gets the finished share.
 pub fn run(options: &StressOptions, progress: impl Fn(f64)) -> Result<StressReport, StudyError> {
     let needs_adapter = options.properties.iter().any(|property| property.tries(None).is_none());
     let adapter = needs_adapter.then(Adapter::open).transpose()?;

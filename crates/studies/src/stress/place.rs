@@ -1,4 +1,4 @@
-//! Points to ask a light about, and how well each is conditioned.
+//! Test points for a light, and the conditioning of their coordinates.
 
 use std::f64::consts::TAU;
 
@@ -8,32 +8,32 @@ use proptest::prelude::*;
 
 use super::light::unit_cube;
 
-/// A point by its place in a light.
+/// A point by its coordinates in a light.
 #[derive(Clone, Copy, Debug)]
 pub enum PointSpec {
-    /// At a share of the light's length, at `rho` radii from its curve in a direction across it.
+    /// At a share of the light's length, at `rho` radii from its curve in a direction perpendicular to it.
     InTube {
-        /// 0 to 1; past 1 on an extension.
+        /// 0 to 1; above 1 on an extension.
         share: f64,
-        /// 1 is the edge.
+        /// 1 is the rim.
         rho: f64,
         /// Radians from `v_hat`.
         angle: f64,
     },
     /// On the plane through a joint.
     AtJoint {
-        /// Which one, modulo their number.
+        /// Index of the joint, modulo their number.
         joint: usize,
-        /// Radii from the curve; 1 is the edge.
+        /// Radii from the curve; 1 is the rim.
         rho: f64,
         /// Radians from `v_hat`.
         angle: f64,
     },
-    /// At a share of the way to the centre of curvature, however wide the tube is.
+    /// At a share of the distance to the center of curvature, independent of the tube's radius.
     NearEvolute {
         /// Along the curve, 0 to 1.
         share: f64,
-        /// 1 is the centre of curvature.
+        /// 1 is the center of curvature.
         share_to_centre: f64,
     },
     /// Anywhere, in tube units.
@@ -41,7 +41,7 @@ pub enum PointSpec {
 }
 
 impl PointSpec {
-    /// The point in tube space.
+    /// Computes the point in tube space.
     pub fn in_tube_space(self, tube: &Tube<f64>) -> DVec3 {
         let n = tube.n as f64;
         match self {
@@ -64,7 +64,7 @@ impl PointSpec {
     }
 }
 
-/// Places of every kind.
+/// Points of every kind.
 pub fn places() -> impl Strategy<Value = PointSpec> {
     let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
     let near = (decade, unit_cube()).prop_map(|(decade, q)| PointSpec::Free(q * 10_f64.powf(decade)));
@@ -73,18 +73,18 @@ pub fn places() -> impl Strategy<Value = PointSpec> {
     prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
 }
 
-/// Places in a tube and a little around it.
+/// Points in a tube and a little around it.
 pub fn in_tube(rho_max: f64) -> impl Strategy<Value = PointSpec> {
     let rho = prop_oneof![4 => (0.0..rho_max).boxed(), 1 => Just(0.0).boxed()];
     (0.0..1.0, rho, 0.0..TAU).prop_map(|(share, rho, angle)| PointSpec::InTube { share, rho, angle })
 }
 
-/// Places on the planes where segments meet.
+/// Points on the planes at which segments meet.
 pub fn at_joint() -> impl Strategy<Value = PointSpec> {
     (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| PointSpec::AtJoint { joint, rho, angle })
 }
 
-/// The index of the segment that holds `t`, and the parameter in it; a joint belongs to the lower one.
+/// Index of the segment that contains `t`, and the parameter in it. A joint belongs to the lower segment.
 pub fn split(tube: &Tube<f64>, t: f64) -> (usize, f64) {
     let i = (t.ceil() as usize).saturating_sub(1).min(tube.segments.len() - 1);
     (i, t - i as f64)
@@ -96,14 +96,14 @@ pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     point_in(tube, i, u, v, w)
 }
 
-/// The same by the index of a segment and the parameter in it.
+/// The tube-space point at the parameter `u` of segment `i`.
 pub fn point_in(tube: &Tube<f64>, i: usize, u: f64, v: f64, w: f64) -> DVec3 {
     let segment = &tube.segments[i].curve;
     let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
     segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
 }
 
-/// What the light model says of `q` where the root is known to be `u` of a segment.
+/// Root of the light model for `q` at the known parameter `u` of a segment.
 pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> TubeRoot<f64> {
     let s = &tube.segments[segment].curve;
     let (u_hat, r) = (s.u_hat(u), s.offset(q, u));
@@ -111,28 +111,28 @@ pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> TubeRoot<f
     TubeRoot { segment, u, r, v_len: r.dot(v_hat), w_len: r.dot(w_hat), radius: s.radius(u), v_hat, u_hat }
 }
 
-/// By how much what is found at a root may be off, in tube units (light model, section 5).
+/// Bounds on the errors of values at a root, in tube units (light model, section 5).
 #[derive(Clone, Copy, Debug)]
 pub struct RootBounds {
-    /// Of the parameter.
+    /// Error of the parameter.
     pub t: f64,
-    /// Of `V` and `W`, as lengths.
+    /// Error of `V` and `W`, as lengths.
     pub across: f64,
-    /// Of the radius.
+    /// Error of the radius.
     pub radius: f64,
-    /// Of the "tube" direction.
+    /// Error of the "tube" direction.
     pub direction: f64,
-    /// Change of the parameter for a point that moves along the curve, per length.
+    /// Change of the parameter per length, for a point that moves along the curve.
     pub rate: f64,
 }
 
-/// The bounds for a computation whose numbers carry `eps`, asked at `q`, with a further error `dq` of the
-/// point; `None` where so much is off that the derivatives here say nothing.
+/// Computes the bounds at `q` for a computation with relative precision `eps` and a further error `dq` of the point.
+/// `None` if the errors are so large that the derivatives at the root do not describe them.
 ///
-/// A point moved by `e` moves the root by `e / sigma`, `sigma = |P'| (1 - kappa r.N)`, and by half of `H_t e^2`
-/// (section 4). The numbers of point and segment are rounded at the size of `|q| + |r| + L`; and each direction is
-/// good to `eps L / |d|`, because `d` is a difference of vectors of length `L`. `V` does not change with u in the
-/// rotation-minimising frame, and turns by `tau` in the other one.
+/// A displacement `e` of a point moves the root by `e / sigma`, `sigma = |P'| (1 - kappa r.N)`, and by half of
+/// `H_t e^2` (section 4). The numbers of point and segment are rounded at the size of `|q| + |r| + L`. Each direction
+/// is accurate to `eps L / |d|`, because `d` is a difference of vectors of length `L`. `V` does not change with u in
+/// the rotation-minimizing frame, and rotates by `tau` in the other one.
 pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f64) -> Option<RootBounds> {
     let (s, u) = (&tube.segments[root.segment].curve, root.u);
     let (d, turn) = (s.d(u).length(), s.u_hat_derivative(u, root.u_hat));
@@ -142,11 +142,13 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     let off = rounding + dq;
     let h_t = (2.0 * turn.length() + 2.0 * s.a.length() * (1.0 + rho * turn.length() / d) / sigma)
         / (sigma * sigma);
-    // A direction that is off by an angle moves the plane square to the curve by that much at `r`.
+    // An angular error of the direction moves the plane perpendicular to the curve by that angle times the distance
+    // `r`.
     let along = off + 16.0 * eps * rho * length / d;
     let bent = h_t * along * along;
     let t = along / sigma + bent;
-    // Mostly first order, little of the bend's radius and of the segment, and a tube that is wider than that.
+    // The bounds hold if they are mostly first order, small relative to the radius of curvature and the segment, and
+    // smaller than the tube.
     let known =
         sigma > 0.0 && bent < 0.1 * t && t < 0.02 && t * s.a.length() < 0.02 * d && root.radius > 8.0 * off;
     if !known {
@@ -162,7 +164,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     let across = off + (frame + twist) * rho;
     let slope = s.radius_derivative(u).abs();
     let radius = (slope + s.ar.abs() * t) * t + 16.0 * eps * (root.radius + s.r0.abs() + s.e0.abs());
-    // T = P' + (R'/R) r, each factor's change in turn.
+    // T = P' + (R'/R) r, with the change of each factor in turn.
     let per_radius = 1.0 / root.radius.max(f64::MIN_POSITIVE);
     let spread =
         rho * per_radius * (2.0 * s.ar.abs() * t + slope * radius * per_radius) + slope * per_radius * across;
@@ -171,7 +173,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     Some(RootBounds { t, across, radius, direction, rate: 1.0 / sigma })
 }
 
-/// 2^-52 or 2^-24, as the light model's bounds have it.
+/// 2^-52 or 2^-24, as in the light model's bounds.
 pub fn eps<F: Real>() -> f64 {
     if size_of::<F>() == 8 { f64::EPSILON } else { f64::from(f32::EPSILON) / 2.0 }
 }

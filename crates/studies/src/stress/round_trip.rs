@@ -1,4 +1,4 @@
-//! From (t, v, w) to a point and back.
+//! Conversion from (t, v, w) to a point and back.
 
 use light::{Light, Real, Tube};
 use proptest::prelude::*;
@@ -8,16 +8,16 @@ use super::light::{LightLimits, as_file, lights};
 use super::place::{bounds, eps, point_at, root_at, split};
 use super::runner::{Check, CheckTally};
 
-/// A light and places in it.
+/// A light and coordinates in it.
 #[derive(Clone, Debug, Serialize)]
 pub struct RoundTripCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
-    /// (t, v, w) of each.
+    /// (t, v, w) of each point.
     pub places: Vec<[f64; 3]>,
 }
 
-/// Lights of every kind, and places inside them.
+/// Cases with lights of every kind, and points inside them.
 pub fn cases() -> impl Strategy<Value = RoundTripCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let place = (0.0..1.0, 0.0..0.999, 0.0..std::f64::consts::TAU);
@@ -29,7 +29,7 @@ pub fn cases() -> impl Strategy<Value = RoundTripCase> {
     })
 }
 
-/// Holds for each place, in f64 and f32.
+/// Checks each point, in f64 and f32.
 pub fn check(case: &RoundTripCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let single = Tube::<f32>::from(&tube);
@@ -51,7 +51,7 @@ fn comes_back<F: Real>(
     let root = root_at(exact, segment, u, q);
     let Some(bound) = bounds(exact, &root, q, eps::<F>(), 0.0) else { return Ok(()) };
     let gap = (1.0 - v.hypot(w)) * root.radius;
-    // Rounding may put a point at the rim or at an end outside.
+    // Rounding can put a point at the rim or at an end outside.
     if gap < 4.0 * (bound.across + bound.radius) || t < bound.t || exact.n as f64 - t < bound.t {
         return Ok(());
     }

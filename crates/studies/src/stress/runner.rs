@@ -1,4 +1,4 @@
-//! Generates cases, shrinks what fails, and counts.
+//! Generates cases, shrinks failing ones, and counts.
 
 use std::cell::RefCell;
 use std::fmt::{Arguments, Debug};
@@ -7,27 +7,27 @@ use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 use serde::Serialize;
 
-/// Simplifications tried on a case that fails.
+/// Maximum number of simplifications of a failing case.
 const SHRINK_STEPS: u32 = 2_000;
-/// How long that may take: a picture a step is slow.
+/// Maximum time for them in milliseconds: a picture per step is slow.
 const SHRINK_MS: u32 = 30_000;
 
-/// What has been compared so far, and whether what is compared carries a planted fault.
+/// Counts of comparisons, and a flag that plants a fault.
 #[derive(Debug, Default)]
 pub struct CheckTally {
-    /// Whether the check is to spoil what it looks at, to show that it would see such a fault.
+    /// True if the check must corrupt its input, to show that it detects such a fault.
     pub is_planted: bool,
-    /// Numbers compared with a bound.
+    /// Number of values compared with a bound.
     pub comparisons: u64,
     /// Largest error as a share of its bound.
     pub worst_share: f64,
 }
 
-/// Why a property does not hold, as a clause.
+/// Result of a check. An error is the fault as a clause.
 pub type Check = Result<(), String>;
 
 impl CheckTally {
-    /// Compares an error with its bound. NaN is past every bound.
+    /// Compares an error with its bound. NaN exceeds every bound.
     pub fn within(&mut self, what: Arguments, error: f64, bound: f64) -> Check {
         self.comparisons += 1;
         let share = if error == 0.0 { 0.0 } else { error / bound };
@@ -39,7 +39,7 @@ impl CheckTally {
         }
     }
 
-    /// Notes that something either holds or does not.
+    /// Records a condition that has no size.
     pub fn holds(&mut self, holds: bool, otherwise: impl FnOnce() -> String) -> Check {
         self.comparisons += 1;
         if holds {
@@ -50,21 +50,21 @@ impl CheckTally {
     }
 }
 
-/// A case that a property does not hold for, as simple as it could be made.
+/// Case for which a property does not hold, simplified as far as possible.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct PropertyFailure {
-    /// The first case of a run with this seed, and this property alone, is the one that failed.
+    /// Seed with which a run of this property alone begins with the failing case.
     pub seed: u64,
-    /// What is wrong in the simplest case found.
+    /// Fault in the simplest case found.
     pub why: String,
-    /// That case. Lights are as in a light file, positions in the world.
+    /// The simplest case. Lights are as in a light file, positions are in the world.
     pub case: serde_json::Value,
 }
 
-/// Tries the case that a seed stands for: a [`Failure`] where the property does not hold for it.
+/// Tries the case of a seed. Returns a [`PropertyFailure`] if the property does not hold for it.
 pub type TrySeed<'a> = Box<dyn Fn(u64, &mut CheckTally) -> Option<PropertyFailure> + 'a>;
 
-/// Cases of one kind and what must hold for each.
+/// Combines a strategy for cases and a check into a function of the seed.
 pub fn property<'a, C: Debug + Serialize>(
     cases: impl Strategy<Value = C> + 'a,
     check: impl Fn(&C, &mut CheckTally) -> Check + 'a,
@@ -101,7 +101,7 @@ pub fn property<'a, C: Debug + Serialize>(
     })
 }
 
-/// Random bits that are a function of the seed alone.
+/// Random number generator that depends on the seed alone.
 fn rng(seed: u64) -> TestRng {
     let mut bytes = [0; 32];
     bytes[..8].copy_from_slice(&seed.to_le_bytes());

@@ -1,4 +1,4 @@
-//! Scenes in a light's way, in the light's own space: they are moved, turned and scaled with it.
+//! Scenes with casters for a light, in the light's own space: the light's transform moves, rotates and scales them.
 
 use std::f64::consts::TAU;
 
@@ -12,17 +12,17 @@ use serde::Serialize;
 use super::light::{LightLimits, as_file, lights, placement, unit_cube};
 use super::place::{PointSpec, in_tube, point_at};
 
-/// A picture's size.
+/// Width of a picture in pixels.
 pub const WIDTH: u32 = 96;
-/// See [`WIDTH`].
+/// Height of a picture in pixels.
 pub const HEIGHT: u32 = 64;
-/// The picture's angle of view, vertical, in radians.
+/// Vertical field of view of a picture, in radians.
 pub const YFOV: f64 = 0.8;
 
-/// A triangle in light-local space, as the scene holds it.
+/// A triangle in light-local space, in the scene's precision.
 pub type Facet = [[f32; 3]; 3];
 
-/// A light, what stands in its way, and a camera; all but the light's transform in light-local space.
+/// A light, its casters and receiver, and a camera. Everything except the light's transform is in light-local space.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shot {
     #[serde(serialize_with = "as_file")]
@@ -33,7 +33,7 @@ pub struct Shot {
 }
 
 impl Shot {
-    /// The scene, of these facets.
+    /// Makes the scene of the given facets.
     pub fn scene(&self, facets: &[Facet], materials: Vec<Material>) -> Scene {
         let mut primitive = Primitive::default();
         for facet in facets {
@@ -55,12 +55,12 @@ impl Shot {
         }
     }
 
-    /// The light as scenes hold it.
+    /// The light, checked for a renderer.
     pub fn lights(&self) -> Vec<LightInstance> {
         LightInstance::numbered([self.light.clone()]).expect("cases are valid")
     }
 
-    /// The picture of [`Aov::Beauty`] that the camera takes.
+    /// The camera's view of [`Aov::Beauty`].
     pub fn view(&self) -> View {
         let (eye, target): (DVec3, DVec3) = (self.eye.into(), self.target.into());
         let back = (eye - target).try_normalize().unwrap_or(DVec3::Z);
@@ -78,25 +78,25 @@ impl Shot {
     }
 }
 
-/// What stands in the way.
+/// Casters in a light.
 #[derive(Clone, Debug)]
 pub enum StressObstacle {
-    /// A square across the light, this many radii to each side, leaning by up to this much.
+    /// A square across the light, this many radii to each side, tilted by up to `lean`.
     Square { share: f64, lean: DVec3, half: f64 },
-    /// A square mesh across the light, of so many cells a side whose vertices stray by up to half a cell.
+    /// A square mesh across the light, with `cells` cells per side, whose vertices are displaced by up to half a cell.
     Wall { share: f64, lean: DVec3, half: f64, cells: usize, strays: Vec<DVec3> },
-    /// A triangle between places of the tube.
+    /// A triangle between points of the tube.
     Triangle([PointSpec; 3]),
-    /// One with this much of the third side's length for its height.
+    /// A triangle whose height is this share of the length of its third side.
     Sliver([PointSpec; 2], f64),
-    /// One corner at the source.
+    /// A triangle with one corner at the source.
     ThroughSource([PointSpec; 2]),
-    /// Two or three corners in one place.
+    /// Triangles of which two or three corners coincide.
     Degenerate(PointSpec, PointSpec),
 }
 
 impl StressObstacle {
-    /// Its triangles, in light-local space.
+    /// Triangles in light-local space.
     fn facets(&self, tube: &Tube<f64>, unit: f64) -> Vec<[DVec3; 3]> {
         let at = |place: &PointSpec| place.in_tube_space(tube) * unit;
         match self {
@@ -149,12 +149,12 @@ fn grid(
         .collect()
 }
 
-/// Squares and walls in the way of a light, to its shares from 0.1 to 1.
+/// Squares across a light, at shares of its length from 0.1 to 1.
 pub fn square(half: impl Strategy<Value = f64>) -> impl Strategy<Value = StressObstacle> {
     (0.1..1.0, unit_cube(), half).prop_map(|(share, lean, half)| StressObstacle::Square { share, lean, half })
 }
 
-/// A wall that reaches well past the tube's rim.
+/// A wall that extends well past the tube's rim.
 pub fn wall() -> impl Strategy<Value = StressObstacle> {
     let strays = prop::collection::vec(unit_cube(), 81);
     (0.1..0.8, unit_cube(), 3.0..8.0, 1..8_usize, strays).prop_map(|(share, lean, half, cells, strays)| {
@@ -162,7 +162,7 @@ pub fn wall() -> impl Strategy<Value = StressObstacle> {
     })
 }
 
-/// Triangles of every kind; those that `degenerate` adds have no area.
+/// Triangles of every kind; `degenerate` adds some without area.
 pub fn obstacle(degenerate: bool) -> impl Strategy<Value = StressObstacle> {
     let place = || in_tube(2.5).boxed();
     prop_oneof![
@@ -175,7 +175,7 @@ pub fn obstacle(degenerate: bool) -> impl Strategy<Value = StressObstacle> {
     ]
 }
 
-/// A light that falls on a square, with `others` in its way.
+/// A light that shines on a square, with `others` as casters.
 pub fn shots(
     wanted: LightLimits,
     receiver: impl Strategy<Value = StressObstacle>,
@@ -194,7 +194,7 @@ pub fn shots(
             let unit = tube.placement.world_per_tube;
             let facets = others.iter().chain([&receiver]).flat_map(|obstacle| obstacle.facets(&tube, unit));
             let facets = facets.map(|facet| facet.map(|p| p.as_vec3().to_array())).collect();
-            // The camera looks at the receiver, from the side that light comes from.
+            // The camera looks at the receiver from the side of the light.
             let share = if let StressObstacle::Square { share, .. } = receiver { share } else { share };
             let t = share * tube.n as f64;
             let target = point_at(&tube, t, 0.0, 0.0);

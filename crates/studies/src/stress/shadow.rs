@@ -1,4 +1,4 @@
-//! Shadows in pictures against the walk, pixel by pixel.
+//! Compares shadows in pictures with the walk along light paths, pixel by pixel.
 
 use glam::DVec3;
 use light::Tube;
@@ -12,26 +12,26 @@ use super::runner::{Check, CheckTally};
 use super::scenes::{Facet, HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
 use super::walk::{RESOLUTION, WalkReceiver, light_reaches};
 
-/// The lights whose shadow maps hold what they promise: not so close to a fold that a texel's width spans it.
+/// Lights whose shadow maps have their full accuracy: not so close to a fold that the width of a texel spans it.
 const LIGHTS: LightLimits = LightLimits { segments: 4, fold: 0.9, pinched: false, flipping: false };
 
-/// What a check spoils to show that it would see it.
+/// Fault that a check plants to show that it detects it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// The scene again, half as far from the source, that the walk does not know of.
+    /// A copy of the scene at half the distance from the source, unknown to the walk.
     Ghost,
     /// A wall with every second facet left out.
     Holes,
-    /// All but the receiver stands on the other side of the light.
+    /// All objects except the receiver are on the other side of the light.
     WrongSide,
 }
 
-/// A plane alone, that nothing shadows.
+/// A plane without casters.
 pub fn lone_planes() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(1.0..8.0), Just(vec![]))
 }
 
-/// A plane behind a wall that nothing shines through.
+/// A plane behind a closed wall.
 pub fn walls() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(3.0..8.0), wall().prop_map(|wall| vec![wall]))
 }
@@ -41,10 +41,10 @@ pub fn clutter() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(1.0..8.0), prop::collection::vec(obstacle(false), 1..6))
 }
 
-/// Pixels compared in one picture, at most.
+/// Maximum number of pixels compared in one picture.
 const PIXELS: usize = 48;
 
-/// The check, and what it spoils where a fault is to be planted.
+/// Makes the check, which plants `fault` if the tally says so.
 pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check {
     move |shot, adapter, tally| {
         let planted = tally.is_planted.then_some(fault);
@@ -52,7 +52,8 @@ pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check
     }
 }
 
-/// Holds where the visibility is a share, and the walk's answer two texels and more off a shadow's edge.
+/// Checks that visibility is in 0 to 1, and equals that of the walk at a distance of at least two texels from a shadow
+/// edge.
 fn agrees_with_the_walk(
     shot: &Shot,
     planted: Option<Fault>,
@@ -94,7 +95,7 @@ fn agrees_with_the_walk(
     })
 }
 
-/// The same for one pixel of the pictures of depth, normal and visibility.
+/// Compares one pixel of the pictures of depth, normal and visibility.
 fn pixel_agrees(
     tube: &Tube<f64>,
     triangles: &[[DVec3; 3]],
@@ -105,7 +106,7 @@ fn pixel_agrees(
     let q = tube.placement.tube_from_world(position(view, depth, pixel));
     let mut roots = Vec::new();
     tube.for_each_root(q, |root| roots.push(root));
-    // Where the tube overlaps itself, rounding chooses.
+    // If the tube overlaps itself, rounding decides between the roots.
     let [root] = &roots[..] else { return Ok(()) };
     let facing = DVec3::from_array([0, 1, 2].map(|k| f64::from(normal.pixels[pixel][k])));
     let receiver = WalkReceiver { root, normal: tube.placement.rotation.transpose() * facing };
@@ -119,7 +120,7 @@ fn pixel_agrees(
     })
 }
 
-/// The world position that a pixel of the depth AOV stands for.
+/// World position of a pixel of the depth AOV.
 fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
     let (x, y) = ((pixel % WIDTH as usize) as f64 + 0.5, (pixel / WIDTH as usize) as f64 + 0.5);

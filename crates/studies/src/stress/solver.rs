@@ -1,4 +1,4 @@
-//! Roots against a search by brute force, on the very numbers that the solver sees.
+//! Compares roots with a brute-force search, on the exact numbers that the solver gets.
 
 use glam::DVec3;
 use light::{Light, Real, Transform, Tube};
@@ -18,7 +18,7 @@ pub struct RootCase {
 }
 
 impl RootCase {
-    /// A light put somewhere, and points by their places in it.
+    /// Makes a case of a placed light, and of points given by their coordinates in it.
     pub fn new(light: Light, transform: Transform, places: &[PointSpec]) -> Self {
         let light = light.with_transform(transform);
         let tube = Tube::new(&light).expect("a placement makes no light invalid");
@@ -28,7 +28,7 @@ impl RootCase {
     }
 }
 
-/// Lights anywhere, and points of every kind.
+/// Cases of lights anywhere, and points of every kind.
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..16);
@@ -36,7 +36,7 @@ pub fn cases() -> impl Strategy<Value = RootCase> {
         .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
-/// Holds for each point, in f64 and f32.
+/// Checks each point, in f64 and f32.
 pub fn check(case: &RootCase, tally: &mut CheckTally) -> Check {
     let tube = Tube::new(&case.light).expect("cases are valid");
     let single = Tube::<f32>::from(&tube);
@@ -48,7 +48,7 @@ pub fn check(case: &RootCase, tally: &mut CheckTally) -> Check {
     Ok(())
 }
 
-/// A segment's numbers in f64, whatever they were computed from.
+/// Numbers of a segment in f64, converted from the precision of the solver.
 struct Curve {
     b0: DVec3,
     d0: DVec3,
@@ -72,7 +72,7 @@ impl Curve {
         (q - self.b0) - (self.d0 * 2.0 + self.a * u) * u
     }
 
-    /// Half the derivative of the squared distance: a nearest point is where it rises through zero.
+    /// Half the derivative of the squared distance. It rises through zero at a nearest point.
     fn f(&self, q: DVec3, u: f64) -> f64 {
         -self.offset(q, u).dot(self.d(u))
     }
@@ -81,8 +81,8 @@ impl Curve {
         self.radius[0] + u * (2.0 * self.radius[1] + u * self.radius[2])
     }
 
-    /// What rounding may make of `f = 0`, over eps: the light model's backward error, and the point and the joints rounded
-    /// at their own size.
+    /// Rounding error of `f = 0` over eps: the light model's backward error, and the rounding of the point and the
+    /// joints at their own size.
     fn noise(&self, q: DVec3, u: f64) -> f64 {
         let (r, d) = (self.offset(q, u).length(), self.d(u).length());
         (r + (q - self.b0).length() + self.b0.length() + self.length) * d + r * self.length
@@ -149,7 +149,7 @@ fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Chec
     Ok(())
 }
 
-/// Where `f` rises from clearly below zero to clearly above, well inside the tube.
+/// Parameter ranges in which `f` rises from clearly below zero to clearly above, well inside the tube.
 fn crossings(curve: &Curve, q: DVec3, tolerance: f64) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     let mut below = None;
@@ -168,7 +168,7 @@ fn crossings(curve: &Curve, q: DVec3, tolerance: f64) -> Vec<(f64, f64)> {
     out
 }
 
-/// Whether the root between is inside the tube by more than rounding could undo.
+/// True if the root in the range is inside the tube by more than rounding.
 fn inside(curve: &Curve, q: DVec3, mut low: f64, mut high: f64, tolerance: f64) -> bool {
     for _ in 0..60 {
         let middle = f64::midpoint(low, high);

@@ -1,34 +1,34 @@
-//! The oracle of shadows: a walk in f64 along the path of constant (v, w), over every triangle. Slow, and shares
-//! nothing with the renderer.
+//! Independent test of shadows: a walk in f64 along the light path of constant (v, w), over every triangle. It is slow,
+//! and shares nothing with the renderer.
 
 use glam::DVec3;
 use light::{EndMode, Tube, TubeRoot};
 
 use super::place::{eps, point_at, point_in};
 
-/// Steps of the polyline that stands for a path along a segment. A chord of a quadratic strays by `|a| / 4
-/// STEPS^2`: 2e-5 of the segment's length at most.
+/// Steps of the polyline that approximates a light path along a segment. A chord of a quadratic deviates by
+/// `|a| / 4 STEPS^2`: at most 2e-5 of the segment's length.
 const STEPS: usize = 160;
-/// Texels of a shadow map along a side of the tube's square.
+/// Texels of a shadow map per side of the tube's square.
 pub const RESOLUTION: u32 = 2048;
-/// A texel's width in v and w.
+/// Width of a texel in v and w.
 const TEXEL: f64 = 2.0 / RESOLUTION as f64;
-/// How far off a shadow's edge a point must lie to be compared, in texels.
+/// Minimum distance of a compared point from a shadow edge, in texels.
 const CLEARANCE: f64 = 2.0;
 
-/// Cosine between normal and light below which a texel's width spans too much of the light.
+/// Cosine between normal and light below which the width of a texel spans too much of the light.
 const EDGE_ON: f64 = 0.1;
 
-/// A surface's point, in tube space.
+/// A point of a surface, in tube space.
 pub struct WalkReceiver<'a> {
     pub root: &'a TubeRoot<f64>,
-    /// Unit normal towards the viewer: light that arrives from behind does not reach this side.
+    /// Unit normal towards the camera: light from behind does not reach this side.
     pub normal: DVec3,
 }
 
-/// Whether light reaches a point, or `None` where rounding or the map's texels may decide.
+/// True if light reaches a point. `None` if rounding or the texels of the map can decide.
 ///
-/// `triangles` are in tube space, `reach` is the size at which the renderer rounds their corners.
+/// `triangles` are in tube space. `reach` is the size at which the renderer rounds their corners.
 pub fn light_reaches(
     tube: &Tube<f64>,
     triangles: &[[DVec3; 3]],
@@ -39,7 +39,7 @@ pub fn light_reaches(
     let t = root.segment as f64 + root.u;
     let (v, w) = (root.v_len / root.radius, root.w_len / root.radius);
     let width = TEXEL * root.radius;
-    // The path's tangent by a difference.
+    // Tangent of the light path by a finite difference.
     let h = 1e-6;
     let tangent = (point_at(tube, t + h, v, w) - point_at(tube, t - h, v, w)) / (2.0 * h);
     let facing = -normal.dot(tangent) / tangent.length();
@@ -49,7 +49,7 @@ pub fn light_reaches(
     if facing < EDGE_ON || 16.0 * eps::<f32>() * reach > 0.25 * width {
         return None;
     }
-    // How far t runs in a texel's width, along the light and along the receiver.
+    // Change of t over the width of a texel, along the light and along the receiver.
     let segment = &tube.segments[root.segment].curve;
     let slowest = tangent.length().min(2.0 * segment.d(root.u).length());
     let per_texel = width / slowest + width / (facing * tangent.length());
@@ -77,8 +77,8 @@ pub fn light_reaches(
     blocked.all(|other| other == Some(first)).then_some(!first)
 }
 
-/// Whether the receiver's plane is as good as flat on the map, from one side of the nine paths to the other: what
-/// texels are compared with is its slope.
+/// True if the receiver's plane is nearly flat on the map over the nine paths: the renderer's comparison of texels uses
+/// the slope of the plane.
 fn is_flat(paths: &[Path; 9], point: DVec3, normal: DVec3, t: f64, per_texel: f64) -> bool {
     let off = |k: usize| {
         let crossings = paths[k].crossings(point, normal).map(|(at, _)| at - t);
@@ -87,7 +87,8 @@ fn is_flat(paths: &[Path; 9], point: DVec3, normal: DVec3, t: f64, per_texel: f6
     (0..4).all(|k| matches!((off(k), off(8 - k)), (Some(a), Some(b)) if (a + b).abs() < per_texel))
 }
 
-/// A path as a polyline for each segment: at a corner, where control points coincide, it goes on elsewhere.
+/// A light path as a polyline per segment. At a corner, where control points coincide, the next polyline begins at a
+/// different position.
 struct Path {
     /// t, position and radius of each vertex.
     pieces: Vec<Vec<(f64, DVec3, f64)>>,
@@ -107,7 +108,7 @@ impl Path {
         Self { pieces: (0..tube.segments.len()).filter(|&i| end > i as f64).map(piece).collect() }
     }
 
-    /// Whether no triangle is near where the tube is so thin that rounding moves it by texels.
+    /// True if no triangle is near a part of the tube that is so thin that rounding moves the triangle by texels.
     fn is_clear_where_thin(&self, triangles: &[[DVec3; 3]], reach: f64) -> bool {
         let thin = 64.0 * eps::<f32>() * reach * f64::from(RESOLUTION);
         let thin_part = || self.pieces.iter().flatten().filter(|(_, _, radius)| *radius < thin);
@@ -121,8 +122,8 @@ impl Path {
         })
     }
 
-    /// Whether a triangle is in the way before `t_near`; `None` where one that is not the receiver's `own` comes
-    /// between there and the path's end.
+    /// True if a triangle blocks the path before `t_near`. `None` if a triangle that is not among the receiver's `own`
+    /// meets the rest of the path.
     fn is_blocked(&self, triangles: &[[DVec3; 3]], own: &[bool], t_near: f64) -> Option<bool> {
         let mut blocked = false;
         for (&triangle, &own) in triangles.iter().zip(own) {

@@ -1,4 +1,4 @@
-//! A light and its points moved, turned and scaled together stay as they were.
+//! A light and its points keep their coordinates if they are moved, rotated and scaled together.
 
 use glam::DVec3;
 use light::parameters::DIRECTION;
@@ -10,22 +10,22 @@ use super::light::{LightLimits, as_file, lights, placement};
 use super::place::{PointSpec, bounds, in_tube};
 use super::runner::{Check, CheckTally};
 
-/// A light at the origin, the places asked about, and where both are moved.
+/// A light at the origin, test points, and a transform of both.
 #[derive(Clone, Debug, Serialize)]
 pub struct WorldCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
-    /// Before the move.
+    /// Positions before the transform.
     pub points: Vec<[f64; 3]>,
     pub translation: [f64; 3],
     /// Quaternion, xyzw.
     pub rotation: [f64; 4],
     pub scale: f64,
-    /// The control points and radii are made larger by two to this power, and the transform's scale smaller.
+    /// Power of two by which control points and radii are scaled up, and the transform's scale down.
     pub units: i32,
 }
 
-/// Lights of every kind but "path", whose direction has conditions of its own.
+/// Cases of lights of every kind except those with the direction "path", which has its own conditioning.
 pub fn cases() -> impl Strategy<Value = WorldCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let units = prop_oneof![Just(0), -300..300];
@@ -47,7 +47,7 @@ pub fn cases() -> impl Strategy<Value = WorldCase> {
     )
 }
 
-/// Holds for each point.
+/// Checks each point.
 pub fn check(case: &WorldCase, tally: &mut CheckTally) -> Check {
     let before = Tube::new(&case.light).expect("cases are valid");
     let move_by = Transform {
@@ -78,7 +78,7 @@ fn check_invariance(
         moved += after.placement.rotation.x_axis * (1e-3 * expected.radius * after.placement.world_per_tube);
     }
     let moved_q = after.placement.tube_from_world(moved);
-    // The position in the world is rounded at its size there.
+    // The world position is rounded relative to its size.
     let size = before.placement.world_per_tube * by.scale;
     let dq = 8.0 * f64::EPSILON * (by.translation.length() / size + q.length() + expected.r.length());
     let Some(bound) = bounds(before, &expected, q, f64::EPSILON, dq) else { return Ok(()) };

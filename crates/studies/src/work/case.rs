@@ -9,65 +9,63 @@ use light::{CheckedLight, EndMode, Light, MAX_SEGMENTS};
 use reference::ReferenceLight;
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
-/// Pins that a drag has at most.
+/// Maximum number of pins of a drag.
 pub const MOST_PINS: usize = 256;
 
-/// Halvings of a light's bends until its tube does not fold.
+/// Number of times that the bends of a light are halved until its tube does not fold.
 const STRAIGHTENINGS: usize = 40;
 
-/// A drag in numbers. Shares are of 0 to 1.
+/// A drag as numbers. Shares are in 0 to 1.
 #[derive(Clone, Debug)]
 pub struct WorkCase {
-    /// Which of the scenes.
+    /// Index of the scene.
     pub scene: usize,
-    /// Where the light is, and its bends.
+    /// Seed of the light's position and bends.
     pub light_seed: u64,
-    /// Segments of the light; 0 for one that cannot be bent.
+    /// Segments of the light; 0 for a light that is not a BendyLight.
     pub segments: usize,
-    /// How far the light's control points are beside its axis, as a share of its length.
+    /// Distance of the control points from the light's axis, as a share of its length.
     pub bend: f64,
-    /// How wide it is at its end, as a share of its length.
+    /// Radius at its end, as a share of its length.
     pub wide: f64,
-    /// How many control points are chosen; 0 moves the light as a whole.
+    /// Number of chosen control points; 0 moves the light as a whole.
     pub chosen: usize,
-    /// What becomes of radii.
     pub radii: RadiusMode,
-    /// What is dragged.
     pub feature: Feature,
-    /// Where it is taken, as shares of the picture.
+    /// Start of the drag, as shares of the picture.
     pub from: DVec2,
-    /// Where it goes.
+    /// End of the drag, as shares of the picture.
     pub to: DVec2,
-    /// How many pins are asked for; those that do not hold at once are left out.
+    /// Number of pins requested; those on background or outside of the light are left out.
     pub pins: usize,
-    /// Where they are.
+    /// Seed of the pins' positions.
     pub pin_seed: u64,
-    /// Which share of them is hard.
+    /// Share of the pins that are hard.
     pub hard: f64,
-    /// Whether the source goes through no surface.
+    /// True if the source must pass through no surface.
     pub source_outside: bool,
 }
 
-/// How large drags are that are drawn.
+/// Maximum sizes of random drags.
 #[derive(Clone, Copy, Debug)]
 pub struct CaseSizes {
-    /// Segments of a light at most.
+    /// Maximum number of segments of a light.
     pub segments: usize,
-    /// Chosen control points at most.
+    /// Maximum number of chosen control points.
     pub chosen: usize,
-    /// Pins at most.
+    /// Maximum number of pins.
     pub pins: usize,
 }
 
 impl CaseSizes {
-    /// All that can be asked for.
+    /// The largest drags that the product accepts.
     pub const ALL: Self = Self { segments: MAX_SEGMENTS, chosen: MAX_SEGMENTS + 1, pins: MOST_PINS };
     /// Lights of at most 8 control points, and 3 pins.
     pub const SMALL: Self = Self { segments: 6, chosen: 7, pins: 3 };
 }
 
 impl WorkCase {
-    /// A random one in one of so many scenes: each size is spread over its powers of two.
+    /// Makes a random case in one of `scenes` scenes. Each size is log-uniform.
     pub fn random(rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
         let mut spread = |most: usize| {
             let share = rng.f64();
@@ -95,7 +93,7 @@ impl WorkCase {
         }
     }
 
-    /// The same with one of its numbers drawn anew.
+    /// Copies the case and draws one of its numbers again.
     #[must_use]
     pub fn neighbour(&self, rng: &mut Rng, scenes: usize, sizes: CaseSizes) -> Self {
         let other = Self::random(rng, scenes, sizes);
@@ -118,21 +116,21 @@ impl WorkCase {
         next
     }
 
-    /// The light and the drag in a scene; `None` where the light has none of the feature there.
+    /// Makes the light and the drag in a scene; `None` if no surface is at the start or the light is invalid.
     pub fn in_scene(&self, stage: &TrialScene) -> Option<(CheckedLight, Drag)> {
         let size = DVec2::from(stage.view.size.map(f64::from));
         let (from, to) = (self.from * size, self.to * size);
         let light = self.light(stage, stage.seen(from)?.position)?;
         let all = light.light().points().len();
         let count = self.chosen.min(all.saturating_sub(1));
-        // The last ones: those do most.
+        // The last control points, which have the most effect.
         let points = (count > 0).then(|| (all - count..all).collect());
         let pins = self.pins(stage, &light, size);
         let Self { feature, radii, source_outside, .. } = *self;
         Some((light, Drag { feature, points, radii, from, to, pins, source_outside }))
     }
 
-    /// A light from above on `aim`, in scene space.
+    /// Makes a light from above, aimed at `aim` in scene space.
     fn light(&self, stage: &TrialScene, aim: DVec3) -> Option<CheckedLight> {
         let mut rng = Rng::with_seed(self.light_seed);
         let side = DVec3::new(rng.f64() - 0.5, 0.3 + 0.7 * rng.f64(), rng.f64() - 0.5).normalize();
@@ -151,7 +149,7 @@ impl WorkCase {
             .ok();
         }
         let end_mode = if rng.u8(0..4) == 0 { EndMode::Cut } else { EndMode::Extend };
-        // Waves of the axis, so that a light of many control points bends as much as one of few.
+        // Waves along the axis, so that a light of many control points bends as much as one of few.
         let waves: Vec<DVec3> = (0..4).map(|_| DVec3::new(rng.f64() - 0.5, rng.f64() - 0.5, 0.0)).collect();
         let along = light::greville_abscissae(self.segments);
         let mut bend = self.bend * length;
@@ -169,7 +167,7 @@ impl WorkCase {
         })
     }
 
-    /// Pins of what the light does where they are.
+    /// Makes pins of the light's present effect at random pixels.
     fn pins(&self, stage: &TrialScene, light: &CheckedLight, size: DVec2) -> Vec<DragPin> {
         let mut rng = Rng::with_seed(self.pin_seed);
         let source = ReferenceLight::new(light);
@@ -190,7 +188,7 @@ impl WorkCase {
     }
 }
 
-/// Small scenes and large ones: demos, and `count` triangles in one place.
+/// Makes small and large scenes: demos, and `count` triangles at one position.
 pub fn stages(count: usize, size: [u32; 2]) -> Vec<TrialScene> {
     let demo = |name: &str| {
         let demo = assets::demo(name)?;
@@ -201,7 +199,7 @@ pub fn stages(count: usize, size: [u32; 2]) -> Vec<TrialScene> {
     stages
 }
 
-/// A floor, and triangles through one another above it.
+/// A floor, and intersecting triangles above it.
 fn pile(count: usize) -> Scene {
     let mut rng = Rng::with_seed(1);
     let mut corner =

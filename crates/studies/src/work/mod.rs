@@ -1,4 +1,5 @@
-//! What do drags cost? Counted steps and seconds of drags of every size, and a search for the most expensive one.
+//! Measures the cost of drags: counted steps and seconds of drags of every size, and a search for the most expensive
+//! one.
 
 mod case;
 #[cfg(test)]
@@ -15,30 +16,27 @@ use serde::Serialize;
 
 pub use case::{CaseSizes, WorkCase, stages};
 
-/// The share of a search's tries that are random; the others are neighbours of the most expensive one.
+/// Share of a search's tries that are random; the others change one number of the most expensive one.
 const RANDOM: f64 = 0.75;
 
-/// A drag, and what it took.
+/// Cost of a drag.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragCost {
-    /// Where.
     pub scene: String,
-    /// Control points of the light, 0 where it has none.
+    /// Control points of the light, 0 if it has none.
     pub points: usize,
-    /// How many of them are chosen; 0 moves the light as a whole.
+    /// Number of chosen control points; 0 moves the light as a whole.
     pub chosen: usize,
-    /// Pins that are asked for.
     pub pins: usize,
-    /// Counted.
+    /// Steps that the solver counted.
     pub steps: u64,
-    /// On a clock.
+    /// Wall time.
     pub seconds: f64,
-    /// How it ended.
     pub status: String,
 }
 
-/// What a drag takes within a bound of steps; `None` where its light has none of the feature.
+/// Measures a drag with a limit of `most` steps; `None` if the case gives no light in its scene.
 fn measure(stages: &[TrialScene], case: &WorkCase, most: u64) -> Option<DragCost> {
     let stage = &stages[case.scene];
     let (light, asked) = case.in_scene(stage)?;
@@ -56,7 +54,7 @@ fn measure(stages: &[TrialScene], case: &WorkCase, most: u64) -> Option<DragCost
     })
 }
 
-/// Random drags; `progress` is called for each.
+/// Measures random drags. Calls `progress` for each.
 pub fn random(
     stages: &[TrialScene],
     count: usize,
@@ -71,7 +69,7 @@ pub fn random(
     cases.collect()
 }
 
-/// The most expensive drags that are found in so many tries, each more expensive than those before.
+/// Searches the most expensive drags in `tries` tries. Returns each that was more expensive than those before.
 pub fn search(
     stages: &[TrialScene],
     tries: usize,
@@ -97,7 +95,7 @@ pub fn search(
     found
 }
 
-/// What comes of `count` random drags, a line each, to the last bit.
+/// Results of `count` random drags, one per line, exact to the last bit.
 pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64) -> String {
     let mut rng = Rng::with_seed(seed);
     let mut text = String::new();
@@ -113,7 +111,7 @@ pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64)
     text
 }
 
-/// All of an answer: Rust writes numbers so that no two have the same text.
+/// Text of a result. Rust formats numbers so that different ones have different texts.
 fn line(landing: &DragResult) -> String {
     let DragResult { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } =
         landing;

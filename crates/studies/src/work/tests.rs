@@ -1,13 +1,15 @@
-//! Answers within the bound are those of before there was one, and no drag takes more than its bound.
+//! Tests that the limit of steps changes no results of small drags, and that no drag exceeds its limit.
 
 use document::AssetHash;
 
 use super::{CaseSizes, answers, random, search, stages};
 
-/// SHA-256 of 600 answers of version 3 of the solver, which had no bound: of lights of at most 8 control points with at most 3 pins.
+/// SHA-256 of 600 results of version 3 of the solver, which had no limit: lights of at most 8 control points with at
+/// most 3 pins.
 const OF_VERSION_3: &str = "731da34ad71c877fc0b41bd3c23d2cc59a464633a351e69e9978ed01710444d1";
 
-/// Steps that the drags that are searched may take, and what one does at once at most: a row of the largest matrix.
+/// Limit of steps of the searched drags, and the most steps that one uses between two tests of the limit: a row of the
+/// largest matrix.
 const MOST: u64 = 20_000_000;
 const AT_ONCE: u64 = 4_000_000;
 
@@ -27,7 +29,7 @@ fn the_most_expensive_drags_stay_within_their_bound() {
     let most = found.last().expect("a drag");
     println!("{most:?}");
     assert!(most.steps <= MOST + MOST / 8 + AT_ONCE, "{most:?}");
-    // The planted fault: without a bound some take many times as much.
+    // The planted fault: with a larger limit some drags take many times as many steps.
     let unbounded = random(&stages, 40, (3, 8 * MOST), || {});
     assert!(unbounded.iter().any(|made| made.steps > 2 * MOST), "nothing to bound");
 }

@@ -1,4 +1,4 @@
-//! What the tests over whole files share.
+//! Helpers of the tests with whole files.
 
 use std::path::PathBuf;
 
@@ -8,14 +8,14 @@ use light::LightShape;
 use light::parameters::{COLOR, INTENSITY};
 use scene::Projection;
 
-/// The folder of test assets, which lies beside the checkout. Tests that need it are ignored unless they are asked for.
+/// Returns the folder of test assets beside the checkout. Tests that need it are ignored by default.
 pub fn assets_folder() -> PathBuf {
     let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets"));
     assert!(folder.is_dir(), "{} is missing", folder.display());
     folder
 }
 
-/// Every promise of the scene document, and every number finite and in its documented domain.
+/// Asserts every promise of the scene document, and that every number is finite and in its documented domain.
 pub fn assert_sound(loaded: &LoadedScene, what: &str) {
     let LoadedScene { scene, contents, .. } = loaded;
     scene.check().unwrap_or_else(|error| panic!("{what}: {error}"));

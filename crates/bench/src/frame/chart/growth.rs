@@ -1,4 +1,4 @@
-//! Time over what grows, with the error beside each point.
+//! Charts of time over a growing quantity, with the error at each point.
 
 use plotters::prelude::*;
 
@@ -6,10 +6,10 @@ use super::super::{FrameBenchReport, GrowthAxis, GrowthCosts, GrowthPoint};
 use super::color_of;
 use crate::chart::{self, Area, ChartResult, FAINT, range};
 
-/// What one backend's line is drawn of.
+/// Selects the costs of one backend.
 type CostOf = fn(&GrowthPoint) -> Option<GrowthCosts>;
 
-/// A line of the backend that is measured, and one of wgpu where that is another.
+/// Draws a line for the measured backend, and one for wgpu if that is another.
 pub(super) fn draw(
     area: &Area,
     GrowthAxis { axis, points }: &GrowthAxis,
@@ -18,7 +18,7 @@ pub(super) fn draw(
     let (least, most) = range(points.iter().map(|point| point.value as f64));
     let all = points.iter().flat_map(|point| [Some(point.grown), point.by_wgpu]).flatten();
     let (fastest, slowest) = range(all.flat_map(|grown| [grown.frame.wall_ms.min, grown.frame.wall_ms.p50]));
-    // A decade more than half of what there is leaves room for the labels.
+    // The margin leaves room for the labels.
     let x_range = (least / 1.6)..(most * 3.0).max(least * 4.0);
     let y_range = (fastest / 2.0).max(0.1)..slowest * 2.5;
     let mut plot = ChartBuilder::on(area)
@@ -36,7 +36,7 @@ pub(super) fn draw(
         .draw()?;
     let lines: [(&'static str, CostOf); 2] =
         [(report.backend, |point| Some(point.grown)), ("wgpu", |point| point.by_wgpu)];
-    // What is measured alone needs no name.
+    // A single backend needs no name.
     for (backend, of) in lines.into_iter().take(report.errors.len()) {
         let color = color_of(backend, report);
         let grown: Vec<_> =
@@ -61,7 +61,7 @@ pub(super) fn draw(
     Ok(())
 }
 
-/// Thousands and millions by their letter.
+/// Formats thousands with a k and millions with an M.
 fn short(value: f64) -> String {
     match value {
         value if value >= 1e6 => format!("{}M", value / 1e6),

@@ -1,9 +1,9 @@
-//! Which texels triangles cover.
+//! Coverage of texels by triangles.
 
 use super::oracle::{is_covered, is_covered_with_edges};
 use super::{PLAIN, Random, RasterTriangle, corner, counts, drawn, flat};
 
-/// Corners of triangles of all kinds: small, thin, without area, huge, and with corners and edges on centres.
+/// Makes corners of triangles of all kinds: small, thin, without area, huge, and with corners and edges on centers.
 fn random_corners(random: &mut Random, side: usize) -> [[i32; 2]; 3] {
     let end = 256 * side as i32;
     let kind = random.whole(0, 7);
@@ -14,7 +14,7 @@ fn random_corners(random: &mut Random, side: usize) -> [[i32; 2]; 3] {
         0 => [first, near(anywhere(-900, 900), first), near(anywhere(-900, 900), first)],
         1 => [first, anywhere(-512, end + 512), anywhere(-512, end + 512)],
         2 => {
-            // Thin: the third corner next to the middle of the others.
+            // Thin triangle: the third corner is next to the middle of the others.
             let second = anywhere(-512, end + 512);
             let middle = [0, 1].map(|axis| i32::midpoint(first[axis], second[axis]));
             [first, second, near(anywhere(-3, 4), middle)]
@@ -46,11 +46,11 @@ fn a_triangle_covers_the_centres_that_exact_arithmetic_says() {
             }
         }
     }
-    // Without a rule for edges it would show.
+    // Planted fault: coverage without a rule for edges.
     assert!(caught > 300, "centres on edges are what is difficult, and there are {caught} of them");
 }
 
-/// Triangles that together are more than the map, each edge shared by two.
+/// Makes triangles that cover more than the map. Two triangles share each edge.
 fn mesh(random: &mut Random, side: usize, cell: i32) -> Vec<[[i32; 2]; 3]> {
     let cells = 256 * side as i32 / cell + 4;
     let mut grid = Vec::new();
@@ -78,12 +78,12 @@ fn mesh(random: &mut Random, side: usize, cell: i32) -> Vec<[[i32; 2]; 3]> {
 #[test]
 fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
     let mut random = Random(5);
-    // Cells of at least 3 texels: where corners on centres are moved back, none turns over.
+    // Cells of at least 3 texels, so that no triangle turns over where corners move onto centers.
     for (side, cell) in [(64, 900), (64, 2100), (37, 1300), (300, 40_000)] {
         let triangles = mesh(&mut random, side, cell);
         let shapes: Vec<RasterTriangle> = triangles.iter().map(|corners| flat(*corners, side)).collect();
         assert_eq!(counts(&shapes, PLAIN, side), vec![1; side * side]);
-        // The same with edges that belong to both sides is caught.
+        // Planted fault: edges that belong to both sides.
         let count = |index: usize| {
             let is_in =
                 |corners: &&[[i32; 2]; 3]| is_covered_with_edges(**corners, index % side, index / side);

@@ -3,12 +3,12 @@
 use super::oracle::meet;
 use super::{DepthRule, PLAIN, Random, RasterTriangle, counts, drawn};
 
-/// How far off a centre may be: corners are rounded to half of 1/256 of a texel, and those that a cut made, as far
-/// aside as the guard band goes, are off by as much again in f32.
+/// Largest error of a position in texels: corners are rounded to half of 1/256 of a texel, and corners made by
+/// clipping, as far aside as the guard band goes, are off by as much again in f32.
 const MAX_POSITION_ERROR: f64 = 1.0 / 256.0;
 
-/// Whether a texel is in a triangle where w is at least `least_w`, and the least and the most that w and the value are
-/// there. `None` for the first where it is too close to tell.
+/// Decides if a texel is in the part of a triangle with w of at least `least_w`; `None` if it is too close to tell.
+/// Returns the least and the greatest w and value there too.
 fn expected(
     triangle: &RasterTriangle,
     index: usize,
@@ -34,7 +34,7 @@ fn expected(
     ((is_in != is_out).then_some(is_in), [range(|at| at.1), range(|at| at.2)])
 }
 
-/// With corners on both sides of the light.
+/// Makes a triangle with corners in front of the light and behind it.
 fn about_the_light(random: &mut Random) -> RasterTriangle {
     let far = [1.0, 30.0][random.whole(0, 2) as usize];
     [0, 1, 2].map(|_| {
@@ -59,7 +59,7 @@ fn of_a_triangle_that_reaches_behind_the_light_what_is_ahead_is_drawn() {
             if is_in == Some(true) {
                 covered += 1;
                 behind += usize::from(triangle.iter().any(|corner| corner[2] < 0.0));
-                // As in `depths.rs`, where N and D at the cut are at most so many times what they are here.
+                // As in `depths.rs`, where N and D at the cut are at most so many times as large as here.
                 let tolerance = 1e-3 + (most - least);
                 let depth = f64::from(depth);
                 assert!(depth > least - tolerance && depth < most + tolerance, "{depth}: {least} to {most}");
@@ -86,7 +86,7 @@ fn what_is_nearer_than_near_is_cut_away() {
                 assert!(f64::from(depth) > low - 1e-5 && f64::from(depth) < high + 1e-5);
                 covered += 1;
             } else {
-                // It would be drawn without the cut.
+                // Texels that would be drawn without clipping.
                 cut += usize::from(expected(&triangle, index, side, 0.0).0 == Some(true));
             }
         }
@@ -104,7 +104,7 @@ fn a_floor_that_goes_on_behind_the_light_is_tiled_without_gaps() {
         let place = |step: usize, random: &mut Random| {
             (step as f32 - 0.5 * cells as f32 + random.real(-0.3, 0.3)) * 3.0
         };
-        // Half below the light, and tilted; farther than the floor goes there is nothing.
+        // The floor is half a unit below the light, and tilted. Beyond its end there is nothing.
         let [x, w] = [place(across, &mut random), place(ahead, &mut random)];
         grid.push([x, -0.5 - 0.1 * w, w, 0.5]);
     }
@@ -141,7 +141,7 @@ fn triangles_at_the_tip_draw_nothing() {
     ] {
         assert!(drawn(&[triangle], PLAIN, 32).iter().all(|depth| *depth == 1.0), "{triangle:?}");
     }
-    // As wide as it goes, and no wider.
+    // A corner with w = 0 is clipped at the guard band, and all depths are finite.
     let texels = drawn(&[[nowhere, a, b]], PLAIN, 32);
     assert!(texels.iter().all(|depth| depth.is_finite()) && texels.iter().any(|depth| *depth < 1.0));
 }
@@ -149,7 +149,7 @@ fn triangles_at_the_tip_draw_nothing() {
 #[test]
 fn corners_far_aside_do_not_move_what_is_seen() {
     let side = 64;
-    // Half of the map, however far the other corners are: beyond 2^9 times the map the triangle is cut.
+    // The triangle covers half of the map, however far its other corners are. Beyond 2^9 times the map it is clipped.
     for far in [3.0, 100.0, 1e3, 1e5, 1e7] {
         let triangle = [[0.0, far, 1.0, 0.5], [0.0, -far, 1.0, 0.5], [far, 0.0, 1.0, 0.5]];
         for (index, depth) in drawn(&[triangle], PLAIN, side).iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What depths maps store.
+//! Depths that maps store.
 
 use super::oracle::{is_covered, shares};
 use super::{DepthRule, PLAIN, Random, RasterTriangle, corner, drawn};
@@ -6,7 +6,7 @@ use super::{DepthRule, PLAIN, Random, RasterTriangle, corner, drawn};
 /// Half a unit in the last place of 1.
 const U: f64 = 0.5 * f32::EPSILON as f64;
 
-/// Triangles small and large, near and far, thin too.
+/// Makes a triangle, small or large, near or far, perhaps thin.
 fn random_triangle(random: &mut Random, side: usize) -> ([[i32; 2]; 3], RasterTriangle) {
     let size = [400, 3000, 30_000, 90_000][random.whole(0, 4) as usize];
     let first = [random.whole(0, 256 * side as i32), random.whole(0, 256 * side as i32)];
@@ -18,14 +18,14 @@ fn random_triangle(random: &mut Random, side: usize) -> ([[i32; 2]; 3], RasterTr
     (corners, places)
 }
 
-/// N and D at a centre by [`shares`], and the most they are at a corner.
+/// Computes N or D at a center by [`shares`], and its greatest value at a corner.
 fn linear(corners: [[i32; 2]; 3], n: [f64; 3], column: usize, row: usize) -> (f64, f64) {
     let shares = shares(corners, column, row);
     let here = (0..3).map(|k| shares[k] * n[k]).sum();
     (here, n.into_iter().fold(0.0, f64::max))
 }
 
-/// Of a depth N / D.
+/// Computes the tolerance of a depth N / D.
 ///
 /// N at corners is rounded twice, D once. A difference from the first corner, at most as large as the greatest, is
 /// rounded, and so are the area, its inverse and the product: 4. Two sums at the first texel, and two at each: 4 more.
@@ -55,7 +55,7 @@ fn values_are_interpolated_by_perspective() {
             let tolerance = tolerance(expected, n, d);
             assert!(error <= tolerance, "{error:e} of {tolerance:e} at {column}, {row}: {places:?}");
             covered += 1;
-            // Values that are linear on the map are caught.
+            // Planted fault: values that are linear on the map.
             affine += usize::from((linear(corners, values, column, row).0 - expected).abs() > tolerance);
         }
     }

@@ -37,7 +37,7 @@ fn drawn(
     without_gaps(&texels, side)
 }
 
-/// A floor below the light that goes on behind it, with one cell of a picture along x, and one along the depth.
+/// Makes a floor below the light that continues behind it, with one cell of a texture along x, and one along the depth.
 fn floor() -> [RasterTriangle; 2] {
     let [a, b, c, d] = [[-3.0, -0.3], [3.0, -0.3], [-3.0, 4.0], [3.0, 4.0]].map(|[x, w]| [x, -0.4, w, 0.5]);
     [[a, b, c], [c, b, d]]
@@ -49,7 +49,7 @@ fn with_uv(triangle: RasterTriangle, test: u32) -> AlphaTestedTriangle {
 
 #[test]
 fn holes_are_where_perspective_puts_them() {
-    // Two by two texels, each 1/4 of the floor's units wide: a chess board.
+    // The texture is a chessboard of two by two texels, each 1/4 of the floor's units wide.
     let (side, cell) = (160, 0.25);
     let test = AlphaTest { width: 2, height: 2, ..TEST };
     let tests = AlphaTests { tests: &[test], texels: &[255, 0, 0, 255] };
@@ -65,7 +65,8 @@ fn holes_are_where_perspective_puts_them() {
         let (column, row) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
         let (_, w, _) = meet(&floor()[0], column, row, side);
         let x = w * (2.0 * column / side as f64 - 1.0);
-        // Clear of the edges of cells, and not so far off that 1/256 of a texel of the map makes a difference.
+        // Only texels that are clear of the edges of cells, and near enough that 1/256 of a texel of the map does not
+        // matter.
         let is_clear =
             |x: f64| (x / f64::from(cell)).fract().abs() > 0.1 && (x / f64::from(cell)).fract().abs() < 0.9;
         if w > 0.0 && w < 2.0 && x.abs() < 3.0 && is_clear(x) && is_clear(w) {
@@ -73,7 +74,7 @@ fn holes_are_where_perspective_puts_them() {
                 |x: f64, w: f64| ((x / f64::from(cell)).floor() + (w / f64::from(cell)).floor()) % 2.0 == 0.0;
             assert_eq!(depth < 1.0, is_solid(x, w), "at {column}, {row}: {x}, {w}");
             seen += 1;
-            // What a floor that is parallel to the map would show is caught.
+            // Planted fault: the holes of a floor parallel to the map.
             flat += usize::from(is_solid(column / side as f64, row / side as f64) != is_solid(x, w));
         }
     }
@@ -107,8 +108,8 @@ fn a_solid_picture_makes_no_difference_and_an_empty_one_all() {
             AlphaTestedTriangle { uv_alpha, ..triangle }
         });
         assert_eq!(drawn(&[], &faint.collect::<Vec<_>>(), tests, depths, side), nothing, "the corners' is");
-        // In halves, so that both kinds are in a map. Small and large triangles round N and D in other ways, by
-        // 19 times 2^-24 of what they are at corners: here, up to 80 times what they are at a texel.
+        // Half of the triangles of each kind, so that both are in a map. Small and large triangles round N and D
+        // differently, by 19 times 2^-24 of their values at corners, which are here up to 80 times those at a texel.
         let whole = super::drawn(&triangles, depths, side);
         let both = drawn(&triangles[..200], &of(0)[200..], tests, depths, side);
         for (whole, both) in whole.iter().zip(&both) {

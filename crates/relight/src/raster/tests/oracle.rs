@@ -1,18 +1,18 @@
-//! Triangles drawn slowly: in integers of 128 bits for what is covered, in f64 for depths.
+//! Slow and exact triangles: coverage in integers of 128 bits, depths in f64.
 
 use super::RasterTriangle;
 
-/// Which side of the line from `from` to `to` a centre is on, in 1/256 of a texel: 0 on the line.
+/// Computes the side of the line from `from` to `to` on which a center lies, in 1/256 of a texel: 0 on the line.
 fn side_of(from: [i32; 2], to: [i32; 2], at: [i32; 2]) -> i128 {
     let [ax, ay, bx, by, x, y] = [from[0], from[1], to[0], to[1], at[0], at[1]].map(i128::from);
     (bx - ax) * (y - ay) - (by - ay) * (x - ax)
 }
 
-/// Whether the centre of a texel is in a triangle. Of one on an edge the top-left rule asks where it is when it moves
-/// right by next to nothing, and down by next to nothing of that: inside of left edges, and of level ones at the top.
+/// True if the center of a texel is in a triangle. The top-left rule moves a center on an edge right by next to
+/// nothing, and down by next to nothing of that. It is then inside left edges, and level ones at the top.
 pub fn is_covered(corners: [[i32; 2]; 3], column: usize, row: usize) -> bool {
     let at = [256 * column as i32, 256 * row as i32];
-    // Larger than any change of a line's function from one place to the next.
+    // Larger than any change of a line's function from one position to the next.
     let large = 1 << 26;
     let signs = [0, 1, 2].map(|k| {
         let (from, to) = (corners[k], corners[(k + 1) % 3]);
@@ -24,22 +24,22 @@ pub fn is_covered(corners: [[i32; 2]; 3], column: usize, row: usize) -> bool {
     signs == [1; 3] || signs == [-1; 3]
 }
 
-/// The same without a rule for edges: centres on them are covered.
+/// True if the center of a texel is in a triangle or on its edges, without a rule for edges.
 pub fn is_covered_with_edges(corners: [[i32; 2]; 3], column: usize, row: usize) -> bool {
     let at = [256 * column as i32, 256 * row as i32];
     let sides = [0, 1, 2].map(|k| side_of(corners[k], corners[(k + 1) % 3], at));
     sides.iter().all(|side| *side >= 0) || sides.iter().all(|side| *side <= 0)
 }
 
-/// Shares of the corners at a centre, by areas; of no use where the triangle has none.
+/// Computes the barycentrics of a center, by areas. They have no meaning for a triangle without area.
 pub fn shares(corners: [[i32; 2]; 3], column: usize, row: usize) -> [f64; 3] {
     let at = [256 * column as i32, 256 * row as i32];
     let area = side_of(corners[0], corners[1], corners[2]) as f64;
     [0, 1, 2].map(|k| side_of(corners[(k + 1) % 3], corners[(k + 2) % 3], at) as f64 / area)
 }
 
-/// Where the ray through a point of the map meets a triangle in clip coordinates (x, y, w): shares of its corners,
-/// whose signs tell where it passes, w and the value. Solves `shares . corners = w (x, y, 1)`.
+/// Intersects the ray through a point of the map with a triangle in clip coordinates (x, y, w). Returns the shares of
+/// the corners, whose signs tell on which side it passes, w and the value. Solves `shares . corners = w (x, y, 1)`.
 pub fn meet(triangle: &RasterTriangle, column: f64, row: f64, side: usize) -> ([f64; 3], f64, f64) {
     let half = 0.5 * side as f64;
     let ray = glam::DVec3::new(column / half - 1.0, 1.0 - row / half, 1.0);

@@ -6,7 +6,7 @@ use super::{DepthRule, PLAIN, Random, RasterTriangle, drawn};
 use crate::Workers;
 use crate::raster::{MapFace, RasterMemory, draw_face};
 
-/// Some of them large, some behind the light.
+/// Makes triangles, some of them large, some behind the light.
 fn random_triangles(random: &mut Random, count: usize) -> Vec<RasterTriangle> {
     let one = |_| {
         let size = if random.whole(0, 50) == 0 { 3.0 } else { 0.02 };
@@ -31,7 +31,7 @@ fn a_map_has_the_same_bytes_however_many_threads_draw_it() {
         for (threads, chunk) in [(1, 12_000), (2, 5000), (4, 77), (3, 12_000)] {
             let workers = Workers::with_threads(threads);
             let chunks: Vec<&[RasterTriangle]> = triangles.chunks(chunk).collect();
-            // Another map in between: nothing of it remains.
+            // Another map in between leaves nothing behind.
             draw_face(
                 &face,
                 &[random_triangles(&mut Random(6), 50)],
@@ -67,14 +67,14 @@ fn maps_of_all_sizes_are_drawn_to_their_edges() {
     }
 }
 
-/// On the diagonal from the right at the top to the left at the bottom.
+/// True on the diagonal from the top right to the bottom left.
 fn is_on(index: usize, side: usize) -> bool {
     index % side + index / side + 1 == side
 }
 
 #[test]
 fn a_face_shows_what_its_matrix_puts_there() {
-    // To the right is -y, up is z, ahead is x; only the right upper quarter is shown.
+    // Right is -y, up is z, ahead is x. The face shows only the upper right quarter.
     let axes = Mat3::from_cols(Vec3::Z, Vec3::NEG_X, Vec3::Y);
     let quarter = Mat3::from_cols(Vec3::X * 2.0, Vec3::Y * 2.0, Vec3::new(-1.0, -1.0, 1.0));
     let face = MapFace { clip_from_map: quarter * axes, depths: PLAIN };
@@ -84,6 +84,7 @@ fn a_face_shows_what_its_matrix_puts_there() {
     draw_face(&face, &[[triangle]], &Workers::with_threads(1), &mut RasterMemory::default(), &mut texels, 8);
     let covered: Vec<usize> =
         texels.iter().enumerate().filter(|(_, x)| **x < 1.0).map(|(index, _)| index).collect();
-    // Half of the left lower quarter of the face. Centres on the long edge, which is to their left, are not covered.
+    // The triangle is half of the lower left quarter of the face. Centers on the long edge, which is to their left, are
+    // not covered.
     assert_eq!(covered, [40, 48, 49, 56, 57, 58]);
 }

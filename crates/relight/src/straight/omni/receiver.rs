@@ -1,4 +1,4 @@
-//! An omni light's map: the twin of `omni_lookup.wgsl`.
+//! Receivers on an omni light's map, like `omni_lookup.wgsl`.
 
 use light::{Lanes, Mask};
 
@@ -15,7 +15,7 @@ use crate::visibility::{
     resolve_along_segment, texel_at,
 };
 
-/// The faces that hold positions in light space.
+/// Returns the faces that hold positions in light space.
 #[inline(always)]
 fn face_of(position: Vec3s) -> U32s {
     let zero = F32s::splat(0.0);
@@ -26,8 +26,8 @@ fn face_of(position: Vec3s) -> U32s {
     U32s::select(x.ge(y.most(z)), of_x, U32s::select(y.ge(z), of_y, of_z))
 }
 
-/// Vectors as faces see them: right, up and ahead. Right and up are the axes that follow its own in turn, on both faces
-/// of an axis: one of them is mirrored, and no angle changes.
+/// Rotates vectors into the axes of faces: right, up and ahead. Right and up are the axes that follow the face's own in
+/// turn, on both faces of an axis. One of the two faces is mirrored, and no angle changes.
 #[inline(always)]
 fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     let on_x = face.equals(U32s::splat(0)) | face.equals(U32s::splat(1));
@@ -41,19 +41,21 @@ fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     }
 }
 
-/// A place on a face of the map, and how near the receiver's own plane is around it. What the map stores is the near
-/// plane's share of the way ahead, a nearness that is linear on a plane: 1 on the near plane, 0 at infinity.
+/// Position of a receiver on a face of the map, and the nearness of its own plane around it.
+///
+/// The map stores the quotient of the near plane and the distance ahead. This nearness is linear on a plane: 1 on the
+/// near plane, 0 at infinity.
 struct OmniReceiver {
     face: U32s,
     texel: [F32s; 2],
     nearness: F32s,
-    /// From one texel to the next.
+    /// Change of the plane's nearness from one texel to the next.
     step: [F32s; 2],
-    /// The plane is taken to be neither farther nor nearer than that.
+    /// Bounds of the plane's nearness.
     min_nearness: F32s,
     most: F32s,
-    /// How much nearer than the plane the map may have something for the receiver to be lit: by all that the map can
-    /// tell, and if what is near is left to the scene.
+    /// Differences in nearness of a caster before the plane up to which the receiver is lit: by the map alone, and if
+    /// the scene decides on near casters.
     tolerance: F32s,
     reach: F32s,
 }
@@ -82,8 +84,9 @@ impl Receiver for OmniReceiver {
 }
 
 impl RelitOmni {
-    /// How much of the arriving light nothing is in the way of, where it is `asked`. Each texel is compared with the
-    /// nearness that the receiver's own plane has at its centre, so that a plane cannot shadow itself.
+    /// Computes the share of the light that no caster blocks, for the `asked` lanes. The receiver's own plane has a
+    /// nearness at each texel's center, and that nearness is compared with the texel, so that a plane cannot shadow
+    /// itself.
     #[inline(always)]
     pub(super) fn visibility(
         &self,
@@ -108,11 +111,11 @@ impl RelitOmni {
         let way_length = F32s::length(at);
         let near = F32s::splat(self.map.near);
 
-        // Slopes from one texel to the next, and how wide a texel is at the receiver.
+        // Slopes from one texel to the next, and width of a texel at the receiver.
         let slopes = [F32s::splat(2.0) / (fit[2] * side), F32s::splat(2.0) / (fit[3] * side)];
         let width = slopes[0].most(slopes[1]) * ahead;
-        // How high the source is over the plane. On the ray along e the plane is at e times height / -(normal . e),
-        // which makes its nearness linear in e.
+        // Height of the source over the plane. On the ray along e the plane is at e times height / -(normal . e), which
+        // makes its nearness linear in e.
         let height = (-F32s::dot(normal, at)).most(F32s::splat(1e-30));
         let per_height = near / height;
         let nearness = near / ahead;
@@ -122,7 +125,7 @@ impl RelitOmni {
         let share = followed_share(F32s::splat(REACH_TEXELS) * width / ahead, run);
         let most = nearness / (one - share);
 
-        // What is stored, linear across a triangle, is off by some ulps of its largest value, 1.
+        // The stored depth, linear across a triangle, is off by some ulps of its largest value, 1.
         let rise = rise_of_facets(width, height / way_length);
         let strayed = depth_error(height, way_length, self.map.mesh_error);
         let tolerance = nearness * (rise / ahead + strayed) + F32s::splat(DEPTH_ROUNDING);
@@ -138,8 +141,8 @@ impl RelitOmni {
         };
         let shares = filter_visibility(&receiver, map, self.map.filter);
 
-        // Beside the receiver a steep caster may be nearer than it is here: the scene is asked for twice the reach, and
-        // as far as the plane runs in the texels around.
+        // A steep caster beside the receiver may be nearer than at it, so the ray test covers twice the reach, and as
+        // far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | (run * ahead).gt(F32s::splat(GRAZING_TEXELS) * width));
         let way = to_light * (way_length * (F32s::splat(3.0) * share).least(F32s::splat(0.9)));
         F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)

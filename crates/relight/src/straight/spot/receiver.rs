@@ -1,4 +1,4 @@
-//! A spotlight's map: the twin of `spot_faces.wgsl` and of what `spot.wgsl` has of it.
+//! Receivers on a spotlight's map, like `spot_faces.wgsl` and the map's part of `spot.wgsl`.
 
 use light::{Lanes, Mask};
 
@@ -15,7 +15,7 @@ use crate::visibility::{
     resolve_along_segment, texel_at,
 };
 
-/// The faces that hold positions in light space.
+/// Returns the faces that hold positions in light space.
 #[inline(always)]
 fn face_of(position: Vec3s) -> U32s {
     let zero = F32s::splat(0.0);
@@ -26,8 +26,7 @@ fn face_of(position: Vec3s) -> U32s {
     U32s::select((-position.z).ge(aside_x.most(aside_y)), U32s::splat(0), aside)
 }
 
-/// Vectors in the axes of faces: right, up, and the way that they look. No angle changes; half of the faces are
-/// mirrored.
+/// Rotates vectors into the axes of faces: right, up and ahead. No angle changes, and half of the faces are mirrored.
 #[inline(always)]
 fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     let front = face.equals(U32s::splat(0));
@@ -42,18 +41,18 @@ fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     }
 }
 
-/// A receiver's place on the map, and what its own plane looks like there.
+/// Position of a receiver on the map, and its own plane there.
 struct SpotReceiver {
     face: U32s,
     texel: [F32s; 2],
-    /// 1 / depth, and how it changes along the receiver's plane from texel to texel.
+    /// 1 / depth, and its change along the receiver's plane from texel to texel.
     inverse_depth: F32s,
     step: [F32s; 2],
-    /// How much nearer to the source the map may have something, as a depth of the map, for the receiver to be lit: by
-    /// all that the map can tell, and if what is near is left to the scene.
+    /// Differences in the map's depth of a caster nearer to the source up to which the receiver is lit: by the map
+    /// alone, and if the scene decides on near casters.
     tolerance: F32s,
     reach: F32s,
-    /// Least and greatest 1 / depth that the receiver's plane is taken to have in the texels around.
+    /// Least and greatest 1 / depth of the receiver's plane in the texels around.
     bounds: [F32s; 2],
     near: F32s,
 }
@@ -82,11 +81,11 @@ impl Receiver for SpotReceiver {
 }
 
 impl RelitSpot {
-    /// How much of the arriving light nothing is in the way of, where it is `asked`.
+    /// Computes the share of the light that no caster blocks, for the `asked` lanes.
     ///
-    /// Each texel is compared with the depth that the receiver's own plane has on the ray through that texel's centre,
-    /// so that a plane cannot shadow itself. On the ray (x, y, 1) the plane through p has 1 / depth = n.(x, y, 1) /
-    /// n.p: linear in (x, y).
+    /// The receiver's own plane has a depth on the ray through each texel's center, and that depth is compared with the
+    /// texel, so that a plane cannot shadow itself. The plane through p has 1 / depth = `n.(x, y, 1) / n.p` on the ray
+    /// (x, y, 1): linear in (x, y).
     #[inline(always)]
     pub(super) fn visibility(
         &self,
@@ -137,8 +136,8 @@ impl RelitSpot {
         };
         let shares = filter_visibility(&receiver, map, self.map.filter);
 
-        // Beside the receiver a steep caster may be nearer than it is here: so the scene is asked for twice the reach,
-        // and as far as the plane runs in the texels around.
+        // A steep caster beside the receiver may be nearer than at it, so the ray test covers twice the reach, and as
+        // far as the plane runs in the texels around.
         let grazes = asked & (!faces_light | run.gt(F32s::splat(GRAZING_TEXELS) * texel_slope));
         let way = to_light * (way_length * (F32s::splat(3.0) * most).least(F32s::splat(0.9)));
         F32s::select(asked, resolve_along_segment(scene, surface, shares, grazes, way), zero)

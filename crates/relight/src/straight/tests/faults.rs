@@ -1,4 +1,4 @@
-//! Faults of maps, planted in what was drawn: shadows then have outlines that no board on such a map has.
+//! Planted faults of drawn maps, which give shadows other outlines than any board on such a map has.
 
 use glam::{Mat3, Mat4};
 
@@ -6,8 +6,8 @@ use super::shadows::{BOARD, SIDE, SPOT_FACE, drawn, judged_by, scene, spot, sun,
 use crate::DepthMap;
 use crate::shape::RelitShape;
 
-/// How many points beside the outline that the board has on a map are wrong: a filter of four texels reaches half a texel
-/// beyond it, and a tenth is for roundings.
+/// Counts the wrong points beside the outline that the board has on a map. A filter of four texels reaches half a texel
+/// beyond it, and a tenth covers rounding.
 fn wrong_by_a_texel<S: RelitShape>(shape: &S, map: &DepthMap, spread: f32) -> usize {
     let positions = BOARD.positions();
     let margin = 0.6 * 2.0 / SIDE as f32 * spread;
@@ -35,7 +35,7 @@ fn a_map_that_is_shifted_by_one_texel_or_lacks_a_band_is_seen() {
         let seen = faulty(&|texels| texels.rotate_right(by));
         assert!(seen.iter().all(|wrong| *wrong > 40), "shifted by {by} texels: {seen:?}");
     }
-    // All of the board is in the second band of 64 rows.
+    // The whole board is in the second band of 64 rows.
     let seen = faulty(&|texels| texels[64 * SIDE..128 * SIDE].fill(0.0));
     assert!(seen.iter().all(|wrong| *wrong > 1000), "without a band: {seen:?}");
 }

@@ -1,4 +1,4 @@
-//! Shadows of what has holes.
+//! Shadows of casters with holes.
 
 use glam::{Mat4, Vec2};
 
@@ -11,7 +11,7 @@ use crate::{AlphaTest, AlphaTests, DepthMap, Workers};
 #[test]
 fn light_comes_through_holes_and_nowhere_else() {
     let positions = BOARD.positions();
-    // Alpha falls along x from 1 to 0, and what has less than a half is a hole.
+    // Alpha falls along x from 1 to 0, and makes holes below a half.
     let attributes: Vec<[f32; 9]> =
         positions.map(|[x, ..]| [0.0, 0.0, 1.0, 0.5, 0.5, 1.0, 1.0, 1.0, (0.2 - x) / 0.5]).into();
     let tests = AlphaTests { tests: &[AlphaTest::OF_ONE_TEXEL], texels: &[255] };
@@ -27,7 +27,7 @@ fn light_comes_through_holes_and_nowhere_else() {
             .expect("not cancelled");
         into
     };
-    // Left of the middle the board is there: x up to -0.05, and its shadow twice as far.
+    // The board is solid left of the middle, for x up to -0.05, and its shadow reaches twice as far.
     let half = Board { high: Vec2::new(-0.05, BOARD.high.y), ..BOARD };
     let wrong = |map: &DepthMap| {
         let mut wrong = 0;

@@ -1,4 +1,4 @@
-//! Where points lie in straight lights.
+//! Coordinates of points in straight lights.
 
 use glam::{DMat3, DQuat, DVec3, Mat4};
 use light::parameters::{CONE_ANGLE, HEIGHT, RANGE, ROTATION, WIDTH};
@@ -11,10 +11,10 @@ use super::SPOT_MAP;
 use crate::ShadowFilter;
 use crate::lanes::{F32s, LANES, Vec3s};
 
-/// Places are some ulps of numbers of up to 10 off.
+/// Error of coordinates: some ulps of numbers of up to 10.
 const TOLERANCE: f64 = 1e-5;
 
-/// Turned about no axis of its own.
+/// Makes a rotation about an axis that is none of the coordinate axes.
 fn turned() -> DQuat {
     DQuat::from_axis_angle(DVec3::new(1.0, 2.0, 3.0).normalize(), 0.8)
 }
@@ -24,7 +24,7 @@ fn light_from_scene(source: DVec3) -> Mat4 {
     glam::DAffine3 { matrix3: rotation, translation: -(rotation * source) }.as_affine3a().into()
 }
 
-/// Positions without order around the origin, up to 5 away.
+/// Makes unordered positions around the origin, up to 5 away.
 fn positions() -> Vec<[DVec3; LANES]> {
     let number = |k: usize, factor: f64| ((k as f64 * factor).fract() - 0.5) * 10.0;
     let one = |k: usize| DVec3::new(number(k, 0.618_034), number(k, 0.754_878), number(k, 0.569_84));
@@ -38,8 +38,8 @@ fn in_lanes(points: &[DVec3; LANES]) -> Vec3s {
     Vec3s { x: axis(0), y: axis(1), z: axis(2) }
 }
 
-/// Holds places to those of the light model, but for positions so near to its edge that rounding decides. Returns how
-/// many were inside of it.
+/// Compares coordinates with those of the light model, except at positions so near to its edge that rounding decides.
+/// Returns the number of positions inside.
 fn assert_located(
     locate: impl Fn(Vec3s) -> Located,
     expected: impl Fn(DVec3) -> Option<LightCoords>,
@@ -55,7 +55,7 @@ fn assert_located(
             };
             assert!(located.inside.lane(lane) || nearby.contains(&false), "{point} is inside");
             let close = |a: f32, b: f64, size: f64| (f64::from(a) - b).abs() <= TOLERANCE * size;
-            // Where a ray meets a cube's face moves as the position does, over how near that is.
+            // Coordinates on a cube's face move as the position does, divided by its distance.
             assert!(
                 close(located.v.0[lane], place.v, 10.0) && close(located.w.0[lane], place.w, 10.0),
                 "{point}"
@@ -101,7 +101,7 @@ fn lights_are_where_the_light_model_has_them() {
     let lanes = window_sun(parallel.light_profile.clone());
     assert!(assert_located(|p| lanes.locate(p), |p| parallel.locate(p)) > 300);
 
-    // The planted fault: a cone a hundredth wider is another.
+    // Planted fault: a cone wider by a hundredth.
     let wider = of(tan * 1.01);
     let found = positions().iter().any(|points| {
         let located = wider.locate(in_lanes(points));
@@ -113,7 +113,7 @@ fn lights_are_where_the_light_model_has_them() {
     assert!(found, "a wider cone goes unseen");
 }
 
-/// Through a window 4 wide and 6 high.
+/// Makes a directional light through a window 4 wide and 6 high.
 fn window_sun(light_profile: light::LightProfile) -> RelitDirectional {
     let map = DirectionalMapParams {
         fit: [0.0, 0.0, 1.0, 1.0],

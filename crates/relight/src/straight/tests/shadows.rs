@@ -1,4 +1,4 @@
-//! Shadows of a board, whose outlines are known.
+//! Shadows of a board, with known outlines.
 
 use glam::{Mat3, Mat4, Vec2, Vec3};
 use light::parameters::CONE_ANGLE;
@@ -17,11 +17,11 @@ use crate::{
     Workers,
 };
 
-/// Texels along each side of a map.
+/// Number of texels along each side of a map.
 pub(super) const SIDE: usize = 256;
 
-/// A board, light above it at the origin of light space or beyond, and a floor on which its shadow is looked for. All
-/// in light space, which is scene space here: light goes along -z.
+/// Board between a light and a floor that receives its shadow. The light is at the origin of light space or beyond.
+/// Light space is scene space here, and light travels along -z.
 pub(super) struct Board {
     /// Least and greatest corner, at z = -1.
     pub low: Vec2,
@@ -29,7 +29,7 @@ pub(super) struct Board {
 }
 
 pub(super) const BOARD: Board = Board { low: Vec2::new(-0.3, 0.1), high: Vec2::new(0.2, 0.45) };
-/// Where the floor is.
+/// Height of the floor.
 const FLOOR: f32 = -2.0;
 
 impl Board {
@@ -38,21 +38,21 @@ impl Board {
         [[low.x, low.y, -1.0], [high.x, low.y, -1.0], [high.x, high.y, -1.0], [low.x, high.y, -1.0]]
     }
 
-    /// The outline that it has on a map: its nearest edges of texels, for centres beyond those lie outside of it.
+    /// Outline of the board on a map: the nearest edges of texels, since centers beyond them lie outside.
     pub(super) fn on_map(&self) -> Self {
         let half = SIDE as f32 / 2.0;
         Self { low: (self.low * half).round() / half, high: (self.high * half).round() / half }
     }
 
-    /// How far within its shadow a place on the floor is, in world units there; `spread` is how much larger than the
-    /// board the shadow is.
+    /// Distance of a point of the floor from the outline of the shadow, positive inside, in world units. `spread` is
+    /// the size of the shadow relative to the board.
     pub(super) fn depth_in_shadow(&self, at: Vec2, spread: f32) -> f32 {
         (at - self.low * spread).min(self.high * spread - at).min_element()
     }
 }
 
 const INDICES: [u32; 6] = [0, 1, 2, 0, 2, 3];
-/// One node that is passed by: nothing near asks the scene.
+/// Node far from everything, so no ray test finds a triangle.
 const FAR_NODE: CasterHierarchyNode =
     CasterHierarchyNode { min: [1e6; 3], triangle_count: 0, max: [1e6 + 1.0; 3], next: u32::MAX };
 
@@ -73,7 +73,7 @@ pub(super) fn scene<'a>(
     }
 }
 
-/// Sixteen points of the floor, from `first` on along x.
+/// Makes sixteen points of the floor, from `first` on along x.
 pub(super) fn floor(first: Vec2, step: f32) -> (SurfaceLanes, [Vec2; LANES]) {
     let at: [Vec2; LANES] = std::array::from_fn(|k| first + Vec2::X * (step * k as f32));
     let (zero, up) = (F32s::splat(0.0), Vec3s::splat([0.0, 0.0, 1.0]));
@@ -93,8 +93,8 @@ pub(super) fn floor(first: Vec2, step: f32) -> (SurfaceLanes, [Vec2; LANES]) {
     (surface, at)
 }
 
-/// Points of the floor that are judged, of them in shadow, and wrong. What lies within `margin` of the outline is not
-/// judged.
+/// Numbers of judged points of the floor, of those in shadow, and of wrong ones. Points within `margin` of the outline
+/// are not judged.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Judged {
     all: usize,
@@ -106,7 +106,7 @@ fn judged<S: RelitShape>(shape: &S, map: &DepthMap, scene: &CasterScene, far: (f
     judged_by((&BOARD, 1), shape, map, scene, far)
 }
 
-/// The same by the shadow of another board, at so many times as many points each way.
+/// Judges by the shadow of another board, at `finer` times as many points in each direction.
 pub(super) fn judged_by<S: RelitShape>(
     (board, finer): (&Board, usize),
     shape: &S,
@@ -135,7 +135,7 @@ pub(super) fn judged_by<S: RelitShape>(
     judged
 }
 
-/// A map with the board on its first face, and nothing on `others`. `leaves` say what the board is of.
+/// Draws a map with the board on its first face, and nothing on `others`. `shell` is the kind of the board's surface.
 pub(super) fn drawn(
     (place_from_scene, near): (Mat4, Option<f32>),
     (clip_from_place, others): (Mat3, usize),
@@ -160,7 +160,7 @@ pub(super) fn drawn(
     into
 }
 
-/// Of a spotlight's one face, slopes up to 1: up is y, ahead is -z.
+/// The one face of a spotlight, with slopes up to 1: up is y, ahead is -z.
 pub(super) const SPOT_FACE: Mat3 = Mat3::from_cols(Vec3::X, Vec3::Y, Vec3::NEG_Z);
 
 pub(super) fn spot() -> RelitSpot {
@@ -168,7 +168,7 @@ pub(super) fn spot() -> RelitSpot {
     RelitSpot::new(Mat4::IDENTITY, cone.light_profile().clone(), (1.0, None), SPOT_MAP)
 }
 
-/// Two texels: the filter reaches less than that. Of slopes, at the floor.
+/// Two texels, as slopes, at the floor. The filter reaches less than that.
 pub(super) const MARGIN: f32 = 2.0 * 2.0 / SIDE as f32 * 2.0;
 
 #[test]
@@ -178,8 +178,8 @@ fn a_spotlights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
     let judge = |map: &DepthMap| judged(&spot(), map, &scene, (2.0, MARGIN));
     let right = judge(&drawn((Mat4::IDENTITY, Some(0.1)), (SPOT_FACE, 0), 0));
     assert!(right.all > 2000 && right.dark > 300 && right.wrong == 0, "{right:?}");
-    // The planted faults: a map upside down, one that stores depths by a near plane ten times farther away, and one
-    // that is cut off where the board is.
+    // Planted faults: a map upside down, one whose near plane is ten times farther away, and one that is clipped where
+    // the board is.
     let upside_down = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0)) * SPOT_FACE;
     assert!(judge(&drawn((Mat4::IDENTITY, Some(0.1)), (upside_down, 0), 0)).wrong > 300);
     assert!(judge(&drawn((Mat4::IDENTITY, Some(0.01)), (SPOT_FACE, 0), 0)).wrong > 300);
@@ -188,7 +188,7 @@ fn a_spotlights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
 
 #[test]
 fn an_omni_lights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
-    // The face of -z, whose right is x and whose up is y, is the last; the first here is drawn in its place.
+    // The face of -z, with right x and up y, is the last. The first face drawn here takes its place.
     let omni = CheckedLight::new(Light::omni()).expect("a light");
     let fits = [[0.0, 0.0, 1.0, 1.0]; 6];
     let place = OmniMapParams { near: 0.1, mesh_error: 0.0, fits, filter: ShadowFilter::Bilinear };
@@ -208,7 +208,7 @@ fn an_omni_lights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
     assert!(judged(&omni, &drawn(upside_down), &scene, (2.0, MARGIN)).wrong > 300);
 }
 
-/// Places of a directional light: (x, y, 1), and a depth from 0 at z = -3 to 1 at z = 1.
+/// Map positions of a directional light: (x, y, 1), and a depth from 0 at z = -3 to 1 at z = 1.
 pub(super) fn sun_places() -> Mat4 {
     Mat4::from_cols_array_2d(&[
         [1.0, 0.0, 0.0, 0.0],
@@ -244,7 +244,7 @@ fn a_directional_lights_shadow_of_a_board_has_the_boards_outline() {
 
 #[test]
 fn of_closed_surfaces_only_what_faces_the_light_is_drawn() {
-    // The board's front is up, towards the light; of one that faces outwards (1) it is drawn, of one inside out (2)
+    // The board's front is up, towards the light. A board that faces outwards (1) is drawn, an inside-out one (2) is
     // not.
     for (places, near, face) in [(Mat4::IDENTITY, Some(0.1), SPOT_FACE), (sun_places(), None, Mat3::IDENTITY)]
     {
@@ -252,7 +252,7 @@ fn of_closed_surfaces_only_what_faces_the_light_is_drawn() {
             drawn((places, near), (face, 0), shell).rows(0).flatten().filter(|depth| **depth > 0.0).count()
         };
         assert_eq!([covered(1), covered(2)], [covered(0), 0]);
-        // Half a texel more or less all around, of 0.5 by 0.35 on 2 by 2.
+        // Half a texel more or less all around, for 0.5 by 0.35 on 2 by 2.
         let area = 0.5 * 0.35 / 4.0 * (SIDE * SIDE) as f32;
         assert!((covered(0) as f32 - area).abs() < 0.5 * (0.5 + 0.35) * SIDE as f32, "{}", covered(0));
     }

@@ -1,4 +1,4 @@
-//! Shadows of holes under bent lights, against those under spotlights, whose alpha tests are the samplers'.
+//! Compares shadows of alpha-tested casters under bent lights with those under spotlights, where samplers do the test.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,10 +12,10 @@ use crate::bendy_light::tests::{alone, renderer, view};
 use crate::{Aov, Picture, ShadowSettings};
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge];
-/// Cards along each side of the sheet.
+/// Number of cards along each side of the sheet.
 const CARDS: u32 = 6;
 
-/// An arrow whose alpha looks different however it is turned, 12 x 8.
+/// A 12 x 8 arrow, whose alpha differs under every rotation and reflection.
 fn arrow() -> Image {
     let rows = [
         "..........#.",
@@ -31,8 +31,8 @@ fn arrow() -> Image {
     Image { width: 12, height: 8, rgba8: alpha.into_iter().flat_map(|a| [200, 200, 200, a]).collect() }
 }
 
-/// A floor of many triangles, and above it a sheet of cards of 18 materials: every way to wrap, magnified texels
-/// blended or not, with other cut-offs and factors, and with alpha at their vertices.
+/// A floor of many triangles under a sheet of cards with 18 materials: every wrap mode, nearest and linear
+/// magnification, several cutoffs and factors, and alpha at vertices.
 fn scene(wraps: [Wrap; 3]) -> Scene {
     let floor = {
         let points = (0..400).map(|k| Vec3::new((k % 20) as f32 - 9.5, 0.0, (k / 20) as f32 - 9.5) * 0.4);
@@ -89,7 +89,7 @@ fn scene(wraps: [Wrap; 3]) -> Scene {
     scene
 }
 
-/// The same light, by each way to make a shadow.
+/// The same light as a spotlight and as a bent light.
 fn lights() -> [Light; 2] {
     let spot = Light::spot()
         .with(CONE_ANGLE, 18.0)
@@ -107,14 +107,14 @@ fn visibility(scene: &Scene, light: &Light, shadows: ShadowSettings) -> Picture 
     renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
 }
 
-/// The share of the pixels in the light that one picture shows lit and the other does not.
+/// Share of the pixels in the light on which two pictures disagree.
 fn differing(a: &Picture, b: &Picture) -> f64 {
     let both: Vec<_> = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a[3] == 1.0 && b[3] == 1.0).collect();
     assert!(both.len() > 2000, "{}", both.len());
     both.iter().filter(|(a, b)| (a[0] >= 0.5) != (b[0] >= 0.5)).count() as f64 / both.len() as f64
 }
 
-/// Where holes are as large as many texels, few pixels lie beside an edge.
+/// Holes span many texels, so few pixels are near an edge.
 #[test]
 fn holes_are_where_samplers_find_them() {
     let [spot, bent] = lights();
@@ -122,7 +122,7 @@ fn holes_are_where_samplers_find_them() {
     let expected = visibility(&scene(WRAPS), &spot, fine);
     let found = differing(&visibility(&scene(WRAPS), &bent, fine), &expected);
     assert!(found < 0.01, "{found}");
-    // Planted: two ways to wrap for each other, and no holes.
+    // Planted faults: two wrap modes exchanged, and no holes.
     let [repeat, mirror, clamp] = WRAPS;
     let swapped = differing(&visibility(&scene([mirror, repeat, clamp]), &bent, fine), &expected);
     assert!(swapped > 10.0 * found && swapped > 0.05, "{swapped} after {found}");
@@ -132,7 +132,7 @@ fn holes_are_where_samplers_find_them() {
     assert!(solid > 0.1, "{solid}");
 }
 
-/// Fewer casters have other vertices, and the same holes.
+/// Simplified casters have other vertices but the same holes.
 #[test]
 fn simplified_casters_keep_their_holes() {
     let [_, bent] = lights();
@@ -148,7 +148,8 @@ fn simplified_casters_keep_their_holes() {
     assert!(found < 0.01, "{found}");
 }
 
-/// A map without room for what has holes is drawn again; where nothing has any, there is no room and no table.
+/// A map without room for alpha-tested vertices is drawn again. A scene without alpha tests has neither buffers nor a
+/// table for them.
 #[test]
 fn only_holes_take_room() {
     let [_, bent] = lights();

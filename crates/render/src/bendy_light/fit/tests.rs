@@ -1,4 +1,4 @@
-//! Whatever lies in a light lies in its fit.
+//! Tests that a fit contains every caster point in the light.
 
 use glam::DQuat;
 use light::parameters::{CONE_ANGLE, END_MODE, FRAME, RANGE, ROTATION, SCALE, TRANSLATION, UP};
@@ -7,7 +7,7 @@ use light::{EndMode, Light, Tube};
 use super::*;
 use crate::bendy_light::walk;
 
-/// Numbers from 0 to 1 that repeat themselves from run to run.
+/// Pseudorandom numbers from 0 to 1, the same in every run.
 struct Numbers(u64);
 
 impl Numbers {
@@ -21,7 +21,7 @@ impl Numbers {
     }
 }
 
-/// Tubes that bend, taper, twist, go on, and open wide.
+/// Tubes that bend, taper, twist, are extended, or open wide.
 fn lights() -> Vec<Light> {
     let mut numbers = Numbers(7);
     let mut lights = Vec::new();
@@ -57,7 +57,7 @@ fn lights() -> Vec<Light> {
 
 const ORIGIN: DVec3 = DVec3::new(0.7, -0.4, 0.2);
 
-/// Lumps of small triangles about the tube, now and then some large ones, in scene space.
+/// Clusters of small triangles around the tube and a few large triangles, in scene space.
 fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     let mut numbers = Numbers(seed);
     let mut positions = Vec::new();
@@ -74,7 +74,7 @@ fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     positions
 }
 
-/// The places in the tube of points all over the triangles.
+/// Tube coordinates of points spread over the triangles.
 fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Vec<[f64; 4]> {
     let mut found = Vec::new();
     for corners in positions.as_chunks::<3>().0 {
@@ -82,7 +82,7 @@ fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Ve
         for k in 0..12 {
             let (x, y) = (numbers.next(), numbers.next());
             let (x, y) = if x + y > 1.0 { (1.0 - x, 1.0 - y) } else { (x, y) };
-            // Corners and edges too: what reaches farthest.
+            // Includes corners and edges, which reach farthest.
             let (x, y) = match k {
                 0 => (0.0, 0.0),
                 1 => (1.0, 0.0),
@@ -99,7 +99,7 @@ fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Ve
     found
 }
 
-/// The face that holds a place, and x / depth and y / depth there.
+/// The face that contains a point, and x / depth and y / depth there.
 fn on_face(fit: &BendyFit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
     let depth = radius / fit.faces.slope();
     let face = match () {
@@ -111,7 +111,7 @@ fn on_face(fit: &BendyFit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
     (face, [place.x / place.z, place.y / place.z])
 }
 
-/// Whether a place lies in a fit whose bounds are cut by a share of their size on each side.
+/// True if a fit contains a point after each side of its bounds shrinks by the share `cut` of their size.
 fn holds(fit: &BendyFit, place: [f64; 4], cut: f64) -> bool {
     let (face, at) = on_face(fit, place);
     let inside = |x: f64, [low, high]: Range| {
@@ -123,7 +123,7 @@ fn holds(fit: &BendyFit, place: [f64; 4], cut: f64) -> bool {
         && fit.t.is_some_and(|range| inside(place[3], range))
 }
 
-/// Whether what is drawn of a face reaches so many of its texels past a place, or to the rim of the tube.
+/// True if the drawn part of a face extends `texels` beyond a point, or to the rim of the tube.
 fn reaches(fit: &BendyFit, drawn_side: f64, place: [f64; 4], texels: f64) -> bool {
     let (face, at) = on_face(fit, place);
     let DrawnFace { center, half } = fit.drawn(face, drawn_side);
@@ -139,8 +139,7 @@ fn reaches(fit: &BendyFit, drawn_side: f64, place: [f64; 4], texels: f64) -> boo
 
 const SIDE: f64 = 512.0;
 
-/// The filter looks two texels past a place, and finds what is drawn there: at the edges of a fit and across those of
-/// faces.
+/// The filter reads two texels beyond a point. Those are drawn, at the edges of a fit and across edges of faces.
 #[test]
 fn the_filter_reaches_no_texel_that_is_left_out() {
     let (mut caught, mut cubes) = (0, 0);
@@ -151,7 +150,7 @@ fn the_filter_reaches_no_texel_that_is_left_out() {
         let clusters = crate::clusters::of_opaque(&positions, &indices);
         let light = (&tube, Faces::of(&light), super::super::t_max(&tube, ORIGIN, DVec3::splat(8.0)));
         let fit = BendyFit::new(light, ORIGIN, &clusters, Culling::ALL);
-        // Every direction that a receiver may have on the faces of a cube, and what casts shadows.
+        // All directions that a receiver may have on the faces of a cube, and the casters.
         let all_around = (0..4000).map(|k| {
             let (radius, angle) = ((f64::from(k) / 4000.0).sqrt(), f64::from(k) * 2.4);
             [radius * angle.cos(), radius * angle.sin(), 1.0, 0.0]
@@ -163,7 +162,7 @@ fn the_filter_reaches_no_texel_that_is_left_out() {
             assert!(reaches(&fit, SIDE, place, MARGIN_TEXELS), "{place:?} of light {seed} in {fit:?}");
         }
         cubes += usize::from(fit.faces.is_cube());
-        // The planted fault: no margin, as on endlessly many texels.
+        // Planted fault: no margin, as with infinitely many texels.
         caught += usize::from(judged().any(|(fit, place)| !reaches(&fit, 1e9, place, MARGIN_TEXELS)));
     }
     assert!(cubes > 5 && caught >= cubes, "a margin of 0 is seen in only {caught} of {cubes} lights");
@@ -187,7 +186,7 @@ fn a_fit_holds_all_that_casts_shadows() {
         checked += places.len();
         empty += usize::from(fit.t.is_none());
         cubes += usize::from(faces.is_cube());
-        // The planted fault: bounds that are a little too small.
+        // Planted fault: bounds that are slightly too small.
         caught += usize::from(places.iter().any(|&place| !holds(&fit, place, 0.05)));
     }
     println!("{checked} places, {empty} empty, {cubes} cubes, {caught} caught");
@@ -195,8 +194,8 @@ fn a_fit_holds_all_that_casts_shadows() {
     assert!(caught > 15, "bounds that are too small are seen in only {caught} lights");
 }
 
-/// No path comes back in through a side that light is said not to come in through. Those that do come back in are the
-/// planted fault: a rule that trusted every light would let them.
+/// No light path comes back in through a side that the fit excludes. Planted fault: a rule that excludes every side
+/// misses the paths that do come back in.
 #[test]
 fn no_path_comes_in_where_none_is_said_to() {
     let mut numbers = Numbers(3);

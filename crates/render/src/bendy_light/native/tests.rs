@@ -1,5 +1,5 @@
-//! Faults planted in maps that the processor has drawn, each seen by a comparison with the walk of `walk.rs`, which knows
-//! no map. Culling the wrong way is planted in `near_slabs/tests.rs`, edges left unsplit in `../tests.rs`.
+//! Plants faults in maps of the native backend. A comparison with the traced paths of `walk.rs`, which uses no map,
+//! must see each. Wrong culling is planted in `near_slabs/tests.rs`, unsplit edges in `../tests.rs`.
 
 use relight::DepthMap;
 
@@ -9,11 +9,11 @@ use crate::{Aov, Backend, Picture, ShadowSettings};
 
 /// Texels along each side of a map of four bands.
 const RESOLUTION: u32 = 256;
-/// Of a map on which one texel turns round many pixels beside edges.
+/// Resolution of a map on which one texel changes many pixels near edges.
 const COARSE: u32 = 64;
 /// Rows of a map that one thread draws at once.
 const BAND: usize = 64;
-/// What a texel holds where nothing was drawn.
+/// Depth of a texel on which nothing was drawn.
 const CLEARED: f32 = 1.0;
 
 fn setup(resolution: u32) -> Setup {
@@ -23,7 +23,7 @@ fn setup(resolution: u32) -> Setup {
     setup
 }
 
-/// The picture by a map that is spoiled, which afterwards is as it was.
+/// Renders a picture with a corrupted map, then restores the map.
 fn with_corrupt_map(setup: &mut Setup, fault: impl Fn(&mut DepthMap, &MapShape)) -> Picture {
     let mut right = DepthMap::default();
     setup.renderer.corrupt_native_maps(|map, shape| {
@@ -35,9 +35,9 @@ fn with_corrupt_map(setup: &mut Setup, fault: impl Fn(&mut DepthMap, &MapShape))
     picture
 }
 
-/// Whether what a picture shows `near` edges is nearer to what the walk says than to the same on paths that lie a texel
-/// beside theirs, along v or along w. How many pixels differ grows with how far edges are displaced: they are by less than
-/// half a texel where those of no shift are fewest.
+/// True if the picture's pixels `near` edges fit the traced paths better than paths shifted by one texel along v or w.
+/// The number of differing pixels grows with the displacement of edges, so a minimum at no shift means a displacement
+/// below half a texel.
 fn is_map_aligned(setup: &Setup, near: &[PixelInLight], picture: &Picture, texel: [f64; 2]) -> bool {
     let misfits = |v: f64, w: f64| {
         let is_lit = |seen: &PixelInLight| seen.is_lit(&setup.tube, [v * texel[0], w * texel[1]]);
@@ -74,7 +74,7 @@ fn a_map_shifted_by_one_texel_is_seen() {
     }
 }
 
-/// Changes the depths of the first face, row after row from the top.
+/// Changes the depths of the first face, in rows from the top.
 fn change(map: &mut DepthMap, fault: impl FnOnce(&mut [f32])) {
     let mut texels: Vec<f32> = map.rows(0).flatten().copied().collect();
     fault(&mut texels);
@@ -82,7 +82,7 @@ fn change(map: &mut DepthMap, fault: impl FnOnce(&mut [f32])) {
     map.rows_mut(0).zip(texels.chunks(side)).for_each(|(row, texels)| row.copy_from_slice(texels));
 }
 
-/// Has at each w what the map has at -w.
+/// Copies the depths at -w to each w.
 fn mirror(map: &mut DepthMap, shape: &MapShape) {
     let side = map.side();
     let [_, middle, _, inverse_half] = shape.fits()[0].map(f64::from);
@@ -114,7 +114,7 @@ fn a_band_that_its_thread_skipped_is_seen() {
     let walked = setup.traced_pixels(1.0, RESOLUTION);
     assert_eq!(differing(&walked, &setup.picture(Aov::Visibility)), 0);
     for band in 0..RESOLUTION as usize / BAND {
-        // Cleared and not drawn, or not even cleared.
+        // Cleared but not drawn, or not even cleared.
         for left in [CLEARED, 0.0] {
             let skip = |map: &mut DepthMap, _: &MapShape| {
                 let rows = BAND * map.side();

@@ -1,4 +1,4 @@
-//! What is left out of a map is nothing that shows in it.
+//! Tests that culled triangles never show in a map.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::bendy_light::tests::{BACKENDS, alone, cube, light, renderer_of, view}
 use crate::clusters::{Clusters, TRIANGLES_PER_LEAF};
 use crate::{Aov, Backend, Picture, Renderer, WorkCounters};
 
-/// A ball with a seam and poles, seen counter-clockwise from outside.
+/// A ball with a seam and poles, counter-clockwise from outside.
 fn ball() -> Primitive {
     const ROWS: u32 = 24;
     const COLUMNS: u32 = 48;
@@ -35,10 +35,10 @@ fn ball() -> Primitive {
     primitive
 }
 
-/// Where a ball encloses a camera, in the light.
+/// Center of a ball around a camera, in the light.
 const AROUND_THE_EYE: DVec3 = DVec3::new(-0.95, 2.1, -0.25);
 
-/// Balls and boxes in the light's way, thin ones and some that cut through each other, over a floor.
+/// Balls and boxes in the light over a floor. Some are thin, and some intersect.
 fn scene() -> Scene {
     let material = Material { double_sided: true, ..Material::default() };
     let mut scene = Scene { materials: vec![material], ..Scene::default() };
@@ -59,7 +59,7 @@ fn scene() -> Scene {
         let at = DVec3::new(-1.0 + 2.4 * share, 3.0 - 2.6 * share, -0.6 + 0.5 * (5.0 * share).sin());
         add(ball(), DVec3::new(0.09, 0.03 + 0.1 * share, 0.12), 7.0 * share, at);
         add(cube(), DVec3::new(0.2, 0.01, 0.05), 11.0 * share, at - DVec3::X * 0.1);
-        // Scaled by less than nothing along one axis: turned inside out and back by the importer's rule.
+        // A negative scale along one axis turns the mesh inside out, and the importer's rule turns it back.
         add(ball(), DVec3::new(0.04, 0.05, -0.04), share, at + DVec3::Z * 0.25);
     }
     scene.check().expect("sound");
@@ -76,7 +76,7 @@ fn with(backend: Backend, change: impl Fn(&mut Clusters)) -> Renderer {
     renderer
 }
 
-/// What drawing the light's map from nothing comes to.
+/// Counters of drawing the light's map from scratch.
 fn counters(renderer: &mut Renderer) -> WorkCounters {
     let (_, recording) = renderer.record_display(&view(Aov::Beauty), &alone(&light())).expect("drawn");
     recording.counters
@@ -86,7 +86,7 @@ fn all_of(shell: TriangleComponent) -> impl Fn(&mut Clusters) {
     move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.component = shell)
 }
 
-/// One of each shape that falls on the scene from above; the spotlight's map has one face, or five.
+/// One light of each shape, shining down on the scene. One spotlight's map has one face, the other's five.
 fn lights() -> Vec<Light> {
     let down = DQuat::from_rotation_x(-PI / 2.0);
     let above = |light: Light| light.with(TRANSLATION, DVec3::new(-0.9, 4.5, -0.2));
@@ -101,8 +101,8 @@ fn lights() -> Vec<Light> {
     ]
 }
 
-/// The backs of closed surfaces are left out, and every shadow stays to the bit, seen from outside and from inside of
-/// one, where all is dark.
+/// Back faces of closed components are culled, and every shadow stays the same bit for bit, from outside and from
+/// inside a component, where all is dark.
 #[test]
 fn backs_of_closed_surfaces_show_nowhere() {
     let outside = view(Aov::Visibility);
@@ -114,7 +114,7 @@ fn backs_of_closed_surfaces_show_nowhere() {
             culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.component).collect();
         assert!(shells.iter().all(|&shell| shell == TriangleComponent::Closed), "{shells:?}");
         let mut whole = with(backend, all_of(TriangleComponent::Open));
-        // The planted fault: with fronts left out instead, light comes into what is closed.
+        // Planted fault: with front faces culled instead, light leaks into closed components.
         let mut leaking = with(backend, all_of(TriangleComponent::InsideOut));
         for light in lights() {
             let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
@@ -131,12 +131,11 @@ fn backs_of_closed_surfaces_show_nowhere() {
     }
 }
 
-/// How many pixels see light.
 fn lit(picture: &Picture) -> usize {
     picture.pixels.iter().filter(|pixel| pixel[3] == 1.0 && pixel[0] > 0.0).count()
 }
 
-/// Half of what is near the light is drawn where all is closed.
+/// Half of the triangles near the light are drawn if all components are closed.
 #[test]
 fn backs_are_not_drawn() {
     for backend in BACKENDS {
@@ -144,12 +143,13 @@ fn backs_are_not_drawn() {
             .map(|mut renderer| counters(&mut renderer));
         assert_eq!(fewer.triangles_seen, all.triangles_seen);
         let share = fewer.triangles_drawn as f64 / all.triangles_drawn as f64;
-        // Boxes and balls have as many fronts as backs, but for what is split and what is too thin to tell.
+        // Boxes and balls have as many front faces as back faces, except for split triangles and triangles too thin to
+        // decide.
         assert!((0.4..0.6).contains(&share), "{backend:?}: {share} of {}", all.triangles_drawn);
     }
 }
 
-/// A light that begins inside of a closed surface meets its back.
+/// A light that begins inside a closed component hits its back faces.
 #[test]
 fn light_from_within_meets_backs() {
     let mut around = scene();
@@ -165,7 +165,7 @@ fn light_from_within_meets_backs() {
         let leaks = lit(&shadows(&mut renderer, &light()));
         assert_eq!(leaks, 0, "{backend:?}: all that light would reach lies behind the ball");
         let clusters = &mut Arc::make_mut(&mut renderer.gpu_scene().1.casters).clusters;
-        // The planted fault: the ball is where the light is not.
+        // Planted fault: bounds of the ball that do not contain the light.
         for leaf in &mut clusters.leaves {
             leaf.component_bounds.center += DVec3::splat(100.0);
         }
@@ -175,7 +175,7 @@ fn light_from_within_meets_backs() {
     }
 }
 
-/// Triangles far from the light are not looked at.
+/// Triangles far from the light are not processed.
 #[test]
 fn what_lies_far_from_the_light_is_not_looked_at() {
     let mut far = scene();
@@ -192,7 +192,7 @@ fn what_lies_far_from_the_light_is_not_looked_at() {
     for backend in BACKENDS {
         let near = counters(&mut renderer_of(backend, &scene()));
         let both = counters(&mut renderer_of(backend, &far));
-        // Leaves are cut elsewhere where there are more triangles, so a few may reach into the light that did not.
+        // More triangles divide into leaves elsewhere, so a few other leaves may reach into the light.
         let most = near.triangles_seen + 20 * TRIANGLES_PER_LEAF as u64;
         assert!(near.triangles_seen > 0 && both.triangles_seen <= most, "{near:?}, then {both:?}");
     }

@@ -1,4 +1,4 @@
-//! Edges that are called straight are, and most of those that are straight are called so.
+//! Tests that edges which count as straight are straight, and that most straight edges count as such.
 
 use glam::{DVec2, DVec3, DVec4};
 use light::{Curve, Tube, increasing_roots};
@@ -34,8 +34,8 @@ fn map(piece: &Curve<f64>, q: DVec3) -> DVec4 {
     DVec4::new(r.dot(v_hat), r.dot(w_hat), piece.radius(u), u)
 }
 
-/// The most texels by which the image of an edge lies from the straight line drawn for it: across the map, and along the light
-/// as the length that it is in the scene.
+/// Largest deviation of an edge's image from the straight line drawn for it, in texels: across the map, and along the
+/// light as a length in the scene.
 fn strays(piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> f64 {
     let at = |k: i32| {
         let share = f64::from(k) / 32.0;
@@ -55,8 +55,8 @@ fn is_safe(bounds: [f64; 4], piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> bool
     (p * du + q * length) * du <= a.mapped.z.min(b.mapped.z) && r * du + s * length <= 1.0
 }
 
-/// Edges of all lengths and directions in all slabs of a light: how far each strays, and whether it is called straight by bounds that are
-/// `factor` times what they are.
+/// Edges of all lengths and directions in all slabs of a light: the deviation of each, and true if bounds scaled by
+/// `factor` call it straight.
 fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
     let mut state = 1_u64;
     let mut random = move || {
@@ -72,7 +72,7 @@ fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
         let bounds = bounds.map(|bound| f64::from(bound) * factor);
         for _ in 0..400 {
             let a: [f64; 3] = [random(), 2.0 * random() - 1.0, 2.0 * random() - 1.0];
-            // Along the light and across it apart, each from a thousandth to all of the slab.
+            // Extents along and across the light are independent, each from a thousandth to all of the slab.
             let [along, across] = [(); 2].map(|()| 10_f64.powf(-3.0 * random()));
             let steps = [along, 2.0 * across, 2.0 * across].map(|step| step * (2.0 * random() - 1.0));
             let b = [0, 1, 2].map(|k| (a[k] + steps[k]).clamp(if k == 0 { 0.0 } else { -1.0 }, 1.0));
@@ -91,10 +91,10 @@ fn edges_called_straight_are_straight() {
     };
     let found = edges(&tube, 1.0);
     assert_eq!(wrong(&found), 0);
-    // Half of those that are straight four times over are called so.
+    // The bounds accept half of the edges that are straight by a factor of four.
     let straight = found.iter().filter(|edge| edge.0 < TOLERANCE_TEXELS / 4.0);
     let [all, safe] = straight.fold([0, 0], |[all, safe], edge| [all + 1, safe + usize::from(edge.1)]);
     assert!(all > 100 && 2 * safe > all, "{safe} of {all}");
-    // The comparison sees bounds that are too small.
+    // The comparison detects bounds that are too small.
     assert!(wrong(&edges(&tube, 0.125)) > 0);
 }

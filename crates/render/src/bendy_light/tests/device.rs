@@ -1,5 +1,4 @@
-//! What only the device has of bent maps: buffers that may be too small, wireframes, which it draws in any case, and the numbers in
-//! its shaders.
+//! Tests of bent maps on the wgpu backend alone: buffer capacity, wireframes, and constants of the shaders.
 
 use light::Light;
 use light::parameters::RANGE;
@@ -9,7 +8,7 @@ use crate::bendy_light::shadow_buffers::Capacity;
 use crate::bendy_light::walk;
 use crate::{Aov, Backend, Picture};
 
-/// A map that does not fit into its buffers is drawn again, and is the same.
+/// A map that does not fit into its buffers is drawn again with the same result.
 #[test]
 fn room_grows_until_a_map_fits() {
     let mut ample = Setup::new(Backend::Wgpu);
@@ -21,7 +20,7 @@ fn room_grows_until_a_map_fits() {
     let room = cramped.renderer.bent_buffers().capacity;
     assert!(room.work > 1 && room.patches > 1 && room.split_vertices > 3, "{room:?}");
 
-    // For a screen whether it fitted is asked with the picture.
+    // For a screen, the fit check comes with the picture.
     let shown =
         |setup: &mut Setup| setup.renderer.render_display(&view(Aov::Beauty), &setup.lights).expect("drawn");
     let mut cramped = Setup::new(Backend::Wgpu);
@@ -30,21 +29,21 @@ fn room_grows_until_a_map_fits() {
     assert!(shown(&mut cramped) == shown(&mut ample));
     let again = cramped.renderer.counts();
     assert!(cramped.renderer.bent_buffers().capacity.work > 1 && again.shadow > 1, "{again:?}");
-    // Once it fits nothing is drawn twice.
+    // Once the map fits, nothing is drawn twice.
     shown(&mut cramped);
     assert_eq!(cramped.renderer.counts().shadow, again.shadow);
 }
 
-/// A drawing of the map has at each (v, w) the t of what light meets first, and nothing where it meets nothing; one with
-/// w upside down does not.
+/// A wireframe shows at each (v, w) the t of the first hit, and nothing where light hits nothing. A wireframe with
+/// inverted w does not.
 #[test]
 fn a_wireframe_shows_what_light_meets_first() {
     let mut setup = Setup::new(Backend::Wgpu);
     let drawn = setup.picture(Aov::Wireframe);
     let (width, height) = (drawn.width as usize, drawn.height as usize);
     let end = setup.tube.n as f64;
-    // What is drawn lies within 0.4 texel of the truth: along the light 2e-4 of t, and across it no more than that
-    // share of a pixel, 13 texels, over which t changes by up to 0.05.
+    // A drawn triangle lies within 0.4 texel of the truth: along the light 2e-4 of t, and across it the same share of a
+    // pixel, which is 13 texels, over which t changes by up to 0.05.
     let margin = 2e-4 + 0.4 / 13.0 * 0.05;
     let agrees = |x: usize, y: usize, w_sign: f64| {
         let [t, .., alpha] = drawn.pixels[y * width + x].map(f64::from);
@@ -56,7 +55,7 @@ fn a_wireframe_shows_what_light_meets_first() {
         })
     };
     let pixels = || (1..height - 1).step_by(7).flat_map(|y| (1..width - 1).step_by(5).map(move |x| (x, y)));
-    // A step of t marks an edge, beside which a pixel may show either side.
+    // A step of t marks an edge, where a pixel may show either side.
     let t_of = |x: usize, y: usize| drawn.pixels[y * width + x][0];
     let smooth = |&(x, y): &(usize, usize)| {
         let around = [(x - 1, y), (x + 1, y), (x, y - 1), (x, y + 1)];
@@ -76,7 +75,7 @@ fn a_wireframe_shows_what_light_meets_first() {
     assert!(unsplit > 100 && split > 2 * unsplit, "{unsplit} pixels of edges, {split} after splitting");
 }
 
-/// A spotlight has a wireframe too, that of the BendyLight it equals.
+/// The wireframe of a spotlight is that of the equal BendyLight.
 #[test]
 fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
     let spot = Light::spot().with(RANGE, Some(8.0));
@@ -91,7 +90,7 @@ fn a_spotlights_wireframe_is_that_of_its_bendy_light() {
     assert_eq!(picture(spot), expected);
 }
 
-/// The numbers that WGSL spells out are Rust's.
+/// Constants in WGSL equal those in Rust.
 #[test]
 fn constants_are_the_models() {
     use light::{GAUSS_LEGENDRE, Lanes, Real};

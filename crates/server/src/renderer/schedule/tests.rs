@@ -1,24 +1,24 @@
-//! Plays of drags beside other work, in simulated time.
+//! Simulated drags beside other work.
 
 mod clients;
 
 use super::*;
 use crate::charges::{Charges, Payer};
 
-/// What came of an afternoon of drawing.
+/// Result of a simulation.
 #[derive(Debug, Default)]
 struct PlayedDrag {
-    /// Between the ends of two pictures of a hand's view.
+    /// Times between the ends of two pictures of an interactive view.
     gaps: Vec<Duration>,
-    /// The same of each of those who watch.
+    /// The same times of each watching view.
     watched: Vec<Vec<Duration>>,
-    /// Time that each still had.
+    /// Drawing time of each still.
     stills: Vec<Duration>,
     settles: Duration,
     total: Duration,
 }
 
-/// What waits for somebody, all of one client.
+/// A waiting picture. All are of one client.
 fn waits(urgency: Urgency, touched: Instant) -> QueuedPicture {
     QueuedPicture {
         urgency,
@@ -28,7 +28,8 @@ fn waits(urgency: Urgency, touched: Instant) -> QueuedPicture {
     }
 }
 
-/// Turns until the first of `views` pictures of `urgency`, all of one client and each of ten turns, is drawn.
+/// Number of turns until the first of `views` pictures of `urgency` is drawn. All are of one client and take ten turns
+/// each.
 fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
     let start = Instant::now();
     let mut left: Vec<(QueuedPicture, u32)> =
@@ -49,18 +50,19 @@ fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
     turns
 }
 
-/// The planted fault is the other order: of pictures at rest each has a turn before any has two.
+/// The planted fault is the other order: each picture at rest gets a turn before any gets two.
 #[test]
 fn the_oldest_watched_picture_is_finished_first() {
     assert_eq!(turns_until_one_is_drawn(Urgency::Watched, 30), 10);
     assert_eq!(turns_until_one_is_drawn(Urgency::Settling, 30), 30 * 9 + 1);
 }
 
-/// A turn that is over: whose, from when to when.
+/// A finished turn: its class, start and end.
 type Over = Option<(Urgency, Instant, Instant)>;
 type Choose<'a> = &'a mut dyn FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn;
 
-/// Who drags and who watches that in a view of its own, what a picture takes, and how long after it each asks for the next.
+/// A drag: number of interactive and watching views, drawing time of a picture, and pause of each view before its next
+/// one.
 #[derive(Clone, Copy, Debug)]
 struct SimulatedDrag {
     interactive_views: usize,
@@ -69,8 +71,8 @@ struct SimulatedDrag {
     pause: Duration,
 }
 
-/// Plays `seconds` of a drag beside stills and views at rest that never end. A turn of those takes what they are told to
-/// take or `piece`, if that is longer.
+/// Simulates `seconds` of a drag beside endless stills and views at rest. A turn of those takes the given time, or
+/// `piece` if that is longer.
 fn play(
     choose: Choose,
     SimulatedDrag { interactive_views: hands, watchers, moving, pause }: SimulatedDrag,
@@ -138,13 +140,13 @@ fn by_schedule() -> impl FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
-/// Whether a drag beside other work kept its pace, and the others theirs.
+/// Checks that a drag beside other work keeps its pace, and that the others get theirs.
 fn fair(choose: Choose, drag: SimulatedDrag, piece: Duration) -> Result<(), String> {
     let seconds = 60;
     let stills = 8;
     let outcome = play(choose, drag, (stills, 0, piece), seconds);
     let SimulatedDrag { interactive_views: hands, moving, pause, .. } = drag;
-    // Alone, a viewer waits for the others' pictures or for its own pause.
+    // Without other work a viewer waits for the other views' pictures, or for its own pause.
     let usual = (moving * hands as u32).max(moving + pause);
     let alone = seconds as f64 / usual.as_secs_f64() * hands as f64;
     let rate = outcome.gaps.len() as f64 / alone;
@@ -186,8 +188,8 @@ fn a_drag_keeps_its_pace_beside_stills() {
     }
 }
 
-/// The planted faults: a still that waited for half a second gets a whole sample; stills that wait for ever;
-/// stills in every pause.
+/// The planted faults: a still that waited for half a second gets a whole sample; stills wait forever; stills are drawn
+/// in every pause.
 #[test]
 fn faults_are_seen() {
     let drag = SimulatedDrag { interactive_views: 1, watchers: 0, moving: MS(150), pause: MS(15) };
@@ -215,25 +217,25 @@ fn without_interaction_nothing_is_throttled() {
     let nobody = SimulatedDrag { interactive_views: 0, watchers: 0, moving: MS(1), pause: MS(1) };
     let outcome = play(&mut by_schedule(), nobody, (3, 0, MS(1)), 10);
     assert_eq!(outcome.stills.iter().sum::<Duration>(), outcome.total);
-    // Views at rest go before stills, which still get on.
+    // Views at rest precede stills, which still progress.
     let outcome = play(&mut by_schedule(), nobody, (3, 1, MS(1)), 10);
     let stills = outcome.stills.iter().sum::<Duration>().as_secs_f64() / outcome.total.as_secs_f64();
     assert!((0.5 * SETTLING_TIME_SHARE..=1.1 * SETTLING_TIME_SHARE).contains(&stills), "{stills}");
     assert!(outcome.settles > outcome.total * 8 / 10);
 }
 
-/// Whether a hand's pictures come before those of who watches, and theirs come all the same.
+/// Checks that pictures of interactive views precede those of watching views, which still get drawn.
 fn interactive_first(choose: Choose, drag: SimulatedDrag) -> Result<(), String> {
     let seconds = 60;
     let outcome = play(choose, drag, (0, 0, MS(1)), seconds);
     let SimulatedDrag { watchers, moving, pause, .. } = drag;
-    // Of what the hand has alone those who watch take their share of the time at most.
+    // Watching views take at most their share of the time that an interactive view has alone.
     let alone = seconds as f64 / (moving + pause).as_secs_f64();
     let rate = outcome.gaps.len() as f64 / alone;
     if rate < 0.9 * (1.0 - WATCHED_TIME_SHARE) {
         return Err(format!("{:.0} % of the hand's pictures", 100.0 * rate));
     }
-    // Never two of theirs between two of the hand's, where that asks again within what one takes.
+    // Never two watched pictures between two interactive ones, if the pause is shorter than a picture.
     let longest = outcome.gaps.iter().max().copied().unwrap_or(Duration::MAX);
     if pause < moving && longest > moving + pause + moving + MS(2) {
         return Err(format!("a gap of {longest:?} where {:?} is usual", moving + pause));
@@ -242,7 +244,7 @@ fn interactive_first(choose: Choose, drag: SimulatedDrag) -> Result<(), String> 
     let share = had.iter().sum::<usize>() as f64 * moving.as_secs_f64() / outcome.total.as_secs_f64();
     let wanted =
         (watchers as f64 * moving.as_secs_f64() / (moving + pause).as_secs_f64()).min(WATCHED_TIME_SHARE);
-    // What is owed to who asks for nothing lapses: some of the share goes by in their own pauses.
+    // Credit of a class without requests expires, so a part of the share is lost in the watching views' pauses.
     if share < 0.5 * wanted {
         return Err(format!("a share of {share:.3} for those who watch"));
     }
@@ -261,13 +263,13 @@ fn interactive_views_come_first_and_watched_ones_do_not_starve() {
         let drag = SimulatedDrag { interactive_views: 1, watchers, moving: MS(moving), pause: MS(pause) };
         assert_eq!(interactive_first(&mut by_schedule(), drag), Ok(()), "{drag:?}");
     }
-    // Where no hand moves, those who watch have all of the time.
+    // Without interactive views the watching ones have all the time.
     let drag = SimulatedDrag { interactive_views: 0, watchers: 2, moving: MS(50), pause: MS(10) };
     let outcome = play(&mut by_schedule(), drag, (0, 0, MS(1)), 10);
     assert!(outcome.watched.iter().all(|gaps| gaps.len() >= 99), "{outcome:?}");
 }
 
-/// The planted faults: everybody in turn, as it was; and those who watch only where the hand rests.
+/// The planted faults: all views in turn; and watching views only while the interactive one pauses.
 #[test]
 fn planted_unfair_schedules_are_caught() {
     let drag = SimulatedDrag { interactive_views: 1, watchers: 3, moving: MS(100), pause: MS(15) };

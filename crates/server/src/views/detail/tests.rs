@@ -1,4 +1,4 @@
-//! Plays drags of random loads against the choice of detail.
+//! Simulated drags with random loads against the choice of detail.
 
 use proptest::prelude::*;
 
@@ -6,12 +6,12 @@ use super::*;
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
-/// What pictures of a view take, at each detail.
+/// Time of a view's pictures at each detail.
 #[derive(Clone, Copy, Debug)]
 struct Load {
-    /// Milliseconds of what stays, of what goes with the texels of maps, and of what goes with pixels.
+    /// Milliseconds: a constant part, a part for the texels of maps, and a part for pixels.
     parts: [f64; 3],
-    /// By how much single pictures are slower or quicker, at most.
+    /// Greatest relative deviation of single pictures.
     noise: f64,
     drew_map: bool,
 }
@@ -25,14 +25,15 @@ impl Load {
     }
 }
 
-/// When the detail changed, and to what.
+/// Times of changes, and the new detail.
 type Changes = Vec<(Instant, Detail)>;
 
-/// Drags for so long under a load. A picture is asked for when the last is there, or at the next repaint.
+/// Simulates a drag of that length under a load. The next picture is requested when the last is there, or at the next
+/// repaint.
 fn drag(choice: &mut DetailChoice, load: Load, (from, seconds): (Instant, u64), seed: u64) -> Changes {
     let (mut now, mut changes, mut state) = (from, Changes::new(), seed | 1);
     while now < from + Duration::from_secs(seconds) {
-        // Chance need not be good, only the same each time.
+        // The random numbers need not be good, only the same each time.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let detail = choice.detail();
         let took = load.at(detail, (state >> 11) as f64 / (1_u64 << 53) as f64);
@@ -55,7 +56,7 @@ fn loads() -> impl Strategy<Value = Load> {
         .prop_map(|(parts, noise, drew_map)| Load { parts, noise, drew_map })
 }
 
-/// What is wrong with the changes of a drag.
+/// Finds a fault in the changes of a drag.
 fn wrong(interaction: Interaction, changes: &Changes) -> Option<String> {
     let too_soon = changes.windows(2).find(|pair| pair[1].0 - pair[0].0 < MIN_CHANGE_INTERVAL);
     let forbidden = changes.iter().find(|(_, detail)| !detail.is_allowed_by(interaction));
@@ -63,7 +64,7 @@ fn wrong(interaction: Interaction, changes: &Changes) -> Option<String> {
 }
 
 proptest! {
-    /// However the load changes: no two changes within a second, nothing reduced that was forbidden.
+    /// Under any change of the load: no two changes within a second, and no forbidden reduction.
     #[test]
     fn changes_are_rare_and_keep_to_what_is_allowed(
         interaction in interactions(),
@@ -79,11 +80,11 @@ proptest! {
         prop_assert_eq!(wrong(interaction, &changes), None);
     }
 
-    /// Under a steady load it comes to rest: after as many seconds as there are details nothing changes any more. Then pictures
-    /// are quick enough, or nothing that is allowed and of use would make them quicker by more than the noise.
+    /// Under a steady load the detail settles within as many seconds as there are details. Then pictures are fast
+    /// enough, or no allowed and useful detail would be faster by more than the noise.
     #[test]
     fn a_steady_load_comes_to_rest(interaction in interactions(), load in loads(), seed in any::<u64>()) {
-        // A median of pictures is off by the noise at most, and a ratio of two by twice as much: nearer to a limit than that
+        // A median is off by at most the noise, and a ratio of two medians by twice that. Closer to a limit than that,
         // chance decides on which side of it a picture is.
         let near = |took: Duration, limit: Duration| {
             took.as_secs_f64() * (1.0 - 3.0 * load.noise) < limit.as_secs_f64()
@@ -105,7 +106,7 @@ proptest! {
         prop_assert!(!slow || typical(rests_at) <= quickest, "{rests_at:?}");
     }
 
-    /// What is quick enough in full stays full.
+    /// A load that is light enough in full stays in full.
     #[test]
     fn a_light_load_stays_full(interaction in interactions(), load in loads(), seed in any::<u64>()) {
         let most: f64 = load.parts.iter().sum::<f64>() * (1.0 + load.noise);
@@ -116,7 +117,8 @@ proptest! {
     }
 }
 
-/// A load that goes is followed by full detail, and one that comes is answered within the second in which it can be.
+/// After a load ends, the detail becomes full again. A new load is answered within a second, the least time between
+/// changes.
 #[test]
 fn it_follows_the_load_down_and_up() {
     let all = Interaction { shadow_map: Reduction::Auto, resolution: Reduction::Auto };
@@ -128,7 +130,7 @@ fn it_follows_the_load_down_and_up() {
     assert!(changes[0].0 - start < Duration::from_secs(1), "three pictures are enough");
     drag(&mut choice, light, (start + Duration::from_secs(10), 10), 2);
     assert_eq!(choice.detail(), Detail::FULL);
-    // A camera that moves draws no map: there is nothing to be gained from coarser ones.
+    // A moving camera draws no map, so coarser maps gain nothing.
     let orbit = Load { parts: [5.0, 0.0, 60.0], drew_map: false, ..heavy };
     let mut choice = DetailChoice::new(all);
     let changes = drag(&mut choice, orbit, (start, 10), 3);
@@ -136,7 +138,7 @@ fn it_follows_the_load_down_and_up() {
     assert!(changes.iter().all(|(_, detail)| detail.shadow_map == MapScale::Full), "{changes:?}");
 }
 
-/// The planted faults: a change with each picture, and one that reduces what was forbidden.
+/// The planted faults: a change with each picture, and a forbidden reduction.
 #[test]
 fn faults_are_seen() {
     let (now, none) =

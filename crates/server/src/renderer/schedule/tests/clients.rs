@@ -1,25 +1,25 @@
-//! One client that draws beside another that draws all it can.
+//! A client beside another one that draws as much as it can.
 
 use super::*;
 
-/// A client with so many views that move.
+/// A client with that many moving views.
 #[derive(Clone, Copy, Debug)]
 struct Client {
     views: usize,
-    /// What a picture takes, and how long after it each view asks for the next.
+    /// Drawing time of a picture, and pause of each view before its next one.
     picture: Duration,
     pause: Duration,
 }
 
-/// How a fault plays.
+/// A planted fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
     None,
-    /// Nobody is charged: what has waited longest is next.
+    /// No charges: the picture that has waited longest is next.
     NoCharge,
     /// A picture is drawn to its end.
     NoYield,
-    /// A picture is charged, whatever it took.
+    /// Each picture costs the same, whatever its time.
     CostByPictureCount,
 }
 
@@ -27,11 +27,11 @@ enum Fault {
 struct View {
     client: usize,
     asks_at: Instant,
-    /// What is left of the picture under way.
+    /// Remaining drawing time of the current picture.
     left: Duration,
 }
 
-/// When the first client's pictures ended in so many seconds beside the others.
+/// Ends of the first client's pictures in that many seconds beside the others.
 fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
     let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
     let payers: Vec<Payer> =
@@ -71,7 +71,7 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
                         charges.charge(&payers[view.client], takes.as_secs_f64());
                     }
                 }
-                // What is under way is asked for until it is finished.
+                // A picture in progress stays requested until it is finished.
                 view.asks_at = now;
                 if is_finished {
                     (view.left, view.asks_at) = (picture, now + pause);
@@ -87,7 +87,7 @@ fn play(clients: &[Client], seconds: u64, fault: Fault) -> Vec<Duration> {
     ended
 }
 
-/// Whether a client has at least 45 % of its pictures, and no gap over four times its usual.
+/// Checks that a client gets at least 45 % of its pictures, and no gap over four times its usual one.
 fn holds(victim: Client, other: Client, fault: Fault) -> Result<(), String> {
     let alone = play(&[victim], 20, Fault::None);
     let beside = play(&[victim, other], 20, fault);
@@ -126,15 +126,15 @@ fn planted_unfair_charging_is_caught() {
     }
 }
 
-/// Turns that a client's watched view gets before the hand of another, which has been charged less, gets its next one, where
-/// each is spent on a moving picture that the scene's thread was in the middle of.
+/// Number of turns that a client's watched view gets before the interactive view of another client, which has been
+/// charged less, gets its next one. Each turn is spent on a moving picture that the scene's thread has in progress.
 fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
     let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
     let [ada, bob] = ["ada", "bob"].map(|name| Payer::new(&name.into(), name));
     charges.charge(&bob, 0.01);
     let mut now = Instant::now();
     let mut turns = 0;
-    // The hand alone at first, until the one who watches is owed a turn.
+    // At first only the interactive view, until the watching one is owed a turn.
     for _ in 0..100 {
         let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| {
             QueuedPicture { urgency, charged: charges.of(payer), last_turn_at: now, queued_at: now }
@@ -153,7 +153,7 @@ fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> 
     turns
 }
 
-/// The planted fault: the account of what was drawn pays, and so nobody does, and who watches goes on.
+/// The planted fault: the account of the drawn picture pays. So no account does, and the watching view continues.
 #[test]
 fn who_got_a_turn_pays_for_it_whatever_was_drawn() {
     assert_eq!(

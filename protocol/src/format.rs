@@ -1,0 +1,10 @@
+//! The format of records and logs.
+
+/// Format of records and logs that this version writes. Records of earlier formats are upgraded when they are
+/// read:
+///
+/// - Format 1 had neither `rebased` nor references.
+/// - Up to format 2, a document's hash covered the fields that lights had then.
+/// - Up to format 3, a log's proof did not cover its header.
+/// - Up to format 4, a record had at most one command.
+pub const FORMAT: u32 = 5;
