@@ -41,8 +41,7 @@ test: packages test-packages page openapi-tools
 	cargo clippy --workspace --all-targets --locked -- -D warnings
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps --locked
 	@$(if $(SHARED_ASSETS),,echo "../shared/assets is missing: what needs it stays ignored")
-	cargo test --workspace --locked --tests -- --include-ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
-	cargo test --workspace --locked --doc
+	cargo test --workspace --locked -- --include-ignored --skip child_that_ $(if $(SHARED_ASSETS),,--skip shared_assets)
 
 # The inner loop: what a change of code breaks at once.
 check: packages

@@ -1,15 +1,20 @@
 //! Tests that one row of the parameter table is enough: a parameter that exists in this test only is set, refused,
 //! undone, hashed, exported, replayed, and is in the schemas and on the page, without any other code for it.
 
+#[path = "browser.rs"]
+mod browser;
+#[path = "program.rs"]
+mod program;
+
 use std::ops::Bound::Included;
 use std::process::Command;
 use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
-use crate::browser::run_in_browser;
-use crate::program::program;
 use bench::ServerAddress;
+use browser::run_in_browser;
 use light::{NumberRange, Parameter, ParameterKind, ParameterOf, ParameterOwner, ParameterTouches, Value};
+use program::program;
 use protocol::{SchemaSide, json_schema};
 use serde_json::{Value as Json, json};
 use server::{Server, ServerConfig};

@@ -1,7 +1,6 @@
 //! Tests of the whole workspace: its rules, and what crosses crates.
 
 mod accuracy;
-mod added_parameter;
 mod boxes;
 mod browser;
 mod circles;

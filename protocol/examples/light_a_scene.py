@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
 """Lights a scene over HTTP and renders it, with Python's standard library alone.
 
-    python3 light_a_scene.py http://127.0.0.1:8080 TOKEN OUT.png
+    python3 light_a_scene.py http://127.0.0.1:8080 TOKEN_FILE OUT.png [SESSION]
 
-Makes a session of the demo, adds a spotlight, bends it, drags the shadow of a vase, and writes a
-picture. Prints the session's name and how the drag ended. A refused request ends it with the
-server's sentence and exit code 1.
+Makes a session of the demo (shot-030 unless it is named), adds a spotlight, bends it, drags the
+shadow of a vase, and writes a picture. TOKEN_FILE is `token` in the server's data folder. Prints
+the session and how the drag ended. What the server refuses ends it with the server's sentence and
+exit code 1.
 """
 
+import argparse
 import json
-import sys
 import urllib.error
 import urllib.request
+from pathlib import Path
 from typing import Any
 
 SIZE = [640, 360]
@@ -37,8 +39,8 @@ class Session:
     def edit(self, command: dict[str, Any]) -> dict[str, Any]:
         """Carries out one command and gives its result: the record's number, and ids of what is new."""
         (result,) = self.ask(f"{self.path}/edits", {"edits": [{"command": command}]})["results"]
-        if "error" in result:
-            raise SystemExit(result["error"]["message"])
+        if result["status"] == "rejected":
+            raise SystemExit(result["message"])
         return result
 
     def picture(self, samples: int) -> bytes:
@@ -48,8 +50,13 @@ class Session:
 
 
 def main() -> None:
-    server, token, out = sys.argv[1:]
-    shot = Session(server, token, "shot-030", "demo:vases")
+    arguments = argparse.ArgumentParser(description="Lights the demo over HTTP and renders it.")
+    arguments.add_argument("server", help="http://HOST:PORT")
+    arguments.add_argument("token_file", type=Path)
+    arguments.add_argument("out", metavar="OUT.png")
+    arguments.add_argument("session", nargs="?", default="shot-030")
+    given = arguments.parse_args()
+    shot = Session(given.server, given.token_file.read_text().strip(), given.session, "demo:vases")
     rim = {
         "type": "spot",
         "name": "rim",
@@ -63,9 +70,9 @@ def main() -> None:
     drag = {"kind": "shadow", "points": [1, 2, 3, 4], "camera": camera, "size": SIZE}
     drag |= {"from": [275, 190], "to": [260, 235]}
     outcome = shot.edit({"type": "dragFeature", "light": light, **drag})["outcome"]
-    with open(out, "wb") as file:
+    with open(given.out, "wb") as file:
         file.write(shot.picture(samples=4))
-    print(json.dumps({"session": shot.path, "drag": outcome["status"], "picture": out}))
+    print(json.dumps({"session": shot.path, "drag": outcome["status"], "picture": given.out}))
 
 
 if __name__ == "__main__":
@@ -73,3 +80,5 @@ if __name__ == "__main__":
         main()
     except urllib.error.HTTPError as refusal:
         raise SystemExit(json.load(refusal)["error"]["message"]) from refusal
+    except (OSError, urllib.error.URLError) as failure:
+        raise SystemExit(f"{failure}: is the server there, and the token file?") from failure

@@ -166,7 +166,7 @@ pub(crate) fn status_parts(
     status: drag::DragStatus,
 ) -> (DragStatus, Option<DragLimit>, Option<DragReason>, Option<usize>) {
     match status {
-        drag::DragStatus::Converged => (DragStatus::Landed, None, None, None),
+        drag::DragStatus::Landed => (DragStatus::Landed, None, None, None),
         drag::DragStatus::Limited(limit) => {
             let pin = if let drag::DragLimit::Pin(pin) = limit { Some(pin) } else { None };
             (DragStatus::Limited, Some(limit.into()), None, pin)
@@ -241,7 +241,7 @@ impl TryFrom<DragOutcome> for Outcome {
             })
         };
         let status = match (wire.status, wire.limit) {
-            (DragStatus::Landed, None) => drag::DragStatus::Converged,
+            (DragStatus::Landed, None) => drag::DragStatus::Landed,
             (DragStatus::Limited, Some(what)) => drag::DragStatus::Limited(limit(what)?),
             (DragStatus::Refused, _) => return Err("a drag that was refused leaves no record"),
             _ => return Err("a drag has a `limit` where it is limited, and there alone"),

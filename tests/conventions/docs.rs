@@ -28,7 +28,7 @@ fn undocumented(root: &str, files: &[&Source]) -> Vec<String> {
     let mut found = Vec::new();
     for source in files {
         let is_public = |module: &&str| source.path.contains(&format!("/src/{module}"));
-        let in_public_module = modules.iter().any(|module| is_public(module));
+        let in_public_module = modules.iter().any(is_public);
         let lines: Vec<&str> = source.text.lines().collect();
         for (index, line) in lines.iter().enumerate() {
             let Some(name) = public_item(line) else { continue };

@@ -85,19 +85,19 @@ pub(crate) fn open_view(client: &mut Client, [width, height]: [u32; 2]) -> Resul
     })
 }
 
-/// State and measurements of a drag that is under way.
+/// State of a drag in progress, and its measurements.
 #[derive(Debug, Default)]
 pub(crate) struct CircleDrag {
     /// Time at which each update was sent.
     sent: BTreeMap<u64, Instant>,
-    /// Update that each live revision shows.
+    /// Number of the update that each live revision shows.
     update_of: BTreeMap<u32, u64>,
-    /// Latest update that a decoded frame shows.
+    /// Number of the latest update that a decoded frame shows.
     latest_shown: u64,
     /// Milliseconds from each update to the frame that shows it.
     latencies_ms: Vec<f64>,
     pub shown: Vec<ShownFrame>,
-    /// The decoded picture.
+    /// Picture to which all tiles so far have been decoded.
     pub picture: RgbImage,
 }
 
@@ -149,7 +149,7 @@ impl CircleDrag {
         self.shown.push(ShownFrame { stages: LatencyStages { wait, render, encode, send, decode }, bytes });
     }
 
-    /// Quantiles of the time from each update to the frame that shows it.
+    /// Returns the quantiles of the time from each update to the first decoded frame that shows it.
     pub fn edit_to_decoded_ms(&self) -> Quantiles {
         Quantiles::of(self.latencies_ms.iter().copied())
     }

@@ -60,7 +60,7 @@ impl Tiles {
 #[derive(Debug)]
 pub struct Client {
     socket: WebSocket<TcpStream>,
-    /// Number and tiles of the frame whose last tile has not arrived yet.
+    /// Number of the frame whose last tile has not arrived yet, and its tiles so far.
     partial_frame: (u64, Tiles),
     /// Answer of the server to the hello.
     pub welcome: Welcome,
@@ -140,7 +140,7 @@ impl Client {
         self.send(&ClientMessage::Ack { frame: header.frame })
     }
 
-    /// Receives until `wanted` returns a value. Acknowledges frames as they arrive.
+    /// Receives until `wanted` returns a value for what has arrived. Acknowledges frames.
     pub fn wait_for<T>(
         &mut self,
         what: &'static str,

@@ -13,7 +13,7 @@ const DRAGGED_POINT: usize = 2;
 const RADIUS_SHARE: f64 = 0.028_513_76;
 /// Factors of the radius. The first with which the light does not fold anywhere on the circle is used.
 const RADIUS_FACTORS: [f64; 4] = [1.0, 0.5, 0.25, 0.125];
-/// Number of positions on the circle that are checked for folds.
+/// Number of positions on the circle of the drag at which the light is checked for folds.
 const CHECKED_ANGLES: u32 = 240;
 
 /// A control point and the circle that it is dragged along. The circle begins at the position of the point.
@@ -23,7 +23,7 @@ pub(crate) struct DragCircle {
     name: String,
     /// Initial position of the control point, light-local.
     start: DVec3,
-    /// Light-local.
+    /// Radius of the circle in light-local units.
     radius: f64,
     /// World units per light-local unit.
     scale: f64,
@@ -84,7 +84,7 @@ impl DragCircle {
         Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter }
     }
 
-    /// Describes the drag for reports.
+    /// Describes the drag in a sentence for reports.
     pub fn what(&self, scene: &str) -> String {
         let Self { name, radius, scale, .. } = self;
         let world = radius * scale;
@@ -160,7 +160,7 @@ mod tests {
         (loaded.contents.lights[0].light().clone(), scene::pose(loaded.scene))
     }
 
-    /// [`RADIUS_SHARE`] has seven digits.
+    /// The constant `RADIUS_SHARE` is rounded to seven digits.
     #[test]
     fn in_the_vases_the_circle_has_a_radius_of_a_quarter() {
         let (key, posed) = vases();

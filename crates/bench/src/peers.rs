@@ -14,14 +14,15 @@ pub(crate) const RUNS: usize = 3;
 /// Minimum frames of a run, so that its median is meaningful.
 pub(crate) const FEWEST_FRAMES: usize = 10;
 
-/// Scripts of other renderers and the Python interpreter that has them installed.
+/// Other renderers to measure beside this one: a benchmark script for each, and the Python interpreter in whose
+/// environment the renderers are installed.
 #[derive(Clone, Debug)]
 pub struct Peers {
     python: PathBuf,
     scripts: Vec<PathBuf>,
 }
 
-/// One line of a script's output: the time of frames that are read back and in each of which the light moves.
+/// Line that a script prints: the time of frames that are read back. The light moves in each frame.
 #[derive(Clone, Debug, Deserialize)]
 pub(crate) struct PeerTiming {
     pub name: String,

@@ -67,7 +67,7 @@ pub struct ServerProcess {
 pub struct Response {
     pub status: u16,
     pub body: Vec<u8>,
-    /// Values of the headers `x-bendylights-note`: things that a picture lacks.
+    /// Values of the headers `x-bendylights-note`, each of which names a thing that the picture lacks.
     pub notes: Vec<String>,
 }
 

@@ -4,7 +4,7 @@
 #[derive(Clone, Debug)]
 pub struct Progress {
     pub done: usize,
-    /// Number of all steps.
+    /// Total number of steps.
     pub of: usize,
     /// Name of the step that begins.
     pub what: String,

@@ -13,7 +13,7 @@ use crate::circle::{ANIMATION_FRAME, decode, ms, open_view};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Response, ServerProcess};
 
-/// Options of the benchmark.
+/// Options of the benchmark of a drag beside stills.
 #[derive(Clone, Copy, Debug)]
 pub struct StillsBenchOptions {
     /// Width and height of the view in pixels.
@@ -30,7 +30,7 @@ pub struct StillsBenchOptions {
     pub backend: Option<Backend>,
 }
 
-/// Frame rate and gaps of a drag.
+/// Frame rate and gaps between frames of a drag.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct FramePace {
@@ -41,7 +41,7 @@ pub struct FramePace {
     pub longest_gap_ms: f64,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of a drag beside stills.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct StillsBenchReport {
@@ -49,15 +49,15 @@ pub struct StillsBenchReport {
     pub alone: [FramePace; 2],
     /// The drag while the server renders stills.
     pub beside: FramePace,
-    /// Frame rate during the stills over the mean frame rate without them.
+    /// Frame rate during the stills, as a share of the mean frame rate without them.
     pub rate_kept: f64,
-    /// Longest gap during the stills over the mean of the median gaps without them.
+    /// Longest gap during the stills, as a multiple of the mean of the median gaps without them.
     pub longest_gap_of_usual: f64,
-    /// Number of turns, at the end of the drag, of the still that had fewest.
+    /// Number of slices of drawing time that the slowest still had had when the drag ended.
     pub least_turns: f64,
     /// Number of stills that finished before the drag.
     pub finished_early: usize,
-    /// Seconds from the first request until all are answered with a picture.
+    /// Seconds from the first request until all stills are answered with a picture.
     pub all_finished_s: f64,
 }
 
@@ -109,7 +109,8 @@ fn viewer(server: &ServerProcess, options: &StillsBenchOptions) -> Result<Client
     Ok(client)
 }
 
-/// Session of a still. Each has its own, because the server limits the stills of one session that run at once.
+/// Returns the session of a still. Each still has its own, because the server limits the stills of one session that run
+/// at once.
 fn session_of(still: usize) -> String {
     format!("still-{still}")
 }
@@ -125,7 +126,7 @@ fn ask(server: &ServerProcess, options: &StillsBenchOptions) -> Vec<JoinHandle<R
     (0..options.stills).map(still).collect()
 }
 
-/// Waits until each still has had a turn of the renderer.
+/// Waits until each still has had a slice of the renderer's time.
 fn wait_for_turns(server: &ServerProcess) -> Result<(), BenchError> {
     let within = Duration::from_mins(2);
     let until = Instant::now() + within;

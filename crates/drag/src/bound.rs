@@ -5,7 +5,7 @@ use glam::{DVec2, DVec3};
 use crate::point_in_light::{PointInLight, SceneLight};
 use crate::request::DragLimit;
 
-/// Least allowed `1 - kappa r.N`. At 0 the light paths meet, and the light has no direction.
+/// Least `1 - kappa r.N` that a drag allows. At 0 the light paths meet, and light has no direction there.
 const MIN_PATH_SPACING: f64 = 0.02;
 
 /// Least distance of the point under the cursor from the light's edge, in radii.
@@ -20,19 +20,20 @@ const PIVOT_MARGIN: f64 = 1e-6;
 pub(crate) struct Bound {
     pub value: f64,
     pub limit: DragLimit,
-    /// Softness of the limit; 0 for a hard one.
+    /// Softness of the limit; 0 for a hard limit.
     pub compliance: f64,
 }
 
-/// Makes a limit that never yields.
+/// Makes a limit that is never violated for the sake of the objective.
 pub(crate) fn hard_bound(value: f64, limit: DragLimit) -> Bound {
     Bound { value, limit, compliance: 0.0 }
 }
 
-/// Adds the limits that a point needs in order to receive light: paths that do not meet there, a position within the
-/// light's cross-section, and one between the light's ends.
+/// Adds the limits that a point needs in order to receive light: light paths do not meet at the point, the point lies
+/// within the light's cross-section, and it lies between the light's ends.
 ///
-/// `fold` and `edge` name the limits in a result, `give` is their softness, and `room` widens the last two.
+/// `fold` and `edge` are the names of the limits in a result. `give` is their softness. `room` is a distance by which
+/// the point may lie outside of the last two.
 pub(crate) fn bounds_at(
     placed: &SceneLight,
     place: &PointInLight,
@@ -47,24 +48,25 @@ pub(crate) fn bounds_at(
     ]);
 }
 
-/// Computes the distance along the light from the pivot to the point in its shadow, as a share of the point's `t` at
-/// the start, less the margin.
+/// Computes the distance along the light from the pivot to the point in its shadow, less the required margin. The unit
+/// is the point's `t` at the start of the drag.
 pub(crate) fn distance_behind(place: &PointInLight, pivot: &PointInLight, was: &PointInLight) -> f64 {
     (place.t - pivot.t) / was.t.max(f64::MIN_POSITIVE) - PIVOT_MARGIN
 }
 
-/// Computes the distance of a light path from a point across the light, in radii of the light at `was`.
+/// Computes the distance between the light path at `across` and the point `place`, across the light. The unit is the
+/// radius of the light at `was`.
 pub(crate) fn cross_error(across: DVec2, place: &PointInLight, was: &PointInLight) -> DVec2 {
     (across - place.cross_coords) * (place.width / was.width)
 }
 
-/// Computes the deviation of the light's direction from `direction`, in radians along two axes across it. `None` if
-/// light arrives from behind.
+/// Computes the angle between the direction to the light and `direction`, in radians along two axes across `direction`.
+/// `None` if light arrives from behind.
 pub(crate) fn direction_error(to_light: DVec3, direction: DVec3) -> Option<DVec2> {
     direction_error_about(to_light, direction, direction.any_orthonormal_vector())
 }
 
-/// Computes the same deviation with the first axis along `right`, which is orthogonal to `direction`.
+/// Does the same as `direction_error`, with the first axis along `right`, which is orthogonal to `direction`.
 pub(crate) fn direction_error_about(to_light: DVec3, direction: DVec3, right: DVec3) -> Option<DVec2> {
     let up = direction.cross(right);
     (to_light.dot(direction) > 0.0).then(|| DVec2::new(to_light.dot(right), to_light.dot(up)))

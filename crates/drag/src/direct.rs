@@ -14,17 +14,17 @@ use crate::step::{Iterate, Solution, objective_trace};
 /// Distances of the random starting lights from the light at the start of the drag, in units of the unknowns.
 const RESTART_DISTANCES: [f64; 6] = [0.03, 0.1, 0.2, 0.4, 0.1, 0.3];
 
-/// Most Newton steps from each starting light, the longest step, and the factor by which the squared error must shrink
-/// within so many steps.
+/// Most Newton steps from each starting light. The next constants are the longest step, and the factor by which the
+/// squared error must shrink within a number of steps.
 const MAX_NEWTON_STEPS: usize = 32;
 const MAX_STEP: f64 = 0.2;
 const REQUIRED_REDUCTION: f64 = 0.5;
 const REDUCTION_STEPS: usize = 6;
 
-/// Most halvings of a step that does not reduce the error.
+/// Most times that a step is halved because it does not reduce the error.
 const HALVINGS: usize = 5;
 
-/// Most rounds that add tangents of crossed shadow edges and surfaces.
+/// Most rounds that add tangents of shadow edges and surfaces that the found light has crossed.
 const MAX_TANGENT_ROUNDS: usize = 4;
 
 /// Searches for lights that have the feature under the cursor and keep all limits and hard pins, and yields each with
@@ -59,7 +59,7 @@ pub(crate) fn other_solutions<'a>(
     std::iter::once_with(firmly).flatten().chain(starts.filter_map(move |x| solve_from(goal, near, sight, x)))
 }
 
-/// Solves the drag with the kept pins alone.
+/// Solves the drag with only those pins for which `is_kept` is true.
 pub(crate) fn solve_with_pins(
     goal: &Goal,
     near: &TrackedPoints,
@@ -70,8 +70,8 @@ pub(crate) fn solve_with_pins(
     solve(&mut goal, &near, sight)
 }
 
-/// Solves the drag at the cursor by Newton's method from the light with `x`. `None` if that does not converge or breaks
-/// a limit or pin.
+/// Solves the drag by Newton's method, starting from the light that the unknowns `x` give. `None` if that does not
+/// converge, or if the result violates a limit or pin.
 fn solve_from(goal: &Goal, near: &TrackedPoints, sight: &SceneVisibility, x: Vec<f64>) -> Option<Solution> {
     let mut goal = goal.clone();
     goal.tangents.clear();
@@ -130,7 +130,7 @@ impl Solution {
 }
 
 impl Unknowns {
-    /// Size of a random change of an unknown. Rotations vary more than translations, radii less.
+    /// Returns the size of a random change of an unknown. Rotations vary more than translations, radii less.
     fn random_scale(&self, unknown: usize) -> f64 {
         match self {
             Self::Rigid { .. } if unknown >= 3 => 2.0,

@@ -18,14 +18,14 @@ use crate::solve::solve;
 use crate::step::{Iterate, Solution};
 use crate::work::WorkBudget;
 
-/// Largest residual of a converged drag, in pixels. The lit side of a surface needs 0, since its residual is 0 wherever
-/// the surface faces the light closely enough.
+/// Largest residual of a converged drag, in pixels. The lit side of a surface has to reach 0, since its residual is 0
+/// wherever the surface faces the light closely enough.
 const CONVERGED_PX: f64 = 0.5;
 
 /// Cost of checking a light, in steps per control point.
 const CHECK_COST_STEPS: u64 = 1_000;
 
-/// Largest distance between two points of a light path that count as the same, as a share of their distance from the
+/// Largest distance at which two points of a light path count as the same point, as a share of their distance from the
 /// source or from the point under the cursor.
 const SAME_POINT_TOLERANCE: f64 = 1e-6;
 
@@ -70,7 +70,7 @@ pub fn drag_budgeted(
     landing
 }
 
-/// Builds the goal of the drag, the taken feature and the tracked points, or returns the refusal.
+/// Builds the goal of the drag and the values of `t` to track, or returns the reason to refuse the drag.
 fn build_goal<'a>(
     occlusion: &Occlusion<'a>,
     bvh: &Bvh,
@@ -138,7 +138,7 @@ fn choose_unknowns(light: &CheckedLight, drag: &Drag, unit: f64) -> Result<Unkno
     Ok(Unknowns::Points { points, radii: drag.radii, unit })
 }
 
-/// Solves the goal and writes the outcome to `landing`.
+/// Solves the drag and writes the result to `landing`.
 fn solve_and_judge(
     bvh: &Bvh,
     occlusion: &Occlusion,
@@ -175,8 +175,8 @@ fn solve_and_judge(
     }
 }
 
-/// Searches for another light that converges where pins close the path to the cursor, or else names the pin that keeps
-/// the light from the cursor.
+/// Searches for another light that has the feature under the cursor, if pins keep the solver from getting there. If
+/// there is none, names the pin that keeps the light from the cursor.
 fn try_other_solutions(
     goal: &Goal,
     first: &Solution,
@@ -188,7 +188,7 @@ fn try_other_solutions(
     let lands = |found: &Solution| {
         let mut landing = landing.clone();
         end.judge(goal, found, &mut landing);
-        (landing.status == DragStatus::Converged).then_some(landing)
+        (landing.status == DragStatus::Landed).then_some(landing)
     };
     let Some(free) = solve_with_pins(goal, near, sight, |_| false).filter(|free| lands(free).is_some())
     else {
@@ -205,13 +205,14 @@ fn try_other_solutions(
     }
 }
 
-/// Writes the result of a drag that spent its budget and leaves the light unchanged.
+/// Writes the result of a drag that spent its budget and leaves the light as it was at the start.
 fn limit_unmoved(landing: &mut DragResult, drag: &Drag) {
     landing.status = DragStatus::Limited(DragLimit::TooMuchWork);
     landing.residual_px = drag.from.distance(drag.to);
 }
 
-/// Judge of a solution at the cursor, independent of the solver's numbers.
+/// Judge of a light that the solver found. It checks the light with rays of its own and uses none of the solver's
+/// numbers.
 struct ResultJudge<'a> {
     bvh: &'a Bvh,
     view: &'a Viewport,
@@ -223,8 +224,8 @@ struct ResultJudge<'a> {
 impl ResultJudge<'_> {
     /// Returns the result of a drag that spent its budget.
     ///
-    /// It has the light found so far if that light keeps all limits and hard pins and has the feature nearer to the
-    /// cursor than at the start. Otherwise it has the light of the start.
+    /// The result has the light found so far if that light keeps all limits and hard pins, and if the feature is nearer
+    /// to the cursor than at the start. Otherwise it has the light of the start.
     fn judge_unfinished(
         &self,
         goal: &Goal,
@@ -250,13 +251,13 @@ impl ResultJudge<'_> {
         if work.is_exhausted() || moved.residual_px >= unmoved.residual_px {
             return unmoved;
         }
-        if moved.status != DragStatus::Converged {
+        if moved.status != DragStatus::Landed {
             moved.status = DragStatus::Limited(DragLimit::TooMuchWork);
         }
         moved
     }
 
-    /// Judges a solution and writes the outcome to `landing`.
+    /// Judges a light that the solver found, and writes the result to `landing`.
     fn judge(&self, goal: &Goal, found: &Solution, landing: &mut DragResult) {
         let Self { bvh, view, drag, occlusion, taken } = self;
         let Solution { iterate: Iterate { x, evaluation }, strongest_limit: held_by, iterations } = found;
@@ -291,7 +292,7 @@ impl ResultJudge<'_> {
             // The light path only grazes the caster.
             DragStatus::Limited(DragLimit::NoDescent)
         } else {
-            DragStatus::Converged
+            DragStatus::Landed
         };
         landing.shadowed_by = None;
         let (Some(first), Some(pivot)) = (first, taken.pivot) else { return };

@@ -16,10 +16,11 @@ use crate::work::WorkBudget;
 /// degrees.
 const ALIGNED_RADIANS: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
-/// Largest distance of a highlight's center from a pixel of it, as a share of the picture's width.
+/// Largest distance of a highlight's center from a pixel of the highlight, as a share of the picture's width.
 const NEAR_HIGHLIGHT: f64 = 0.1;
 
-/// Distance of the pixels between which the solver takes the change of a direction over the picture.
+/// Distance in pixels between the pixels by whose difference the solver estimates the change of a direction over the
+/// picture.
 const BESIDE_PX: f64 = 0.25;
 
 /// Finds the center of the highlight of `light` near `pixel`, in pixels: light arrives there along the mirror
@@ -75,8 +76,8 @@ impl DraggedFeature<'_> {
         }
     }
 
-    /// Measures the distance from the cursor to the nearest visible surface that the feature's light path meets, in
-    /// pixels.
+    /// Measures the distance in pixels from the cursor to the nearest visible surface point that lies on the feature's
+    /// light path.
     fn nearest_on_path_px(&self, near: [f64; 2], cursor: DVec2) -> f64 {
         let pivot = self.taken.pivot.and_then(|pivot| self.placed.locate(pivot, Some(near[1])));
         let (across, after) =
@@ -95,7 +96,7 @@ impl DraggedFeature<'_> {
         met.iter().filter_map(distance).fold(f64::INFINITY, f64::min)
     }
 
-    /// Finds the positions of all surfaces that the light path at `across` meets at a larger `t` than `after`.
+    /// Finds all surface points on the light path at `across` whose `t` is larger than `after`.
     fn surfaces_on_path(&self, place: &PointInLight, across: DVec2, after: f64) -> Vec<DVec3> {
         let met = RefCell::new(Vec::new());
         let spend = |boxes| self.placed.work.spend_on_rays(boxes);

@@ -10,12 +10,12 @@ use crate::goal::{DIFFERENCE, Goal};
 use crate::quadratic::{Linearization, RowSelection};
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 
-/// Distance between samples of the path, in radii or radians, and the least and most samples.
+/// Distance between samples of the path, in radii or radians. The next constant is the range of their number.
 const SAMPLE_SPACING: f64 = 0.025;
 const SAMPLE_COUNT_RANGE: [f64; 2] = [16.0, 96.0];
 
-/// Most steps along the path. A steep path takes more steps than it has samples; one that needs more steps than this
-/// does not go evenly.
+/// Most steps along the path. A steep path takes more steps than it has samples. If a path needs more steps than this,
+/// the solver gives up following it.
 const MAX_PATH_STEPS: usize = 160;
 
 /// Most steps at the end of the path, until the feature is under the cursor.
@@ -27,17 +27,17 @@ const MAX_STEP: f64 = 0.02;
 /// Softness of the objective, as a share of the trace of `J J^T`.
 const OBJECTIVE_COMPLIANCE: f64 = 1e-4;
 
-/// Largest error of the feature after a step, absolute and as a multiple of the error before it. The solver quarters a
-/// step that exceeds both, at most so many times.
+/// Largest error of the feature after a step. The next constant is the same as a multiple of the error before the step.
+/// The solver quarters a step that exceeds both, at most as many times as the last constant says.
 const MAX_STEP_ERROR: f64 = 3e-3;
 const MAX_ERROR_GROWTH: f64 = 1.5;
 const QUARTERINGS: usize = 3;
 
-/// Largest change from the end of the path to the light that has the feature under the cursor to the last bit.
+/// Largest change of the light from the end of the path to the light that has the feature exactly under the cursor.
 const MAX_FINAL_JUMP: f64 = 0.02;
 
 impl Solution {
-    /// Follows the path as far as it goes evenly, and returns the share of it that was covered.
+    /// Follows the path in small, even steps as far as possible, and returns the share of the path that was covered.
     pub fn follow_path(&mut self, goal: &Goal) -> f64 {
         let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let (mut share, mut steps) = (0.0, 0);
@@ -66,7 +66,7 @@ impl Solution {
         is_there
     }
 
-    /// Takes a step from one share of the path towards another, and returns the share reached. `None` if the light
+    /// Takes a step from the share `from` of the path towards `to`, and returns the share reached. `None` if the light
     /// cannot be evaluated there.
     fn advance(&mut self, goal: &Goal, from: f64, to: f64) -> Option<f64> {
         self.iterations += 1;
@@ -96,13 +96,13 @@ impl Solution {
         Some(share)
     }
 
-    /// Evaluates the present unknowns against the feature's target at another share of the path.
+    /// Evaluates the present unknowns with the feature's target at another share of the path.
     fn with_share(&self, goal: &Goal, share: f64) -> Option<Iterate> {
         let Iterate { x, evaluation } = &self.iterate;
         Some(Iterate { x: x.clone(), evaluation: goal.evaluate(x, share, &evaluation.tracked)? })
     }
 
-    /// Computes the target of a damped step from `at`, by a linearization about a nearby point.
+    /// Computes the unknowns after a damped step from `at`, with the slopes of a linearization about a nearby point.
     fn damped_target(&mut self, goal: &Goal, at: &Iterate, linear: &Linearization) -> Vec<f64> {
         self.step_target(
             goal,
@@ -113,7 +113,7 @@ impl Solution {
         )
     }
 
-    /// Takes a step of at most `longest`, and restores the limits and hard pins.
+    /// Takes a step towards `target` that is at most `longest`, and restores the limits and hard pins.
     fn bounded_step(
         &mut self,
         goal: &Goal,

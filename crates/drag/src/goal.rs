@@ -1,5 +1,5 @@
-//! Goal of a drag: two equations that hold where the feature lies under the cursor, and limits that must stay 0 or
-//! more.
+//! Goal of a drag: two equations that are fulfilled where the feature lies under the cursor, and limits whose values
+//! must stay 0 or more.
 
 use std::rc::Rc;
 
@@ -22,15 +22,15 @@ use crate::work::WorkBudget;
 /// two surfaces. It shrinks to 0 at the cursor.
 const EDGE_SLACK_ON_PATH: f64 = 3.0;
 
-/// Step of the finite differences.
+/// Change of an unknown between two evaluations for a finite difference.
 pub(crate) const DIFFERENCE: f64 = 1e-6;
 
-/// Number of pins above which differences are one-sided, for steps below `ONE_SIDED`.
+/// Number of pins above which finite differences are one-sided, if their step is below `ONE_SIDED`.
 const MANY_PINS: usize = 16;
 const ONE_SIDED: f64 = 1e-5;
 
-/// Costs per control point, in steps: of a tube that is rebuilt, of radii that follow besides, and of a tube that is
-/// only moved.
+/// Costs per control point, in steps of the work budget. This one is for rebuilding a tube. The next ones are the
+/// additional cost of radii that follow, and the cost of only moving a tube.
 const STEPS_OF_POINT: u64 = 400;
 const STEPS_OF_FOLLOWING: u64 = 400;
 const STEPS_OF_COPY: u64 = 40;
@@ -42,33 +42,33 @@ pub(crate) struct Goal<'a> {
     /// Light at the start of the drag.
     pub start: &'a CheckedLight,
     pub unknowns: Unknowns,
-    /// Light at the start of the drag, in scene space. Later lights share its origin, chart and budget.
+    /// Light at the start of the drag, in scene space. Later lights of the drag have the same origin, chart and budget.
     pub scene_light: SceneLight<'a>,
-    /// Largest `R kappa` of each segment at the start of the drag. A segment above the limit for drags may keep its
-    /// value.
+    /// Largest `R kappa` of each segment at the start of the drag. A segment that was above the limit for drags may
+    /// keep this value.
     pub folds: Vec<f64>,
     pub pins: Vec<PinState>,
-    /// Priority of each residual.
+    /// Priority of each residual: of the objective, of the pins and of the joint.
     pub rows: Rc<[Hold]>,
     /// Tangents of shadow edges and surfaces that pins and the source may not cross.
     pub tangents: Vec<OcclusionTangent>,
     /// Tracked point that must stay at a joint of the tube (0 for the feature's, 1 for its pivot's), and the joint's
     /// `t`.
     joint: Option<(usize, f64)>,
-    /// Softness of the limits that keep the point under the cursor within the light. It is 0, a hard limit, for a drag
-    /// that is to converge.
+    /// Softness of the limits that keep the point under the cursor inside the light. While the drag can still converge
+    /// it is 0, which makes them hard limits.
     edge_compliance: f64,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) enum Objective {
-    /// A feature lies under the cursor.
+    /// Moves a feature under the cursor.
     Feature(Box<TakenFeature>),
-    /// A control point is at a position in light-local space.
+    /// Moves a control point to a position in light-local space.
     Position { point: usize, to: DVec3 },
 }
 
-/// Feature on its path from the start of the drag to the cursor.
+/// Dragged feature, with the path of its target from the start of the drag to the cursor.
 #[derive(Clone, Debug)]
 pub(crate) struct TakenFeature {
     pub feature: Feature,
@@ -80,13 +80,13 @@ pub(crate) struct TakenFeature {
     pub pivot: Option<DVec3>,
     /// Light coordinates of `from` at the start of the drag.
     pub start_coords: PointInLight,
-    /// Unit directions to the light: at `from` as it was, and at `to` as it should become. They count for a highlight
-    /// or lit side only.
+    /// Unit directions to the light: at `from` at the start of the drag, and at `to` at its end. Only highlights and
+    /// lit sides use them.
     pub directions: [DVec3; 2],
 }
 
-/// Values of `t` that the solver tracks while the light moves: of the feature and its pivot, then of each pin and its
-/// pivot.
+/// Values of `t` that the solver tracks while the light moves. The first entry is for the feature and its pivot, the
+/// others are for each pin and its pivot.
 pub(crate) type TrackedPoints = Vec<[f64; 2]>;
 
 /// Residuals and limits of a light.
@@ -107,8 +107,8 @@ impl TakenFeature {
         (self.from.position.lerp(self.to.position, share), slerp(from, to, share))
     }
 
-    /// Computes the feature's error at a share of the path, and tracks its `t` and the pivot's. Adds the limits of
-    /// both.
+    /// Computes the feature's error at a share of the path, and adds the limits of the feature and of its pivot to
+    /// `bounds`. Also returns the tracked `t` of both.
     fn feature_residual(
         &self,
         placed: &SceneLight,
@@ -152,7 +152,7 @@ impl TakenFeature {
         from.cross(to).try_normalize().unwrap_or_else(|| from.any_orthonormal_vector())
     }
 
-    /// Length of the feature's path, in radii of the light or in radians.
+    /// Returns the length of the path of the feature's target, in radii of the light or in radians.
     fn path_length(&self) -> f64 {
         let [from, to] = self.directions;
         let across = self.from.position.distance(self.to.position) / self.start_coords.width;
@@ -188,18 +188,19 @@ impl<'a> Goal<'a> {
         }
     }
 
-    /// Copies the goal, and holds a tracked point at a joint of the tube.
+    /// Copies the goal, and adds the equation that a tracked point stays at a joint of the tube.
     pub fn at_joint(&self, joint: (usize, f64)) -> Self {
         let rows = self.rows.iter().copied().chain([Hold::Fixed]).collect();
         Self { joint: Some(joint), rows, ..self.clone() }
     }
 
-    /// Copies the goal, and lets the point under the cursor leave the light at a cost.
+    /// Copies the goal, and lets the point under the cursor leave the light at a cost. `give` is the softness of its
+    /// limits.
     pub fn with_edge_compliance(&self, give: f64) -> Self {
         Self { edge_compliance: give, ..self.clone() }
     }
 
-    /// Evaluates the light with `x` at a share of the path. `None` if the light cannot be evaluated.
+    /// Evaluates the light that the unknowns `x` give, at a share of the path. `None` if the light cannot be evaluated.
     pub fn evaluate(&self, x: &[f64], share: f64, near: &TrackedPoints) -> Option<Evaluation> {
         let taken = match &self.objective {
             Objective::Feature(taken) => taken,
@@ -229,7 +230,8 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: followed })
     }
 
-    /// Returns the rays of the light with `x`. `None` if the light cannot be evaluated or the budget is spent.
+    /// Returns the rays of the light that the unknowns `x` give. `None` if the light cannot be evaluated or the budget
+    /// is spent.
     pub fn rays(&self, x: &[f64]) -> Option<LightRays> {
         let points = self.start.light().points().len() as u64;
         let of_a_point = match &self.unknowns {
@@ -244,7 +246,7 @@ impl<'a> Goal<'a> {
         self.scene_light.work
     }
 
-    /// Evaluates a dragged control point. It builds only the segments of the tube that the point can fold.
+    /// Evaluates a dragged control point. Checks only the segments of the tube that this point can fold.
     fn evaluate_position(
         &self,
         x: &[f64],
@@ -266,7 +268,8 @@ impl<'a> Goal<'a> {
         is_finite.then(|| Evaluation { residual, rows: Rc::clone(&self.rows), bounds, tracked: near.clone() })
     }
 
-    /// Copies the goal with the kept pins alone, and the tracked points of these.
+    /// Copies the goal without the pins for which `is_kept` is false. Also returns the tracked points without those
+    /// pins.
     pub fn with_pins(
         &self,
         near: &TrackedPoints,
@@ -280,8 +283,8 @@ impl<'a> Goal<'a> {
         (goal, [vec![near[0]], of_pins].concat())
     }
 
-    /// Finds the tracked points in the light with `x`, with the feature at the end of its path: the roots that count,
-    /// or the former values where there are none.
+    /// Finds the values of `t` to track in the light that the unknowns `x` give, with the feature at the end of its
+    /// path. A point outside the light keeps its value of `near`.
     pub fn tracked_at_end(&self, x: &[f64], near: &TrackedPoints) -> TrackedPoints {
         let Some(rays) = self.rays(x) else { return near.clone() };
         let placed = self.scene_light.with(&rays);
@@ -297,7 +300,7 @@ impl<'a> Goal<'a> {
         points.map(|([point, pivot], was)| [t(point, was[0]), t(pivot, was[1])]).collect()
     }
 
-    /// True if a pin or a residual is soft.
+    /// True if a pin is soft, or if a hard pin has a soft residual, as that of the irradiance is.
     pub fn has_soft_pins(&self) -> bool {
         self.pins.iter().any(|pin| !pin.is_hard) || self.rows.iter().any(|row| matches!(row, Hold::Soft(_)))
     }
@@ -319,7 +322,8 @@ impl<'a> Goal<'a> {
         all.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(limit, _)| limit)
     }
 
-    /// Length of the path of the objective, in radii or radians, or in units of a dragged control point.
+    /// Returns the length of the path: for a feature in radii of the light or in radians, for a control point in units
+    /// of the unknowns.
     pub fn path_length(&self) -> f64 {
         match &self.objective {
             Objective::Feature(taken) => taken.path_length(),
@@ -332,12 +336,12 @@ impl<'a> Goal<'a> {
         }
     }
 
-    /// Number of samples of the path at a distance of `apart`, within bounds.
+    /// Returns the number of samples of the path that lie `apart` from each other, clamped to a range.
     pub fn sample_count(&self, apart: f64, [least, most]: [f64; 2]) -> f64 {
         (self.path_length() / apart).clamp(least, most)
     }
 
-    /// True if no unknown has an effect on the feature at the start.
+    /// True if changes of the unknowns do not move the feature at the start of the drag.
     pub fn has_no_effect(&self, near: &TrackedPoints) -> bool {
         let x = vec![0.0; self.unknowns.count()];
         let Some(at) = self.evaluate(&x, 0.0, near) else { return false };
@@ -346,7 +350,7 @@ impl<'a> Goal<'a> {
         asked.all(|row| jacobian.row(row).iter().all(|slope| slope.abs() < 1e-9))
     }
 
-    /// Computes the limits of the light's own shape: no fold, no negative radius.
+    /// Computes the limits of the light's own shape: no segment folds, and no radius is negative.
     fn shape_bounds(&self, rays: &LightRays, x: &[f64]) -> Vec<Bound> {
         let (Unknowns::Points { points, radii, unit }, LightRays::Bent(tube)) = (&self.unknowns, rays) else {
             return Vec::new();
@@ -360,7 +364,7 @@ impl<'a> Goal<'a> {
         bounds
     }
 
-    /// Linearizes residuals and limits about `x`, by central differences of `step` each way.
+    /// Linearizes residuals and limits about `x`, by central differences with `step` to both sides.
     ///
     /// With a step of 1e-6 the slopes have a relative error of about 1e-10, which Newton's method corrects. With many
     /// pins the cost of two evaluations per unknown counts, and differences are one-sided, with an error of about 1e-6.
@@ -400,13 +404,14 @@ impl<'a> Goal<'a> {
     }
 }
 
-/// Makes limits against folding, for segments that did not fold at the start.
+/// Makes limits that keep the segments from folding. A segment that was folded more than a drag allows at the start may
+/// stay as it is.
 fn fold_bounds<'a>(folds: &'a [f64], begun: &'a [f64]) -> impl Iterator<Item = Bound> + 'a {
     let room = |(fold, most): (&f64, &f64)| (most.max(MAX_R_KAPPA) - fold) / MAX_R_KAPPA;
     folds.iter().zip(begun).map(move |fold| hard_bound(room(fold), DragLimit::Fold))
 }
 
-/// Returns the priorities of the objective's residuals and of the pins'.
+/// Returns the priorities of the objective's residuals, followed by those of the pins.
 pub(crate) fn row_holds(asked: &Objective, pins: &[PinState]) -> Rc<[Hold]> {
     let count = match asked {
         Objective::Feature(_) => 2,

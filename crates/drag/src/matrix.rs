@@ -3,8 +3,8 @@
 
 use crate::work::WorkBudget;
 
-/// Relative size of the remainder below which a row depends on the others, as a share of the largest row. Differences
-/// have an error of 1e-10.
+/// Size of a row's remainder, as a share of the largest row, below which the row counts as a linear combination of the
+/// others. The slopes come from finite differences with an error of 1e-10.
 const DEPENDENT: f64 = 1e-8;
 
 /// Dense matrix in row-major order.
@@ -71,7 +71,8 @@ pub(crate) fn length(a: &[f64]) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// Selects a maximal set of independent rows, each the row with the largest remainder after those before it.
+/// Selects a maximal set of independent rows among `among`. Each is the row with the largest remainder after
+/// subtracting its components along those selected before.
 pub(crate) fn independent_rows(matrix: &Matrix, among: &[usize], work: &WorkBudget) -> Vec<usize> {
     let mut left: Vec<Vec<f64>> = among.iter().map(|row| matrix.row(*row).to_vec()).collect();
     let mut chosen = Vec::new();

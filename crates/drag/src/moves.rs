@@ -6,7 +6,7 @@ use light::{CheckedLight, ControlPoint, Light, LightRays, r_kappa_max_of_segment
 
 use crate::request::RadiusMode;
 
-/// Largest `R kappa` that a drag makes. A tube folds at 1.
+/// Largest `R kappa` that a drag gives a segment. A tube folds at 1.
 pub(crate) const MAX_R_KAPPA: f64 = 0.97;
 
 /// Value of `R kappa` at which radii that follow begin to shrink.
@@ -19,8 +19,8 @@ pub(crate) enum Unknowns {
     Rigid { unit: f64 },
     /// Rotation alone, for a directional light.
     Turn,
-    /// Control points: an offset in `unit` light-local units each (three numbers), and with [`RadiusMode::Solve`] the
-    /// change of the radius (one more each).
+    /// Control points: for each an offset in `unit` light-local units (three numbers), and with [`RadiusMode::Solve`]
+    /// also the change of its radius (one number).
     Points { points: Vec<usize>, radii: RadiusMode, unit: f64 },
 }
 
@@ -36,7 +36,7 @@ impl Unknowns {
         }
     }
 
-    /// Returns the light with unknowns `x`, unchecked: its tube may fold.
+    /// Returns the light that the unknowns `x` give. It is not checked: its tube may fold.
     pub fn light(&self, start: &Light, x: &[f64]) -> Light {
         if let Self::Points { .. } = self {
             let moved = self.points(start, x);
@@ -48,7 +48,7 @@ impl Unknowns {
         if translation == start.get(TRANSLATION) { turned } else { turned.with(TRANSLATION, translation) }
     }
 
-    /// Returns the translation and the rotation of the light with `x`.
+    /// Returns the translation and the rotation of the light that the unknowns `x` give.
     fn placement(&self, start: &Light, x: &[f64]) -> (DVec3, DQuat) {
         let (translation, rotation) = (start.get(TRANSLATION), start.get(ROTATION));
         let turned =
@@ -60,7 +60,7 @@ impl Unknowns {
         }
     }
 
-    /// Returns the control points of the light with `x`.
+    /// Returns the control points of the light that the unknowns `x` give.
     pub fn points(&self, start: &Light, x: &[f64]) -> Vec<ControlPoint> {
         let mut all = start.points().to_vec();
         let Self::Points { points, radii, unit } = self else { return all };
@@ -75,7 +75,7 @@ impl Unknowns {
         all
     }
 
-    /// Returns the rays of the light with `x`. `None` if the light cannot be evaluated.
+    /// Returns the rays of the light that the unknowns `x` give. `None` if the light cannot be evaluated.
     pub fn rays(&self, start: &CheckedLight, x: &[f64]) -> Option<LightRays> {
         if let (Self::Points { .. }, Some(tube)) = (self, start.tube()) {
             return tube.with_points(start.light(), &self.points(start.light(), x)).ok().map(LightRays::Bent);
@@ -138,8 +138,8 @@ fn shrink_folding_radii(start: &[ControlPoint], moved: &mut [ControlPoint]) {
     }
 }
 
-/// Computes the share of its radius that a segment with `R kappa` of `fold` may keep, if it had `begun` at the start. A
-/// segment that was nearly folding may stay so.
+/// Computes the factor by which the radius of a segment with `R kappa` of `fold` may be multiplied, if its `R kappa`
+/// was `begun` at the start. A segment that was nearly folding then may stay so.
 fn allowed_radius_share(fold: f64, begun: f64) -> f64 {
     let shrinks_from = begun.clamp(SHRINK_FROM_R_KAPPA, MAX_R_KAPPA);
     if fold <= shrinks_from {

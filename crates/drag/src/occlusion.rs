@@ -12,7 +12,7 @@ use crate::work::WorkBudget;
 /// differs slightly from the direction from which light arrives.
 const TURNED_AWAY: f64 = -0.05;
 
-/// Scene as one light sees it, with its links.
+/// Scene with the nodes that one light illuminates, and those that cast shadows in the light.
 pub(crate) struct Occlusion<'a> {
     pub bvh: &'a Bvh,
     linked: LinkedNodes,
@@ -31,12 +31,12 @@ pub(crate) struct ShadowCaster {
     pub node: usize,
 }
 
-/// Rule for hits that count as the receiving point itself.
+/// Rule by which a hit counts as the receiving point itself and not as a caster.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Contact {
-    /// Distance in world units.
+    /// Distance from the point, in world units, within which a hit is the point itself.
     pub within: f64,
-    /// Triangle of the point, which no straight path meets twice.
+    /// Triangle that the point lies on. A straight path meets it only once.
     pub triangle: Option<usize>,
 }
 
@@ -51,7 +51,7 @@ impl<'a> Occlusion<'a> {
         self.linked.is_lit(node)
     }
 
-    /// Finds the first caster on the light path to a surface at `place`.
+    /// Finds the first caster that blocks light on the light path to a surface point at `place`.
     pub fn first_caster(
         &self,
         placed: &SceneLight,
@@ -70,8 +70,8 @@ impl<'a> Occlusion<'a> {
         self.first_caster_on_path(placed, place, place.cross_coords, surface.position, own)
     }
 
-    /// True if a surface at `place` is dark in pictures: it faces away from the light, or is in shadow at its shadow
-    /// position.
+    /// True if a surface point at `place` is dark in pictures: the surface faces away from the light, or its shadow
+    /// position is in shadow.
     pub fn is_unlit(&self, placed: &SceneLight, place: &PointInLight, surface: &SeenPoint) -> bool {
         let faces = surface.normal.dot(place.to_light);
         let at = SeenPoint { position: surface.shadow_position(), ..*surface };
@@ -79,8 +79,8 @@ impl<'a> Occlusion<'a> {
         faces < TURNED_AWAY || place.is_some_and(|place| self.first_caster(placed, &place, &at).is_some())
     }
 
-    /// Finds the first caster on the light path at `across`, up to `point` at `place`. Hits at the point itself do not
-    /// count.
+    /// Finds the first caster on the light path at `across`, up to the point `point` at `place`. Hits at the point
+    /// itself do not count.
     pub fn first_caster_on_path(
         &self,
         placed: &SceneLight,

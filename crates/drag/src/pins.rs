@@ -9,15 +9,15 @@ use crate::point_in_light::{PointInLight, SceneLight};
 use crate::quadratic::Hold;
 use crate::request::{DragLimit, DragPin, DragRefusal, PinKind};
 
-/// Softness of soft pins: an error of a tenth weighs as much as a change of three lengths of the light.
+/// Softness of soft pins: an error of 0.1 (radii or radians) weighs as much as a change of three lengths of the light.
 const SOFT_PIN_COMPLIANCE: f64 = 1e-3;
 
-/// Softness of the relative error of the irradiance at a pinned direction. The pin is of the direction, but a surface
-/// keeps its look only if it receives as much light.
+/// Softness of the relative error of the irradiance at a point with a direction pin. The pin is of the direction, but a
+/// surface keeps its look only if it also receives as much light as before.
 const IRRADIANCE_COMPLIANCE: f64 = 1e-5;
 
-/// Distance within which a hit is the pinned surface itself, as a share of the scene's size. Pins come with rounded
-/// positions.
+/// Distance within which a hit is the pinned surface itself, as a share of the scene's size. The positions of pins come
+/// from clients and are rounded.
 const CONTACT: f64 = 1e-5;
 
 /// Least distance of a pinned point from the edge of a shadow, in radii of the light.
@@ -26,11 +26,11 @@ const SHADOW_EDGE_MARGIN: f64 = 2e-3;
 /// Pin, with its state at the start of the drag.
 #[derive(Clone, Debug)]
 pub(crate) struct PinState {
-    /// Index among the drag's pins.
+    /// Index of the pin in the request.
     pub index: usize,
     pub kind: PinKind,
     pub is_hard: bool,
-    /// In scene space.
+    /// Pinned point, in scene space.
     pub point: DVec3,
     /// Light coordinates of the point at the start of the drag.
     pub start_coords: PointInLight,
@@ -39,7 +39,7 @@ pub(crate) struct PinState {
     /// Unit normals of the surface on its lit side: the interpolated one, and the triangle's if that faces the light.
     /// Light from behind does not arrive.
     pub normals: [DVec3; 2],
-    /// Point at which the shadow is tested, in scene space, as in pictures.
+    /// Point whose shadow is tested, in scene space. Pictures test the same point.
     pub shadow_point: DVec3,
     /// Caster point of a pinned shadow in scene space, and its `t` at the start of the drag.
     pub pivot: Option<(DVec3, f64)>,
@@ -47,8 +47,8 @@ pub(crate) struct PinState {
 }
 
 impl PinState {
-    /// Makes the state of a pin that holds at the start. Returns `Ok(None)` for a soft pin that does not hold, and an
-    /// error for a hard one.
+    /// Makes the state of a pin that is fulfilled at the start of the drag. Returns `Ok(None)` for a soft pin that is
+    /// not fulfilled, and an error for a hard one.
     pub fn new(
         occlusion: &Occlusion,
         bvh: &Bvh,
@@ -119,7 +119,7 @@ impl PinState {
         }
     }
 
-    /// True if unoccluded light arrives at the front of the surface.
+    /// True if light arrives at the front of the surface, if no caster blocks it.
     pub fn is_lit(&self, occlusion: &Occlusion, placed: &SceneLight, place: &PointInLight) -> bool {
         self.normals.iter().all(|normal| normal.dot(place.along_path) > 0.0)
             && self.first_caster(occlusion, placed, place).is_none()
@@ -140,17 +140,17 @@ impl PinState {
         occlusion.first_caster_on_path(placed, &place, place.cross_coords, self.shadow_point, self.contact)
     }
 
-    /// Light coordinates of the shadow point, in a light that has the pin at `place`.
+    /// Returns the light coordinates of the shadow point, in a light that has the pinned point at `place`.
     pub fn shadow_coords(&self, placed: &SceneLight, place: &PointInLight) -> Option<PointInLight> {
         placed.locate(self.shadow_point, Some(place.t))
     }
 
-    /// Values of `t` to track for the pin, at the start of the drag.
+    /// Returns the values of `t` to track for the pin and its pivot, at the start of the drag.
     pub fn start_t(&self) -> [f64; 2] {
         [self.start_coords.t, self.pivot.map_or(0.0, |(_, t)| t)]
     }
 
-    /// Softness of the pin; 0 for a hard one.
+    /// Returns the softness of the pin; 0 for a hard pin.
     pub fn compliance(&self) -> f64 {
         if self.is_hard { 0.0 } else { SOFT_PIN_COMPLIANCE }
     }
@@ -167,8 +167,8 @@ impl PinState {
         self.kind == PinKind::Direction && self.irradiance > 0.0
     }
 
-    /// Adds the pin's errors that are equations and its limits. Returns the tracked `t` values and the light
-    /// coordinates of the pin. `None` if the point or its pivot cannot be tracked.
+    /// Adds the pin's residuals and limits. Returns the tracked values of `t` and the light coordinates of the pin.
+    /// `None` if the point or its pivot cannot be tracked.
     pub fn add_residual(
         &self,
         placed: &SceneLight,
@@ -209,27 +209,28 @@ impl PinState {
     }
 }
 
-/// Tangent of a shadow edge or surface that may not be crossed, at the point where a light crossed it.
+/// Tangent of a shadow edge or of a surface that a light has crossed and may not cross. It is taken where the light
+/// crossed, and limits the next solve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum OcclusionTangent {
     /// Tangent of the edge of a shadow.
     ShadowEdge {
-        /// Index of the pin that crossed the edge.
+        /// Index of the pin whose point crossed the shadow edge.
         pin: usize,
-        /// Caster point at the edge, in scene space.
+        /// Caster point that casts the shadow edge, in scene space.
         caster: DVec3,
-        /// Distance of the caster along the light.
+        /// Distance of that caster point along the light.
         t: f64,
         /// Unit vector across the light, from the edge to the allowed side.
         allowed: DVec2,
     },
     /// Tangent of a surface in front of the source.
     Surface {
-        /// In scene space.
+        /// Point of the surface that the source crossed, in scene space.
         at: DVec3,
-        /// Unit normal towards the allowed side.
+        /// Unit normal of the surface, towards the side on which the source has to stay.
         normal: DVec3,
-        /// Least distance of the source, in world units.
+        /// Least distance of the source from the surface, in world units.
         clearance: f64,
         /// Size of the scene, in world units.
         size: f64,
@@ -237,7 +238,7 @@ pub(crate) enum OcclusionTangent {
 }
 
 impl OcclusionTangent {
-    /// Index of the pin that crossed the edge.
+    /// Returns the index of the pin whose point crossed the shadow edge; `None` for a surface.
     pub fn pin(&self) -> Option<usize> {
         match self {
             Self::ShadowEdge { pin, .. } => Some(*pin),
@@ -245,7 +246,7 @@ impl OcclusionTangent {
         }
     }
 
-    /// Computes the distance of a pin at `place` from the edge, as a limit.
+    /// Computes the distance of a pin at `place` from the shadow edge, as a limit.
     pub fn pin_bound(&self, placed: &SceneLight, place: &PointInLight, pin: &PinState) -> Option<Bound> {
         let Self::ShadowEdge { caster, t, allowed, .. } = self else { return None };
         let edge = placed.locate(*caster, Some(*t))?;
@@ -255,7 +256,7 @@ impl OcclusionTangent {
         Some(Bound { value, limit: DragLimit::Pin(pin.index), compliance: pin.compliance() })
     }
 
-    /// Computes the distance of the source from the surface, as a limit.
+    /// Computes the distance of the source from the surface, as a limit. `None` for a shadow edge.
     pub fn source_bound(&self, placed: &SceneLight) -> Option<Bound> {
         let Self::Surface { at, normal, clearance: off, size } = self else { return None };
         let value = ((placed.source() - *at).dot(*normal) - off) / size;

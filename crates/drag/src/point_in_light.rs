@@ -5,7 +5,8 @@ use light::{LightRays, Tube, TubeRoot};
 
 use crate::work::WorkBudget;
 
-/// Costs of locating a point, in steps: tracked in a tube, in any other light, and searched in one segment.
+/// Costs of locating a point, in steps of the work budget. This one is for a point that is tracked in a tube. The next
+/// ones are for any other light, and for a search in one segment of a tube.
 const STEPS_OF_PLACE: u64 = 300;
 const STEPS_OF_STRAIGHT_PLACE: u64 = 60;
 const STEPS_OF_ROOT: u64 = 50;
@@ -29,7 +30,8 @@ pub(crate) struct PointInLight {
     pub distance_to_ends: f64,
 }
 
-/// Gnomonic axes about a direction of an omni light, in the light's axes. They measure its `cross_coords`.
+/// Axes for directions of an omni light near one direction, in the light's axes. A direction's `cross_coords` are its
+/// gnomonic coordinates along these axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Chart {
     ahead: DVec3,
@@ -56,7 +58,7 @@ pub(crate) struct SceneLight<'a> {
     pub rays: &'a LightRays,
     /// Origin of scene space, in the world.
     pub origin_in_world: DVec3,
-    /// Axes of an omni light.
+    /// Axes for directions of an omni light.
     pub chart: Chart,
     /// Budget for locating points.
     pub work: &'a WorkBudget<'a>,
@@ -80,12 +82,13 @@ impl<'a> SceneLight<'a> {
         Self { rays, ..*self }
     }
 
-    /// Position of the source, in scene space; for a directional light any point of its axis.
+    /// Returns the position of the source in scene space; for a directional light any point of its axis.
     pub fn source(&self) -> DVec3 {
         self.translation() - self.origin_in_world
     }
 
-    /// Cost of locating a point, in steps: tracked, or searched in all segments.
+    /// Returns the cost of locating a point, in steps: of a tracked point if `is_followed`, else of a search in all
+    /// segments.
     fn locate_cost_steps(&self, is_followed: bool) -> u64 {
         match self.rays {
             LightRays::Bent(tube) if !is_followed => STEPS_OF_ROOT * tube.segments.len() as u64,
@@ -169,7 +172,7 @@ impl<'a> SceneLight<'a> {
     }
 
     /// Returns the light path at `across` of a light without a tube: its start, and its point level with `point` at
-    /// `place`. The path of a directional light starts `far` before that.
+    /// `place`. The path of a directional light starts at the distance `far` before that point.
     pub fn straight_path(
         &self,
         place: &PointInLight,
@@ -194,7 +197,8 @@ impl<'a> SceneLight<'a> {
         }
     }
 
-    /// Squared distance of the point from the light's axis, 1 at its edge; 0 for a light without an edge.
+    /// Returns the squared distance of the point from the light's axis, which is 1 at the light's edge. It is 0 for a
+    /// light without an edge.
     pub fn rho2(&self, place: &PointInLight) -> f64 {
         match self.rays {
             LightRays::Bent(_) | LightRays::Cone(_) => place.cross_coords.length_squared(),

@@ -1,4 +1,6 @@
 //! Quadratic program of a step: the smallest change that fulfils the linearization about the present point.
+//!
+//! Each residual is a row of the Jacobian, an equation to be fulfilled. `Hold` is its priority.
 
 use std::rc::Rc;
 
@@ -7,31 +9,35 @@ use crate::matrix::{
 };
 use crate::work::WorkBudget;
 
-/// Least `mu` beside limits, as a share of the trace of `J J^T`. Further steps reduce the residual that it leaves.
+/// Least `mu` of the objective if there are also limits or hard pins, as a share of the trace of `J J^T`. Further steps
+/// reduce the residual that this softness leaves.
 const MIN_MU_BESIDE_LIMITS: f64 = 1e-7;
 
-/// Least `mu`. A row that no change affects then has no effect.
+/// Least `mu`. With it, an equation with a zero row in the Jacobian, which no change can fulfil, is ignored instead of
+/// dividing by zero.
 const MIN_MU: f64 = 1e-30;
 
-/// Iterations of the active set in which all soft limits (springs) enter and leave together, so that many springs do
-/// not take as many iterations. Later iterations change one at a time, which surely terminates.
+/// Number of first iterations of the active-set method in which all soft limits (springs) are added or removed
+/// together. One at a time, many springs would take many iterations. Later iterations change one limit at a time, so
+/// that the method surely terminates.
 const MAX_BATCHED_TURNS: usize = 8;
 
-/// Relative accuracy with which limits hold.
+/// Softness of hard pins and hard limits, as a share of the squared length of the row.
 const LIMIT_TOLERANCE: f64 = 1e-14;
 
 /// Linearization about unknowns `x`: residuals `residual + jacobian dx`, and limits `limits + slopes dx` that must stay
-/// 0 or more. The values come separately, since they may be those of a nearby point.
+/// 0 or more. `residual` and `limits` are not part of it, because a step may use those of a nearby point (`Values`).
 pub(crate) struct Linearization<'a> {
     pub jacobian: Matrix,
     pub slopes: Matrix,
-    /// Priority of each residual.
+    /// Priority of each residual, a row of `jacobian`.
     pub rows: Rc<[Hold]>,
-    /// Softness of each limit; 0 for a hard one.
+    /// Softness of each limit, a row of `slopes`; 0 for a hard limit.
     pub compliances: Vec<f64>,
-    /// Independent fixed rows, from which the other fixed rows follow.
+    /// Indices of independent rows of hard pins. The other rows of hard pins are linear combinations of these.
     fixed: Vec<usize>,
-    /// Metric of the change with the soft rows, `I + sum a a^T / compliance`. `None` without soft rows.
+    /// Metric that measures a change together with the soft residuals it leaves: `I + sum a a^T / compliance` over the
+    /// soft rows `a`. `None` without soft rows.
     metric: Option<Matrix>,
     work: &'a WorkBudget<'a>,
 }
@@ -59,7 +65,7 @@ impl<'a> Linearization<'a> {
     }
 }
 
-/// Cost of an operation on all values of a square matrix, in steps.
+/// Returns the cost of an operation on all values of a square matrix, in steps of the work budget.
 fn square(columns: usize) -> u64 {
     (columns * columns) as u64
 }
@@ -70,7 +76,7 @@ fn identity(count: usize) -> Matrix {
     matrix
 }
 
-/// Adds `a a^T / give`.
+/// Adds `a a^T / give` to `metric`.
 fn add_square(metric: &mut Matrix, a: &[f64], give: f64) {
     for (row, value) in a.iter().enumerate() {
         let scaled = value / give;
@@ -78,23 +84,24 @@ fn add_square(metric: &mut Matrix, a: &[f64], give: f64) {
     }
 }
 
-/// Adds `a by`.
+/// Adds `a` times `by` to `sum`.
 fn add_scaled(sum: &mut [f64], a: &[f64], by: f64) {
     sum.iter_mut().zip(a).for_each(|(sum, value)| *sum += value * by);
 }
 
-/// Priority of a residual's equation.
+/// Priority of a residual, an equation of the linearization.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Hold {
-    /// Holds as far as limits and fixed rows allow.
+    /// The equation is fulfilled as far as the limits and the `Fixed` equations allow.
     Objective,
-    /// Holds in every case, before the objective.
+    /// The equation is always fulfilled, before the objective: a hard pin or a joint.
     Fixed,
-    /// Weighs `|residual|^2` divided by this compliance against the size of the change.
+    /// The equation may be violated at a cost: `|residual|^2` divided by this compliance is weighed against the size of
+    /// the change.
     Soft(f64),
 }
 
-/// Values of residuals and limits, and the rows that count.
+/// Values of the residuals and limits in a step, and the residuals to fulfil.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Values<'a> {
     pub residual: &'a [f64],
@@ -102,13 +109,13 @@ pub(crate) struct Values<'a> {
     pub counting: RowSelection,
 }
 
-/// Residuals that count in a step. Hard limits always count, soft ones with [`Self::All`] only.
+/// Residuals that a step fulfils. Hard limits always count, soft limits with [`Self::All`] only.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum RowSelection {
     All,
-    /// All but the soft ones.
+    /// All residuals except the soft ones.
     Firm,
-    /// The fixed ones alone.
+    /// The residuals of hard pins alone.
     Fixed,
 }
 
@@ -116,11 +123,12 @@ pub(crate) enum RowSelection {
 /// and limits.
 ///
 /// `y` minimizes `|y|^2 + |residual|^2 / mu` under the limits. Without limits that is `J^T (J J^T + mu I)^-1 (J x -
-/// residual)` (light model, section 7). An active set adds each binding limit as a further row that is held at 0, and
-/// removes it if its multiplier has the wrong sign. Limits come before the residuals of the objective. A fixed residual
-/// is a row that is never removed. Soft rows have a `mu` of their own; soft limits have one too and act as one-sided
-/// springs. They change the metric of `|y|^2` and add no rows, so the size of the system stays that of the unknowns,
-/// however many pins there are.
+/// residual)` (light model, section 7). The active-set method adds each limit that `y` violates as a further equation,
+/// which keeps the limit at 0, and removes the equation if its multiplier has the wrong sign. Limits come before the
+/// residuals of the objective. A fixed residual is an equation that is never removed. Each soft residual and each soft
+/// limit has its own softness in place of `mu`. A soft limit acts as a spring that pushes to one side. Soft residuals
+/// and soft limits change the metric of `|y|^2` and add no equations. So the size of the system does not grow with the
+/// number of soft pins.
 pub(crate) fn smallest_step(
     x: &[f64],
     linear: &Linearization,
@@ -178,27 +186,29 @@ pub(crate) fn smallest_step(
     best.unwrap_or_else(|| (x.to_vec(), still()))
 }
 
-/// Multipliers of the rows and limits; those of limits are 0 or more.
+/// Multipliers of the residuals and of the limits. A limit's multiplier is 0 or more.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Multipliers {
     pub rows: Vec<f64>,
     pub limits: Vec<f64>,
 }
 
-/// Data of one step.
+/// Data of one step that stay the same while the set of active limits changes.
 struct QpStep<'a> {
     linear: &'a Linearization<'a>,
-    /// Values that rows and limits must have at `y`.
+    /// Value that the product of each row of the Jacobian with `y` should have. The next field is the least product of
+    /// each row of limits.
     wanted: Vec<f64>,
     floor: Vec<f64>,
-    /// Right side of the soft rows.
+    /// Right side of the equations that the soft residuals add to the metric.
     pull: Vec<f64>,
     counting: RowSelection,
     mu: f64,
 }
 
 impl QpStep<'_> {
-    /// Computes the smallest `y` with the active limits at 0, and the multipliers of all rows and of those limits.
+    /// Computes the smallest `y` that keeps the `active` limits at 0, the multipliers of all residuals, and the
+    /// multipliers of the active limits.
     ///
     /// With `M = L L^T` for the soft rows and `y0 = M^-1 pull`, `|y|^2` and the soft rows together are `|L^T (y -
     /// y0)|^2`. Only firm rows remain, each as `L^-1 a`.
@@ -304,7 +314,7 @@ mod tests {
         pinned(residual, limits, &[])
     }
 
-    /// Computes the step with further rows, `y . row = 0`.
+    /// Computes the step of a residual with further fixed equations `y . row = 0`.
     fn pinned(residual: f64, limits: &[(f64, [f64; 2])], pins: &[(Hold, [f64; 2])]) -> Vec<f64> {
         let mut rows: Vec<&[f64]> = vec![&[1.0, 1.0]];
         rows.extend(pins.iter().map(|(_, row)| &row[..]));
@@ -331,8 +341,8 @@ mod tests {
         assert!(y.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{y:?} is not {expected:?}");
     }
 
-    /// The smallest step on a line is its point nearest to 0. With a limit across it, it is the point at the limit. If
-    /// the limit keeps it from the line, it is the point nearest to the line.
+    /// The smallest step on a line is its point nearest to 0. With a limit across the line, it is the point of the line
+    /// at the limit. If the limit keeps it from the line, it is the point nearest to the line.
     #[test]
     fn the_smallest_step_keeps_within_limits() {
         near(&step(-2.0, &[]), [1.0, 1.0]);
@@ -344,8 +354,8 @@ mod tests {
         near(&step(-2.0, &[(-0.5, [-1.0, 0.0])]), [-0.5, 2.5]);
     }
 
-    /// A fixed row holds against the objective. A soft row yields by its cost: with `a = 2 - b`, the least of `a^2 +
-    /// b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
+    /// A hard pin is kept at the expense of the objective. A soft pin yields by its cost: with `a = 2 - b`, the least
+    /// value of `a^2 + b^2 + b^2 / give` has `b = 2 give / (1 + 2 give)`.
     #[test]
     fn pins_hold() {
         near(&pinned(-2.0, &[], &[(Hold::Fixed, [0.0, 1.0])]), [2.0, 0.0]);

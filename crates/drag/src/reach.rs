@@ -6,30 +6,31 @@ use crate::quadratic::RowSelection;
 use crate::start::rigid_start;
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 
-/// Longest change from one sample of the path to the next, in units of the unknowns.
+/// Longest change of the light between two samples of the path, in units of the unknowns.
 const MAX_STEP: f64 = 0.25;
 
-/// Difference steps of the Newton steps to a sample. Slopes jump where two segments of a tube meet. The linearization
-/// of one side then leads nowhere on the other, and the mean over both sides works.
+/// Steps of the finite differences in successive Newton steps. Slopes jump where two segments of a tube meet. The
+/// linearization of one side then leads nowhere on the other, and the mean over both sides works.
 const DIFFERENCE_STEPS: [f64; 6] = [DIFFERENCE, DIFFERENCE, DIFFERENCE, 1e-3, 1e-2, 5e-2];
 
-/// Distance from a joint, in segments, within which the solver may go on along the joint.
+/// Distance from a joint of the tube, in segments, within which the solver may go on with the point at the joint.
 const MAX_JOINT_DISTANCE: f64 = 0.1;
 
-/// Distance between samples of the path, in radii or radians, and the least and most samples.
+/// Distance between samples of the path, in radii or radians. The next constant is the range of their number.
 pub(crate) const SAMPLE_SPACING: f64 = 0.1;
 pub(crate) const SAMPLE_COUNT_RANGE: [f64; 2] = [4.0, 48.0];
 
-/// Number of parts of the path to the next sample that the solver tries, each a quarter of the one before.
+/// Number of times that the solver tries a shorter part of the path to the next sample, each a quarter of the one
+/// before.
 const PARTS: usize = 4;
 
-/// Most steps that reduce the change, and the share by which each does.
+/// Most steps that shrink the change of the light. The next constant is the share by which each step shrinks it.
 const MAX_SHRINK_STEPS: usize = 24;
 const SHRINK: f64 = 0.3;
 
 impl Solution {
-    /// Goes on from a share of the path, if necessary by a jump to another light that has the feature under the cursor.
-    /// Returns true if it converges.
+    /// Goes on from the share `from` of the path, and if necessary jumps to a different light that has the feature
+    /// under the cursor. Returns true if it converges.
     pub fn jump(&mut self, goal: &Goal, near: &TrackedPoints, from: f64) -> bool {
         let places = goal.sample_count(SAMPLE_SPACING, SAMPLE_COUNT_RANGE);
         let mut share = from;
@@ -42,8 +43,9 @@ impl Solution {
         self.iterate.is_converged() || self.place_rigidly(goal, near)
     }
 
-    /// Moves from one share of the path to another or to one between, by the smallest change that has the feature
-    /// there. `None` if not even a small part of the path has a solution.
+    /// Moves from the share `share` of the path to `end`, or only to a share between them, by the smallest change of
+    /// the light that has the feature at its target there. Returns the share reached. `None` if not even a small part
+    /// of the path has a solution.
     fn continue_to(&mut self, goal: &Goal, share: f64, end: f64) -> Option<f64> {
         let parts = || std::iter::successors(Some(1.0), |part| Some(part * 0.25)).take(PARTS);
         let next_of = |part: f64| if part < 1.0 { share + (end - share) * part } else { end };
@@ -77,7 +79,8 @@ impl Solution {
         is_there
     }
 
-    /// Finds the nearest light with the feature at its target, by Newton's method.
+    /// Finds the nearest light that has the feature at its target at a share of the path, by Newton's method.
+    /// `counting` selects the pins that have to be kept.
     pub fn newton_to(&mut self, goal: &Goal, share: f64, counting: RowSelection) -> Option<Iterate> {
         let evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;
         let from = self.iterate.x.clone();
@@ -124,7 +127,8 @@ impl Solution {
         })
     }
 
-    /// Reduces the change for as long as the feature stays at its target.
+    /// Makes the change of the light since the start of the drag smaller, step by step, as long as the feature stays at
+    /// its target.
     pub fn shrink(&mut self, goal: &Goal) {
         for _ in 0..MAX_SHRINK_STEPS {
             let smaller: Vec<f64> = self.iterate.x.iter().map(|x| x * (1.0 - SHRINK)).collect();

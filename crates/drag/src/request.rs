@@ -24,13 +24,13 @@ pub struct Drag {
     pub from: DVec2,
     /// Cursor, in pixels from the picture's top left corner.
     pub to: DVec2,
-    /// Properties that stay as they are.
+    /// Properties that the drag has to preserve.
     pub pins: Vec<DragPin>,
     /// True if the source may not go through a surface.
     pub source_outside: bool,
 }
 
-/// Property of a point that stays as it is while the light is dragged. It must hold when the drag begins.
+/// Property at a point that a drag of the light preserves. It must be true when the drag begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragPin {
     pub kind: PinKind,
@@ -39,7 +39,8 @@ pub struct DragPin {
     /// Name or path of the node that casts the shadow, for [`PinKind::Shadow`]; `None` for the first caster on the
     /// light path.
     pub caster: Option<String>,
-    /// True if the pin holds in every case; false if it holds only as far as the drag allows.
+    /// True if the drag must preserve the property. False if it preserves the property only as far as it can without
+    /// limiting the feature.
     pub is_hard: bool,
 }
 
@@ -49,11 +50,11 @@ pub enum PinKind {
     /// Direction from which light arrives and, as far as the drag allows, its irradiance, so that the surface keeps its
     /// look.
     Direction,
-    /// Light arrives.
+    /// Light arrives at the point.
     Lit,
-    /// A caster blocks the light.
+    /// A caster blocks the light to the point.
     Shadowed,
-    /// Shadow of the same point of the caster that casts it at the start.
+    /// The point stays in the shadow of the same point of the caster.
     Shadow,
 }
 
@@ -106,10 +107,10 @@ pub struct DragResult {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DragStatus {
     /// The feature is under the cursor, within half a pixel.
-    Converged,
+    Landed,
     /// The feature is as near to the cursor as the limit allows.
     Limited(DragLimit),
-    /// The light is unchanged.
+    /// The drag is refused, and the light is unchanged.
     Refused(DragRefusal),
 }
 
@@ -126,7 +127,7 @@ pub enum DragLimit {
     NoDescent,
     /// The source would go through a surface.
     SourceInside,
-    /// The pin with this index would not hold.
+    /// The pin with this index would be violated.
     Pin(usize),
     /// The search for a nearer light takes more steps than a drag may take ([`crate::MAX_DRAG_STEPS`]).
     TooMuchWork,
@@ -147,7 +148,7 @@ pub enum DragRefusal {
     NotBendy,
     /// The request names a control point that the light does not have, or its source.
     NoSuchPoint,
-    /// None of the moving control points acts on the light at the start of the drag.
+    /// Moving the chosen control points does not change the light at the start of the drag.
     NoWeight,
     /// The hard pin with this index does not hold at the start: its point is outside the light, or is not lit, not in
     /// shadow, or not in the shadow of the named caster.

@@ -11,16 +11,17 @@ use crate::pins::{OcclusionTangent, PinState};
 use crate::point_in_light::SceneLight;
 use crate::request::{DragLimit, PinKind};
 
-/// Number of halvings that find the first crossing.
+/// Number of times that an interval is halved to find where a line first crosses a shadow edge.
 const HALVINGS: usize = 40;
 
-/// Most shadow edges found at once. Others wait for the effect of these.
+/// Most shadow edges that are added as limits at once. Solving with these may already resolve the others.
 const EDGES_AT_ONCE: usize = 8;
 
 /// Least distance of the source from a surface, as a share of the scene's size.
 const SURFACE_CLEARANCE_SHARE: f64 = 1e-3;
 
-/// Largest error at which an equation counts as held when it is checked anew, in radii or radians.
+/// Largest error in radii or radians at which an equation counts as fulfilled, if it is checked without the solver's
+/// numbers.
 const HELD_TOLERANCE: f64 = 1e-6;
 
 /// Distance around an edge at which light paths probe its direction, in radii of the light.
@@ -29,7 +30,7 @@ const EDGE_PROBE_RADIUS: f64 = 1e-3;
 /// Number of light paths that probe the direction of an edge.
 const EDGE_PROBE_COUNT: usize = 16;
 
-/// Scene against which visibility constraints are checked.
+/// Scene against which the limits that depend on visibility are checked.
 pub(crate) struct SceneVisibility<'a> {
     pub occlusion: &'a Occlusion<'a>,
     /// True if the source may not go through a surface.
@@ -37,8 +38,8 @@ pub(crate) struct SceneVisibility<'a> {
 }
 
 impl SceneVisibility<'_> {
-    /// Returns the constraints that the light with `x` breaks, as tangents that keep the light from breaking them; none
-    /// if all hold. Checks soft pins too if `are_soft`.
+    /// Returns tangents of the shadow edges and surfaces that the light with the unknowns `x` has crossed, as limits
+    /// for the next solve. Empty if it has crossed none. Checks soft pins too if `are_soft`.
     pub fn violated_tangents(&self, goal: &Goal, x: &[f64], are_soft: bool) -> Vec<OcclusionTangent> {
         let broken = self.violated_pins(goal, x, |pin| pin.is_hard || are_soft);
         let edges = broken.into_iter().filter_map(|pin| self.edge(goal, pin, x));
@@ -46,14 +47,14 @@ impl SceneVisibility<'_> {
         if edges.is_empty() { self.surface(goal, x).into_iter().collect() } else { edges }
     }
 
-    /// Returns the first hard pin or surface that the light with `x` violates.
+    /// Returns the first hard pin or surface that the light with the unknowns `x` violates.
     pub fn violated_limit(&self, goal: &Goal, x: &[f64]) -> Option<DragLimit> {
         let pins = self.violated_pins(goal, x, |pin| pin.is_hard);
         let pin = pins.first().map(|pin| DragLimit::Pin(pin.index));
         pin.or_else(|| self.surface(goal, x).map(|_| DragLimit::SourceInside))
     }
 
-    /// Returns the selected pins that do not hold in the light with `x`.
+    /// Returns the pins of the selection that are not fulfilled in the light with the unknowns `x`.
     fn violated_pins<'g>(
         &self,
         goal: &'g Goal,
@@ -69,8 +70,8 @@ impl SceneVisibility<'_> {
         }
     }
 
-    /// True if a pin holds in a light, at the root that counts if paths of the light overlap. `None` if the point has
-    /// no light coordinates.
+    /// True if a pin is fulfilled in a light. Where paths of the light overlap, the root that counts decides. `None` if
+    /// the point has no light coordinates.
     fn is_pin_held(&self, placed: &SceneLight, pin: &PinState) -> Option<bool> {
         let place = placed.locate(pin.point, None)?;
         let is_inside = placed.rho2(&place) <= 1.0 && place.distance_to_ends >= 0.0;
@@ -87,7 +88,8 @@ impl SceneVisibility<'_> {
         Some(is_inside && is_held)
     }
 
-    /// Finds the shadow edge that a pin crosses on the straight line from the start to `x`.
+    /// Finds the shadow edge that a pinned point crosses if the unknowns change in a straight line from the start to
+    /// `x`.
     fn edge(&self, goal: &Goal, pin: &PinState, x: &[f64]) -> Option<OcclusionTangent> {
         let at = |share: f64| -> Vec<f64> { x.iter().map(|x| x * share).collect() };
         if !matches!(pin.kind, PinKind::Lit | PinKind::Shadowed) {
@@ -131,7 +133,8 @@ impl SceneVisibility<'_> {
         })
     }
 
-    /// Finds the surface that the source crosses on its straight line from the start to the light with `x`.
+    /// Finds the surface that the source crosses on the straight line from the start of the drag to its position in the
+    /// light with the unknowns `x`.
     fn surface(&self, goal: &Goal, x: &[f64]) -> Option<OcclusionTangent> {
         let Unknowns::Rigid { unit } = goal.unknowns else { return None };
         if !self.source_outside {
@@ -141,7 +144,7 @@ impl SceneVisibility<'_> {
         self.surface_between(from, way)
     }
 
-    /// Finds the first surface on a line, whatever the shadow links, as a limit for the source.
+    /// Finds the first surface on a line, and makes it a limit for the source. Shadow links are ignored.
     ///
     /// The source keeps a distance of a thousandth of the scene's size, or of half its distance at the start.
     fn surface_between(&self, from: DVec3, way: DVec3) -> Option<OcclusionTangent> {
@@ -162,7 +165,7 @@ impl SceneVisibility<'_> {
     }
 }
 
-/// Applies `what` to the light with `x`, placed in the scene. `None` if the light cannot be evaluated.
+/// Applies `what` to the light with the unknowns `x`, placed in the scene. `None` if the light cannot be evaluated.
 fn in_light<T>(goal: &Goal, x: &[f64], what: impl Fn(&SceneLight) -> Option<T>) -> Option<T> {
     let rays = goal.rays(x)?;
     what(&goal.scene_light.with(&rays))

@@ -14,24 +14,25 @@ use crate::request::{DragLimit, RadiusMode};
 use crate::step::{Iterate, Solution, length_between, objective_trace, restore_feasibility};
 use crate::work::WorkBudget;
 
-/// Number of halvings between the last feasible point of a straight line and the limit.
+/// Number of times that an interval is halved to find the last feasible point of a straight line before a limit.
 const LIMIT_HALVINGS: usize = 20;
 
-/// Number of steps along the path of a drag that does not converge, and most steps at its end until they are
-/// [`MIN_STEP`].
+/// Number of steps along the path of a drag that does not converge. The next constant is the most steps at its end,
+/// until a step is shorter than [`MIN_STEP`].
 const SLIDE_STEPS: usize = 24;
 const MAX_SETTLE_STEPS: usize = 40;
 
-/// Step below which the light counts as settled, in units of the unknowns.
+/// Step length below which the light counts as at rest, in units of the unknowns.
 const MIN_STEP: f64 = 1e-7;
 
 /// Longest step, in units of the unknowns.
 const MAX_STEP: f64 = 0.03;
 
-/// Softness of the objective in a slide, as a share of the trace of `J J^T`. A change that helps little is not made.
+/// Softness of the objective in a slide, as a share of the trace of `J J^T`. With it, the light does not change much
+/// for a small gain.
 const OBJECTIVE_COMPLIANCE: f64 = 1e-2;
 
-/// Most quarterings of a step that does not reduce the cost.
+/// Most times that a step is quartered because it does not reduce the cost.
 const QUARTERINGS: usize = 4;
 
 /// Result of a dragged control point.
@@ -39,7 +40,7 @@ const QUARTERINGS: usize = 4;
 pub struct Slide {
     /// A light that can be evaluated.
     pub light: CheckedLight,
-    /// Limit that keeps the control point from its target; `None` if it is there.
+    /// Limit that keeps the control point from its target; `None` if the point has reached its target.
     pub limit: Option<DragLimit>,
     /// Distance of the control point from its target, in light-local units.
     pub distance_left: f64,
@@ -92,9 +93,9 @@ pub fn slide_point(light: &CheckedLight, point: usize, to: DVec3, radii: RadiusM
     })
 }
 
-/// Moves straight to the first limit that the control point meets, and slides along that.
+/// Moves the control point straight towards its target up to the first limit, and then slides along that limit.
 ///
-/// Each share of the straight line has one light to check.
+/// For each share of the straight line there is one light, and the search checks if it is feasible.
 fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solution> {
     let mut found = Solution::begin(goal, near)?;
     let at = |share: f64| {
@@ -119,12 +120,13 @@ fn solve_position(goal: &Goal, near: &TrackedPoints, way: &[f64]) -> Option<Solu
 struct Cost<'a> {
     /// Unknowns of the last light that had the feature at its target.
     limit_x: &'a [f64],
-    /// Weight of a change from there, against the squared error of the feature.
+    /// Weight of the change of the light since `limit_x`, relative to the squared error of the feature.
     compliance: f64,
 }
 
 impl Cost<'_> {
-    /// Computes the squared error of the feature, plus the weighted change of the light and the errors of soft pins.
+    /// Computes the cost: the squared error of the feature, plus the weighted change of the light and the errors of
+    /// soft pins.
     fn of(&self, at: &Iterate) -> f64 {
         let rows = at.evaluation.residual.iter().zip(at.evaluation.rows.iter());
         let of_rows = rows.map(|(off, row)| if let Hold::Soft(give) = row { off * off / give } else { 0.0 });
@@ -140,11 +142,11 @@ impl Cost<'_> {
 }
 
 impl Solution {
-    /// Goes on from a share of the path past which no light has the feature at its target, to the light with the least
+    /// Goes on from a share of the path after which no light has the feature at its target, to the light with the least
     /// cost.
     ///
-    /// The cost weighs the error of the feature against the change of the light, so that the light neither jumps nor
-    /// drifts far for a small gain. The target of the feature may lie outside the light.
+    /// The cost weighs the error of the feature against the change of the light. So the light neither jumps nor changes
+    /// much for a small gain. The target of the feature may lie outside the light.
     pub fn slide(&mut self, to_land: &Goal, from: f64) {
         let wall = self.iterate.x.clone();
         let Some(evaluation) = to_land.evaluate(&wall, from, &self.iterate.evaluation.tracked) else {
@@ -171,7 +173,8 @@ impl Solution {
         }
     }
 
-    /// Takes a step that reduces the cost or restores the limits, and returns its length. `None` if there is none.
+    /// Takes a step that reduces the cost or restores the limits, and returns its length. `None` if no such step is
+    /// found.
     fn cheaper_step(&mut self, goal: &Goal, share: f64, cost: &Cost, longest: f64) -> Option<f64> {
         self.iterations += 1;
         self.iterate.evaluation = goal.evaluate(&self.iterate.x, share, &self.iterate.evaluation.tracked)?;

@@ -5,15 +5,16 @@ use crate::quadratic::RowSelection;
 use crate::scene_visibility::SceneVisibility;
 use crate::step::{Iterate, Solution, restore_feasibility};
 
-/// Most tangents of a drag, and most with which soft pins still add some.
+/// Most tangents that are added in a drag. The second number is the most tangents at which soft pins may still add
+/// some.
 const MAX_TANGENTS: [usize; 2] = [12, 4];
 
-/// Number of points on a straight line that are checked if the light found is not feasible, and of halvings between the
-/// last two.
+/// Number of points on a straight line that are checked if the found light is not feasible, and number of times that
+/// the interval after the last feasible point is halved.
 const LINE_SEARCH_STEPS: usize = 32;
 
-/// Finds the smallest change that brings the feature under the cursor, or as near as the limits allow. `None` if not
-/// even the start can be evaluated.
+/// Finds the smallest change of the light that brings the feature under the cursor, or as near as the limits allow.
+/// `None` if not even the start can be evaluated.
 ///
 /// Visibility has no slope. So the drag is solved without it, and if the resulting light breaks a visibility
 /// constraint, the edge that it crossed becomes a further limit. If the budget is spent, the result is the latest
@@ -44,7 +45,8 @@ pub(crate) fn solve(goal: &mut Goal, near: &TrackedPoints, sight: &SceneVisibili
     Some(found)
 }
 
-/// Goes along the straight line towards `x` as far as all constraints hold.
+/// Changes the unknowns from the start of the drag along the straight line towards `x`, as long as all limits and hard
+/// pins are kept. Returns the last feasible state.
 fn feasible_on_line(
     goal: &Goal,
     near: &TrackedPoints,
@@ -72,7 +74,7 @@ fn feasible_on_line(
     Some(last)
 }
 
-/// Restores the limits and hard pins, if they can be restored from there.
+/// Restores the limits and hard pins of `at`. Returns `at` unchanged if that fails.
 fn made_feasible(goal: &Goal, at: Iterate) -> Iterate {
     if at.is_feasible() {
         return at;
@@ -81,11 +83,11 @@ fn made_feasible(goal: &Goal, at: Iterate) -> Iterate {
     restore_feasibility(goal, 1.0, &about, &at, RowSelection::Fixed).unwrap_or(at)
 }
 
-/// Solves the drag within the present tangents.
+/// Solves the drag under the tangents found so far.
 ///
-/// First it follows the path evenly, so that the light is a continuous function of the cursor. If that does not
-/// converge, it tries a jump. If the jump does not converge either, it discards it, and the light slides from the end
-/// of the even part.
+/// First it follows the path in even steps, so that the light is a continuous function of the cursor. If that does not
+/// converge, it tries to jump. If the jump does not converge either, the light slides on from the end of the part that
+/// was followed in even steps.
 pub(crate) fn solve_with_tangents(goal: &Goal, near: &TrackedPoints) -> Option<Solution> {
     let mut found = Solution::begin(goal, near)?;
     let share = found.follow_path(goal);

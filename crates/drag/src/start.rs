@@ -11,7 +11,7 @@ use crate::request::Feature;
 /// Returns the unknowns of a placement with the feature under the cursor, and the tracked points in it. The placement
 /// is not the nearest one. `None` if there is no closed form.
 ///
-/// A hotspot moves with the light, and a highlight rotates the light about the point too. For a shadow, the light
+/// For a hotspot, the light is translated. For a highlight, it is also rotated about the point. For a shadow, the light
 /// rotates about the pivot: the light path through the pivot has a point as far from the pivot as the cursor is, and
 /// the rotation takes that point to the cursor.
 pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>, TrackedPoints)> {
@@ -36,15 +36,14 @@ pub(crate) fn rigid_start(goal: &Goal, near: &TrackedPoints) -> Option<(Vec<f64>
     Some((rigid_unknowns(goal, *unit, (pivot, to), turn), near.clone()))
 }
 
-/// Returns the unknowns of the placement that moves a point of the light from `from` to `to` and rotates the light
-/// about it.
+/// Returns the unknowns that move a point of the light from `from` to `to` and rotate the light about that point.
 fn rigid_unknowns(goal: &Goal, unit: f64, (from, to): (DVec3, DVec3), turn: DQuat) -> Vec<f64> {
     let source = goal.scene_light.source();
     let way = (to + turn * (source - from) - source) / unit;
     [way.to_array(), turn.to_scaled_axis().to_array()].concat()
 }
 
-/// Finds the point past the pivot on the light path through it, at a distance from it, and the point's `t`.
+/// Finds the point on the light path through the pivot that lies a distance behind the pivot, and the point's `t`.
 fn point_at_distance(
     goal: &Goal,
     taken: &TakenFeature,

@@ -6,38 +6,38 @@ use crate::matrix::{dot, length};
 use crate::quadratic::{Hold, Linearization, RowSelection, Values, smallest_step};
 use crate::request::DragLimit;
 
-/// Residual that counts as 0, in radii or radians.
+/// Size below which a residual counts as 0, in radii or radians.
 const RESIDUAL_TOLERANCE: f64 = 1e-10;
 
 /// Most steps with one Jacobian that restore the constraints.
 const MAX_RESTORE_STEPS: usize = 8;
 
-/// State of the solver: unknowns and their evaluation.
+/// State of the solver: values of the unknowns, and the evaluation of the light that they give.
 #[derive(Clone, Debug)]
 pub(crate) struct Iterate {
     pub x: Vec<f64>,
     pub evaluation: Evaluation,
 }
 
-/// Result of the solver.
+/// Best light that the solver has found so far, with its iteration count.
 #[derive(Clone, Debug)]
 pub(crate) struct Solution {
     pub iterate: Iterate,
-    /// Limit or hard pin with the largest multiplier.
+    /// Limit or hard pin with the largest multiplier in the latest step.
     pub strongest_limit: Option<DragLimit>,
     pub iterations: usize,
 }
 
 impl Iterate {
-    /// True if the feature is at its target and all constraints hold.
+    /// True if the feature is at its target and all limits and hard pins are kept.
     pub fn is_converged(&self) -> bool {
         self.objective_error() < RESIDUAL_TOLERANCE
             && self.pin_error() < RESIDUAL_TOLERANCE
             && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
 
-    /// True if hard pins and limits hold. In a slide the limits of the point under the cursor are soft and do not
-    /// count.
+    /// True if all hard limits and hard pins are kept. In a slide the limits of the point under the cursor are soft and
+    /// do not count.
     pub fn is_feasible(&self) -> bool {
         self.pin_error() < RESIDUAL_TOLERANCE && self.hard_bounds().all(|bound| bound.value >= 0.0)
     }
@@ -51,33 +51,35 @@ impl Iterate {
         residual.iter().zip(rows.iter()).filter(|(_, row)| which(**row)).map(|(off, _)| off * off).sum()
     }
 
-    /// Error of the feature.
+    /// Returns the error of the feature, in radii or radians.
     pub fn objective_error(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Objective).sqrt()
     }
 
-    /// Sum of squares of the errors of the feature and of hard pins, and of broken limits.
+    /// Returns the sum of the squared errors of the feature and of the hard pins, and of the squared violations of hard
+    /// limits.
     pub fn merit(&self) -> f64 {
         let broken = self.hard_bounds().map(|bound| bound.value.min(0.0));
         self.sum_of_squares(|row| !matches!(row, Hold::Soft(_))) + broken.map(|off| off * off).sum::<f64>()
     }
 
-    /// Error of the hard pins.
+    /// Returns the error of the hard pins, in radii or radians.
     fn pin_error(&self) -> f64 {
         self.sum_of_squares(|row| row == Hold::Fixed).sqrt()
     }
 }
 
 impl Solution {
-    /// Starts with the light at the start of the drag. `None` if it cannot be evaluated.
+    /// Makes the solution that leaves the light as it is at the start of the drag. `None` if that light cannot be
+    /// evaluated.
     pub fn begin(goal: &Goal, near: &TrackedPoints) -> Option<Self> {
         let unmoved = vec![0.0; goal.unknowns.count()];
         let at = Iterate { evaluation: goal.evaluate(&unmoved, 0.0, near)?, x: unmoved };
         Some(Self { iterate: at, strongest_limit: None, iterations: 0 })
     }
 
-    /// Computes the unknowns that solve the linearization, with values from `at` and the smallest change since `from`.
-    /// The linearization may be about a nearby point.
+    /// Computes the unknowns with the smallest change from `from` that solve the linearized equations and limits, whose
+    /// values are those of `at`. `linear` may be the linearization about a point near `at`.
     pub fn step_target(
         &mut self,
         goal: &Goal,
@@ -99,8 +101,8 @@ pub(crate) fn length_between(a: &[f64], b: &[f64]) -> f64 {
     length(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// Finds the nearest state at which all rows that count hold, by the linearization about a nearby point. `None` if the
-/// steps do not converge.
+/// Finds the nearest state to `from` at which all equations that `counting` selects are fulfilled. Every step uses the
+/// slopes of `about`, the linearization about a nearby point. `None` if the steps do not converge.
 pub(crate) fn restore_feasibility(
     goal: &Goal,
     share: f64,
@@ -133,7 +135,7 @@ pub(crate) fn restore_feasibility(
     is_good(&at).then_some(at)
 }
 
-/// Computes the trace of `J J^T` of the objective.
+/// Computes the trace of `J J^T` over the rows of the objective in the Jacobian `J`.
 pub(crate) fn objective_trace(linear: &Linearization) -> f64 {
     let asked = (0..linear.rows.len()).filter(|row| linear.rows[*row] == Hold::Objective);
     asked.map(|row| dot(linear.jacobian.row(row), linear.jacobian.row(row))).sum()

@@ -8,7 +8,7 @@ use std::fmt;
 /// that take most.
 pub const MAX_DRAG_STEPS: u64 = 3_000_000_000;
 
-/// Divisor of the step limit that gives the steps for judging an unfinished drag.
+/// Divisor of the step limit. The quotient is the number of further steps for judging the light of an unfinished drag.
 const JUDGING_FRACTION: u64 = 8;
 
 /// Steps between two checks if a drag should continue.
@@ -17,13 +17,13 @@ pub const STEPS_BETWEEN_CHECKS: u64 = 2_000_000;
 /// Cost of one unit of ray work, in steps: a box or triangle near a ray, as [`raycast`] counts them.
 const STEPS_OF_BOX: u64 = 10;
 
-/// Counts the steps of one drag, and ends it at the step limit or if the caller cancels it.
+/// Counts the steps of one drag, and ends the drag at the step limit or if the caller cancels it.
 ///
-/// Once the budget is spent nothing can be evaluated, so every search ends at once.
+/// Once the budget is spent, no light can be evaluated any more. So every search ends at once.
 pub struct WorkBudget<'a> {
     spent: Cell<u64>,
     limit_steps: Cell<u64>,
-    /// Further steps, for judging the light that was found.
+    /// Further steps that may be used to judge the light that was found.
     judging: u64,
     /// Step count of the next check.
     next_check_at: Cell<u64>,
@@ -38,8 +38,8 @@ impl fmt::Debug for WorkBudget<'_> {
 }
 
 impl<'a> WorkBudget<'a> {
-    /// Starts at 0 steps. Every [`STEPS_BETWEEN_CHECKS`] steps it calls `goes_on` with the steps so far, and ends the
-    /// drag if that returns false. The callback may block.
+    /// Makes a budget of `MAX_DRAG_STEPS`. Every [`STEPS_BETWEEN_CHECKS`] steps it calls `goes_on` with the number of
+    /// steps so far, and ends the drag if that returns false. The callback may block.
     pub fn new(goes_on: &'a dyn Fn(u64) -> bool) -> Self {
         Self::with_limit(MAX_DRAG_STEPS, goes_on)
     }

@@ -43,9 +43,9 @@ pub struct AlphaTest {
     pub first_triangle: u32,
     /// Position of that triangle's first corner in the scene's indices.
     pub first_index: u32,
-    /// Least alpha that is solid; 0 makes no holes.
+    /// Least alpha that is solid. With 0 there are no holes.
     pub cutoff: f32,
-    /// The material's factor of alpha. Corners and texels have the others.
+    /// Factor of alpha in the material. Vertices and texels have further factors.
     pub factor: f32,
     /// Index of the texture's first texel in `AlphaTests::texels`.
     pub offset: u32,
@@ -88,7 +88,7 @@ impl AlphaTests<'_> {
         self.is_hole(self.test_of(triangle), here)
     }
 
-    /// True if a test makes a hole at (u, v, alpha) `here`.
+    /// True if a test makes a hole at the point `here`, which is (u, v, alpha).
     #[inline(always)]
     pub fn is_hole(&self, test: usize, here: Vec3) -> bool {
         let test = &self.tests[test];

@@ -11,7 +11,7 @@ use crate::surfaces::SurfaceLanes;
 /// Least width of a highlight. `brdf.wgsl` has the reason.
 const MIN_ALPHA: f32 = 0.002;
 
-/// f(l, v) max(0, n.l) by its lobes.
+/// Diffuse and specular part of `f(l, v) max(0, n.l)`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Lobes {
     pub diffuse: Vec3s,

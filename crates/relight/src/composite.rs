@@ -10,7 +10,7 @@ use crate::simd::{self, SimdTask};
 use crate::surfaces::{BLOCK_SIDE, PixelBlock};
 use crate::{Cancelled, CasterScene, Surfaces, Workers};
 
-/// Blocks that a worker adds at once.
+/// Number of blocks that a worker adds up at once.
 const BLOCKS_PER_CHUNK: usize = 256;
 
 /// Layer with the linear RGB factors of its diffuse and specular part.
@@ -22,7 +22,7 @@ pub struct LayerTerm<'a> {
     pub specular: [f32; 3],
 }
 
-/// Terms of a picture or of a sum, all of the same surfaces. No terms add up to black.
+/// Layers or sums to add up, all of the same surfaces. Without any the sum is black.
 #[derive(Clone, Copy, Debug)]
 pub enum LayerTerms<'a> {
     Layers(&'a [LayerTerm<'a>]),
@@ -68,7 +68,7 @@ impl LayerTerms<'_> {
     }
 }
 
-/// Adds `terms` of `surfaces`, and replaces `into`.
+/// Adds up `terms`, whose layers or sums are of `surfaces`, and stores the result in `into`.
 pub fn sum(workers: &Workers, surfaces: &Surfaces, terms: LayerTerms, LayerSum(into): &mut LayerSum) {
     into.resize(surfaces.block_count(), Vec3s::splat([0.0; 3]));
     workers.run(|| {
@@ -160,13 +160,14 @@ impl SimdTask for AddSample<'_> {
     }
 }
 
-/// Adds the fill light and `terms`.
+/// Computes the sum of the fill light and `terms` on one block.
 #[inline(always)]
 fn total_radiance(surfaces: &Surfaces, terms: &LayerTerms, fill_factor: f32, block: usize) -> Vec3s {
     surfaces.fill[block] * F32s::splat(fill_factor) + terms.sum_on(block)
 }
 
-/// Index of one of a block's pixels in its row of blocks. `None` if the pixel shows no surface.
+/// Returns the index of a pixel, the lane `lane` of a block, in the block's four rows of the picture. `None` if the
+/// pixel shows no surface.
 #[inline(always)]
 fn pixel_index(block: &PixelBlock, lane: usize, width: usize) -> Option<usize> {
     let x = block.corner[0] as usize + lane % BLOCK_SIDE;

@@ -13,8 +13,8 @@ pub struct DepthMap {
     texels: Vec<f32>,
 }
 
-/// Number of texels from one row to the next, for a side of so many. It is not a power of two, which would put all rows
-/// into the same few lines of the cache.
+/// Returns the number of texels from one row to the next, on a face of `side` texels a side. It is not a power of two,
+/// which would place all rows in the same few cache lines.
 pub(crate) fn stride(side: usize) -> usize {
     side.next_multiple_of(LANES) + LANES
 }
@@ -40,7 +40,7 @@ impl DepthMap {
         stride(self.side)
     }
 
-    /// Depths of all faces, with the room behind rows.
+    /// Returns the depths of all faces, with the unused room behind each row.
     pub(crate) fn texels(&self) -> &[f32] {
         &self.texels
     }
@@ -57,7 +57,7 @@ impl DepthMap {
         self.face_mut(face).chunks_mut(stride).map(move |row| &mut row[..side])
     }
 
-    /// Depths of a face for drawing, with the room behind rows.
+    /// Returns the depths of a face for drawing, with the unused room behind each row.
     pub(crate) fn face_mut(&mut self, face: usize) -> &mut [f32] {
         let length = self.side * self.stride();
         &mut self.texels[face * length..][..length]

@@ -11,9 +11,9 @@ use crate::surfaces::{BLOCK_SIDE, PixelBlock, SurfaceLanes};
 use crate::{Cancelled, CasterScene, RelitBent, RelitDirectional, RelitOmni, RelitSpot, Surfaces, Workers};
 use light::{Lanes, LightProfile, Mask};
 
-/// Blocks that a worker draws at once: about a quarter of a millisecond.
+/// Number of blocks that a worker draws at once. They take about a quarter of a millisecond.
 const BLOCKS_PER_CHUNK: usize = 64;
-/// Blocks that a worker draws at once into a sum: 12 KiB of it, which stay in the nearest cache.
+/// Number of blocks that a worker adds to a sum at once: 12 KiB of the sum, which stay in the nearest cache.
 const SUM_BLOCKS_PER_CHUNK: usize = 32;
 
 /// Light as it is drawn, by shape.
@@ -26,7 +26,8 @@ pub enum RelitLight {
     Directional(Box<RelitDirectional>),
 }
 
-/// Diffuse and specular radiance of one light, linear, before factors of the whole layer, for each block of surfaces.
+/// Diffuse and specular radiance of one light, for each block of surfaces. It is linear, and is not yet multiplied by
+/// the factors that apply to the whole layer.
 #[derive(Clone, Debug, Default)]
 pub struct LightLayer(pub(crate) Vec<LayerBlock>);
 
@@ -44,14 +45,14 @@ impl LayerBlock {
         Self { diffuse: nothing, specular: nothing }
     };
 
-    /// Computes the radiance to the eye with linear RGB factors of the diffuse and the specular part.
+    /// Computes the radiance towards the viewer, with linear RGB factors of the diffuse and the specular part.
     #[inline(always)]
     pub fn weighted_sum(&self, [diffuse, specular]: [[f32; 3]; 2]) -> Vec3s {
         Vec3s::splat(diffuse) * self.diffuse + Vec3s::splat(specular) * self.specular
     }
 }
 
-/// Destination of a light's contribution, block by block of the surfaces.
+/// Destination of a light's contribution, with an entry for each block of the surfaces.
 pub(crate) enum LayerTarget<'a> {
     /// Stores the contribution.
     Layer(&'a mut [LayerBlock]),
@@ -62,7 +63,7 @@ pub(crate) enum LayerTarget<'a> {
     Visibility(&'a mut [LayerBlock]),
 }
 
-/// Drawn quantity of a light.
+/// Quantity of a light that is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Quantity {
     Reflected,
@@ -116,7 +117,7 @@ pub fn visibility_of(
     Ok(picture)
 }
 
-/// Draws `light` as [`draw_layer`] does, onto a target that has a block for each of the surfaces'.
+/// Draws `light` as [`draw_layer`] does. `into` has an entry for each block of the surfaces.
 pub(crate) fn draw_light(
     workers: &Workers,
     surfaces: &Surfaces,
@@ -231,7 +232,7 @@ impl<S: RelitShape> SimdTask for DrawChunk<'_, S> {
     }
 }
 
-/// True if a block has some of `pixels`.
+/// True if a block contains any of `pixels`.
 #[inline(always)]
 fn touches(corner: [u16; 2], [x, y, width, height]: [u32; 4]) -> bool {
     let [left, top] = corner.map(u32::from);

@@ -25,13 +25,13 @@ impl ReceiverPoint {
     }
 }
 
-/// Rounding error of f32 positions of this size.
+/// Returns a bound of the rounding error of f32 positions of this size.
 pub(crate) fn rounding_error(position: Vec3) -> f32 {
     position.abs().max_element() * (1.0 / 2_097_152.0)
 }
 
-/// True if light passes through the surface's own triangle from behind. `arriving` is the unit vector towards the
-/// light.
+/// True if light meets the surface's own triangle from behind, and so would have to pass through it. `arriving` is the
+/// unit vector towards the light.
 pub(crate) fn is_self_shadowed(scene: &CasterScene, surface: &ReceiverPoint, arriving: Vec3) -> bool {
     let facing = surface.geometric_normal.dot(arriving);
     if facing > 0.0 || !scene.links.casts_shadow(surface.triangle) {
@@ -42,8 +42,8 @@ pub(crate) fn is_self_shadowed(scene: &CasterScene, surface: &ReceiverPoint, arr
     height <= 0.0 || weights_at(scene.corners(surface.triangle), through).min_element() >= 0.0
 }
 
-/// True if light that arrives at the front of the surface passed through the surface's own triangle before. `there` is
-/// a point just before it arrives. Only bent light can do that.
+/// True if light that arrives at the front of the smooth surface has crossed the surface's own triangle before. `there`
+/// is a point on its path just before it arrives. Only bent light can do so.
 pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint, there: Vec3) -> bool {
     let height = surface.geometric_normal.dot(there - surface.position);
     if height >= -(rounding_error(there) + surface.depth * (1.0 / 2_097_152.0))
@@ -55,8 +55,9 @@ pub(crate) fn crosses_own_triangle(scene: &CasterScene, surface: &ReceiverPoint,
     weights.min_element() >= 0.0 && !scene.has_hole(surface.triangle, weights)
 }
 
-/// True if a caster other than `own` lies between `start` and `start + way`. Triangles within the rounding error of the
-/// start do not count; the error includes that of a surface at `depth` from the viewer.
+/// True if a caster other than the triangle `own` lies between `start` and `start + way`. A triangle that `start` lies
+/// on, within rounding, does not count. `depth` is the distance of the surface from the viewer, which the rounding
+/// error of its position grows with.
 pub(crate) fn is_segment_occluded(
     scene: &CasterScene,
     (start, way): (Vec3, Vec3),
@@ -95,7 +96,8 @@ fn misses_box(node: &CasterHierarchyNode, (middle, half, slack): (Vec3, Vec3, f3
     between.abs().cmpgt(box_half + reach).any() || half.cross(between).abs().cmpgt(across).any()
 }
 
-/// True if a caster triangle is met between `start` and `start + way`.
+/// True if the segment from `start` to `start + way` crosses a triangle that casts shadows. A triangle within `slack`
+/// of `start` does not count.
 fn segment_hits_triangle(scene: &CasterScene, triangle: u32, (start, way): (Vec3, Vec3), slack: f32) -> bool {
     let (normal, offset) = scene.plane(triangle);
     let (start_height, end_height) = (normal.dot(start) - offset, normal.dot(start + way) - offset);

@@ -33,12 +33,12 @@ use rule::{BentDepthTest, DepthTest, OrthographicDepthTest, PerspectiveDepthTest
 use setup::{OpaquePiece, SetUp};
 use wide::{Ints, LANE_INDICES};
 
-/// Rows that one thread draws at once. For a map 2048 texels wide they take half a megabyte, which stays in a near
-/// cache.
+/// Number of rows that one thread draws at once. Those of a map 2048 texels wide take half a megabyte, which stays in a
+/// near cache.
 const BAND: usize = 64;
-/// Texels of bounding boxes between two checks if a thread must yield: some tens of microseconds.
+/// Number of texels in bounding boxes after which a thread checks if it must yield: some tens of microseconds.
 const YIELD_CHECK_TEXELS: usize = 1 << 16;
-/// Small triangles between two such checks.
+/// Number of small triangles after which a thread checks if it must yield.
 const YIELD_CHECK_TRIANGLES: usize = 1 << 10;
 /// Triangles that one thread sets up at once.
 const TRIANGLES_PER_PIECE: usize = 2048;
@@ -55,31 +55,31 @@ pub struct AlphaTestedTriangle {
     pub corners: RasterTriangle,
     /// (u, v, alpha) of each corner.
     pub uv_alpha: [[f32; 3]; 3],
-    /// Index of its test.
+    /// Index of the triangle's alpha test.
     pub test: u32,
 }
 
-/// Triangles with alpha tests, to draw with others.
+/// Alpha-tested triangles that are drawn together with opaque ones.
 #[derive(Clone, Copy, Debug)]
 pub struct AlphaTestedTriangles<'a, Chunk> {
     pub chunks: &'a [Chunk],
     pub tests: AlphaTests<'a>,
 }
 
-/// Depth that a texel stores, of the nearest triangle.
+/// Rule for the depth that a texel stores if several triangles cover it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DepthRule {
     /// Least `value * depth_per_value / (row[0] + row[1] * (i + 0.5))` in row `i`, at least 0; 1 without a triangle.
     /// Draws the part with w >= 10^-30.
     Bent {
-        /// Divisor of depths: the first, plus the second for each row.
+        /// Divisor of depths in a row of texels: the first number, plus the second number times the row.
         row_divisor: [f32; 2],
         /// Depth of a value of 1.
         depth_per_value: f32,
     },
     /// Greatest `near / w`; 0 without a triangle. Clips the part with w < `near`.
     Perspective {
-        /// Positive.
+        /// Distance of the near plane, more than 0.
         near: f32,
     },
     /// Greatest value from 0 to 1; 0 without a triangle. Discards other values. For positions with w = 1.
@@ -94,16 +94,16 @@ pub struct MapFace {
     pub depths: DepthRule,
 }
 
-/// Memory of [`draw_face_with_alpha_tests`], kept from one face to the next.
+/// Work memory of [`draw_face_with_alpha_tests`], reused from one face to the next.
 #[derive(Debug, Default)]
 pub struct RasterMemory {
     pieces: Vec<OpaquePiece>,
     alpha_tested: Vec<AlphaTestedPiece>,
-    /// Values for [`DepthTest::row_factor`].
+    /// Factor [`DepthTest::row_factor`] of each row.
     rows: Vec<f32>,
 }
 
-/// Draws a face without alpha-tested triangles, onto rows without gaps.
+/// Draws a face without alpha-tested triangles. `texels` gets its rows without gaps between them.
 #[cfg(test)]
 fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
     face: &MapFace,
@@ -120,7 +120,7 @@ fn draw_face<Chunk: AsRef<[RasterTriangle]> + Sync>(
     texels.copy_from_slice(&without_gaps(&with_gaps, side));
 }
 
-/// Returns a face's rows without the room behind them.
+/// Returns a face's rows without the unused room behind each.
 #[cfg(test)]
 fn without_gaps(texels: &[f32], side: usize) -> Vec<f32> {
     texels.chunks(stride(side)).flat_map(|row| &row[..side]).copied().collect()
@@ -175,7 +175,7 @@ pub fn draw_face_with_alpha_tests<
     }
 }
 
-/// All triangles of a face, set up.
+/// Triangles of a face after set-up.
 #[derive(Clone, Copy)]
 struct SetUpTriangles<'a> {
     pieces: &'a [OpaquePiece],
@@ -183,7 +183,8 @@ struct SetUpTriangles<'a> {
     tests: AlphaTests<'a>,
 }
 
-/// Draws all bands of a face. Some cost much more than others, and one may take long.
+/// Draws all bands of a face. A thread takes the next band when it has finished one, because some bands take much
+/// longer than others.
 fn draw_bands<R: DepthTest>(
     workers: &Workers,
     rule: R,
@@ -198,29 +199,29 @@ fn draw_bands<R: DepthTest>(
     })
 }
 
-/// Band, and the progress of its drawing.
+/// Band of a face, and the progress of drawing it.
 struct BandWork<'a> {
     index: usize,
     texels: &'a mut [f32],
-    /// Next piece, with the alpha-tested ones behind the others, and next triangle in it; `None` before the band is
-    /// cleared.
+    /// Next piece of triangles, and next triangle in it. Pieces with alpha-tested triangles come last. `None` before
+    /// the band is cleared.
     next: Option<(usize, usize)>,
 }
 
 /// Rows of a face while they are drawn.
 struct Band<'a> {
-    /// First row, and end of the range of rows.
+    /// Index of the first row, and of the row after the last.
     first: usize,
     end: usize,
     /// Number of texels from one row to the next.
     stride: usize,
     texels: &'a mut [f32],
-    /// [`LANE_INDICES`], hidden from the compiler, which makes something slower of products with the constants 0, 1, 2
-    /// and so on.
+    /// [`LANE_INDICES`], hidden from the compiler, which otherwise turns products with the constants 0, 1, 2 and so on
+    /// into slower code.
     lane_indices: Ints,
 }
 
-/// Continues with a band. Returns false if it must yield.
+/// Task that goes on with drawing a band. It returns false if the thread must yield before the band is finished.
 struct DrawBand<'a, 'b, R> {
     rule: R,
     seen: SetUpTriangles<'a>,

@@ -17,7 +17,7 @@ pub struct CasterScene<'a> {
     pub planes: &'a [[f32; 4]],
     /// Boxes over all triangles.
     pub hierarchy: CasterHierarchy<'a>,
-    /// Normal, uv, and color with alpha of each vertex.
+    /// Normal, uv, and color with alpha of each vertex: nine numbers.
     pub attributes: &'a [[f32; 9]],
     /// Number of triangles without an alpha test.
     pub opaque_triangles: u32,
@@ -47,7 +47,7 @@ pub struct CasterHierarchyNode {
     pub triangle_count: u32,
     /// Greatest corner.
     pub max: [f32; 3],
-    /// Index of a triangle or of a node; see `triangle_count`.
+    /// Index of the leaf's first triangle, or of the next node if this one is skipped; see `triangle_count`.
     pub next: u32,
 }
 

@@ -13,10 +13,10 @@ pub(crate) const BYTES_PER_PIXEL: usize = 4;
 /// Pixels that a worker converts at once.
 const PIXELS_PER_CHUNK: usize = 4096;
 
-/// Exposure of radiance.
+/// Factor and bound by which radiance is exposed for a screen.
 #[derive(Clone, Copy, Debug)]
 pub struct Exposure {
-    /// Factor of radiance.
+    /// Factor by which radiance is multiplied.
     pub factor: f32,
     /// Upper bound of radiance, so that its product with the factor stays finite.
     pub brightest: f32,
@@ -60,7 +60,7 @@ impl SimdTask for DisplayPixels<'_> {
     }
 }
 
-/// Hue and color stay up to this value. Above it, peaks are compressed to 1 and desaturated.
+/// Value up to which hue and color stay unchanged. Higher peaks are compressed to at most 1 and desaturated.
 const START: f32 = 0.8 - 0.04;
 const DESATURATION: f32 = 0.15;
 
@@ -89,7 +89,7 @@ fn pbr_neutral(linear: Vec3s) -> Vec3s {
 /// Black, and opaque.
 pub(crate) const BLACK: U32s = U32s([0xff00_0000; LANES]);
 
-/// Tone-maps to the bytes of the channels, red in the lowest.
+/// Exposes and tone-maps radiance, and returns the bytes of the four channels, red in the lowest.
 #[inline(always)]
 pub(crate) fn tone_mapped_rgba8(linear: Vec3s, exposure: Exposure) -> U32s {
     let (brightest, factor) = (F32s::splat(exposure.brightest), F32s::splat(exposure.factor));

@@ -7,7 +7,7 @@ use crate::depth_map::DepthMap;
 use crate::lanes::{F32s, Masks, Vec3s};
 use crate::surfaces::SurfaceLanes;
 
-/// Light at sixteen pixels. The other values have no meaning in the lanes that are not `inside`.
+/// Light at sixteen pixels. In lanes that are not `inside` the values have no meaning.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LightSampleLanes {
     /// Lanes whose surface is in the light's volume, in shadow or not.
@@ -16,14 +16,14 @@ pub(crate) struct LightSampleLanes {
     pub direction: Vec3s,
     /// Irradiance of a surface orthogonal to the light, without shadow and tint.
     pub irradiance: Vec3s,
-    /// 1 lit, 0 in shadow.
+    /// Share of the light that no caster blocks: 1 if lit, 0 in shadow.
     pub visibility: F32s,
 }
 
 /// Light of one shape.
 pub(crate) trait RelitShape: Sync {
     fn light_profile(&self) -> &LightProfile;
-    /// Samples the light at surfaces, in the `asked` lanes. `map` is its shadow map, `None` for a light without
+    /// Samples the light at surfaces, in the `asked` lanes. `map` is the light's shadow map, `None` for a light without
     /// shadows.
     fn sample(
         &self,

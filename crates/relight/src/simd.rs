@@ -2,7 +2,8 @@
 
 use pulp::{Arch, Simd, WithSimd};
 
-/// Task on sixteen lanes. `run` and all that it calls must be inlined, and closures are not.
+/// Task for vectors of sixteen lanes. `run` and everything that it calls must be inlined. Closures are not inlined
+/// reliably.
 pub(crate) trait SimdTask {
     type Output;
     /// Runs the task. It must be `#[inline(always)]`, or it is compiled for the oldest processor.

@@ -7,7 +7,7 @@ use crate::bent::splat_curve;
 use crate::lanes::{F32s, LANES, Vec3s};
 use crate::simd::{self, SimdTask};
 
-/// Sixteen points, each with its own curve.
+/// Sixteen points to locate, each on a curve of its own.
 #[derive(Clone, Debug)]
 pub struct SolverBatch {
     curve: Curve<F32s>,

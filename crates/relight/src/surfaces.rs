@@ -30,8 +30,8 @@ pub struct CameraRays {
     /// Coefficients c of the distance along the view axis, `(c.x + c.y z) / (c.z + c.w z)`, for the z of the depth
     /// buffer.
     pub depth_from_z: [f32; 4],
-    /// Pixel of the picture that is the first of the G-buffer; whole numbers. If both are multiples of 4, the blocks of
-    /// a tile are those of the picture, and the tile is bit-identical to the picture.
+    /// Position in the picture of the G-buffer's first pixel, in whole pixels. If both are multiples of 4, the blocks
+    /// of a tile are those of the picture, and the tile is bit-identical to the picture.
     pub tile_origin: [f32; 2],
 }
 
@@ -42,7 +42,8 @@ pub struct GbufferRows<'a> {
     pub size: [u32; 2],
     /// Number of texels from one row to the next, at least the width.
     pub row_stride: usize,
-    /// Shading normal, triangle + 1, material: see `gbuffer.wgsl`.
+    /// Packed texels: the shading normal, the index of the triangle + 1, and the material. `gbuffer.wgsl` has the
+    /// format.
     pub packed: &'a [[u32; 4]],
     /// Depth buffer.
     pub z: &'a [f32],
@@ -50,12 +51,12 @@ pub struct GbufferRows<'a> {
     pub terminator_offset: &'a [f32],
 }
 
-/// Sixteen pixels.
+/// Sixteen adjacent pixels, 4 by 4.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PixelBlock {
     /// Distance along the view axis.
     pub depth: F32s,
-    /// Octahedral, as in the G-buffer.
+    /// Shading normal, encoded as in the G-buffer.
     pub normal: U32s,
     /// Normal of the triangle, towards the viewer.
     pub geometric_normal: Vec3s,
@@ -74,18 +75,18 @@ pub struct Surfaces {
     size: [u32; 2],
     camera: CameraRays,
     pub(crate) blocks: Vec<PixelBlock>,
-    /// Reflection of the whole fill light, for each block.
+    /// Reflected radiance of the whole fill light, for each block.
     pub(crate) fill: Vec<Vec3s>,
-    /// Index of the first block of each row, and the number of blocks at the end.
+    /// Index of the first block in each row of blocks, followed by the number of all blocks.
     pub(crate) row_starts: Vec<usize>,
 }
 
 /// Surfaces of sixteen pixels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceLanes {
-    /// Lanes that show a surface. The other values have no meaning elsewhere.
+    /// Lanes that show a surface. The values of the other lanes have no meaning.
     pub exists: Masks,
-    /// Scene space.
+    /// Position in scene space.
     pub position: Vec3s,
     pub depth: F32s,
     pub geometric_normal: Vec3s,
@@ -96,7 +97,7 @@ pub(crate) struct SurfaceLanes {
     pub triangle: U32s,
     /// Unit vector towards the viewer.
     pub to_eye: Vec3s,
-    /// Linear.
+    /// Linear RGB base color.
     pub base_color: Vec3s,
     pub metallic: F32s,
     /// Perceptual: the GGX alpha is its square.
@@ -156,7 +157,7 @@ impl Surfaces {
         (block_count * (size_of::<PixelBlock>() + size_of::<Vec3s>())) as u64
     }
 
-    /// Unpacks the surfaces of a block's pixels.
+    /// Unpacks the surfaces that a block's pixels show.
     #[inline(always)]
     pub(crate) fn surface(&self, block: &PixelBlock) -> SurfaceLanes {
         surface_of(&self.camera, block)
@@ -201,9 +202,9 @@ impl FillColors {
         Vec3s::splat(self.ground) * (F32s::splat(1.0) - share) + Vec3s::splat(self.sky) * share
     }
 
-    /// Computes the reflection of the fill light. Dielectrics scatter the light from about the normal, metals mirror
-    /// the light from about the reflected ray. Both have the base color as albedo, so a white surface reflects all of
-    /// the light.
+    /// Computes the reflection of the fill light. Dielectrics scatter light from directions around the normal. Metals
+    /// mirror light from directions around the reflected ray. Both have the base color as albedo, so a white surface
+    /// reflects all of the light.
     #[inline(always)]
     fn reflected_by(&self, surface: &SurfaceLanes) -> Vec3s {
         let (one, two) = (F32s::splat(1.0), F32s::splat(2.0));

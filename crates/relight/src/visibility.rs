@@ -8,20 +8,21 @@ use crate::nearby::{self, ReceiverPoint};
 use crate::surfaces::SurfaceLanes;
 use crate::{CasterScene, ShadowFilter};
 
-/// Receiver on a map. Each shape of light has its own.
+/// Receivers in sixteen lanes, with their position on a shadow map. Each shape of light has its own type.
 pub(crate) trait Receiver {
-    /// Position in texels from the center of the first texel.
+    /// Returns the position in texels from the center of the first texel.
     fn texel(&self) -> [F32s; 2];
-    /// Compares the four texels from `corner` on with the receiver, row by row.
+    /// Compares the four texels from `corner` on, row by row, with the receivers.
     fn lit_texels(&self, map: &DepthMap, corner: [F32s; 2]) -> LitTexels;
 }
 
-/// Lanes in which each of four texels lets light through, row by row.
+/// For each of four texels, row by row: the lanes whose receiver the texel leaves lit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LitTexels {
-    /// Decided by the map alone.
+    /// Lanes that are lit if the map alone decides.
     pub resolved: [Masks; 4],
-    /// Decided by the map without casters near the receiver, which are left to the scene.
+    /// Lanes that are lit if the map ignores casters near the receiver. Ray tests against the scene decide about those
+    /// casters.
     pub deferred: [Masks; 4],
 }
 
@@ -32,7 +33,7 @@ pub(crate) struct VisibilityShares {
     pub deferred: F32s,
 }
 
-/// Loads the four texels from a corner on, row by row. Coordinates beyond the map are clamped to it.
+/// Loads the four texels from a corner on, row by row. Coordinates beyond the map are clamped to its border.
 #[inline(always)]
 pub(crate) fn gathered(map: &DepthMap, face: U32s, corner: [F32s; 2]) -> [F32s; 4] {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
@@ -69,7 +70,7 @@ pub(crate) fn beyond_map(corner: [F32s; 2], side: usize) -> [Masks; 4] {
     [left | top, right | top, left | bottom, right | bottom]
 }
 
-/// Loads a texel; 0 for an index without meaning beyond all texels.
+/// Loads a texel. Returns 0 if the index is beyond all texels.
 #[inline(always)]
 fn texel(texels: &[f32], at: u32) -> f32 {
     texels.get(at as usize).copied().unwrap_or(0.0)
@@ -131,15 +132,16 @@ pub(crate) fn filter_visibility<R: Receiver>(
     VisibilityShares { resolved: sum.resolved / ninth, deferred: sum.deferred / ninth }
 }
 
-/// Returns the lanes in which the scene decides on near casters, and the map on the others. In these lanes light
-/// grazes, the map alone blocks a part of it, and casters that are not near leave a part of it.
+/// Returns the lanes in which ray tests against the scene have to decide about near casters. In these lanes light
+/// grazes, the map alone blocks at least a part of the light, and casters that are not near let at least a part of it
+/// through.
 #[inline(always)]
 pub(crate) fn needs_exact_trace(shares: VisibilityShares, grazes: Masks) -> Masks {
     grazes & shares.resolved.lt(F32s::splat(1.0)) & shares.deferred.gt(F32s::splat(0.0))
 }
 
-/// Computes the share of the light that reaches the surface, from both shares of [`filter_visibility`]. `is_blocked`
-/// tests a lane of `asks` for a caster on the last piece of the light path.
+/// Computes the share of the light that reaches the surface from both shares of [`filter_visibility`]. `asks` has the
+/// lanes to test exactly. `is_blocked` tests such a lane for a caster on the last piece of the light path.
 #[inline(always)]
 pub(crate) fn resolve_visibility(
     shares: VisibilityShares,
@@ -158,7 +160,8 @@ pub(crate) fn resolve_visibility(
     visibility
 }
 
-/// Computes the share with a straight last piece of the light path. `way` is its reverse, from the surface.
+/// Computes the share of the light that reaches the surface, for a straight last piece of the light path. `way` is the
+/// vector from the surface along that piece, towards the light.
 #[inline(always)]
 pub(crate) fn resolve_along_segment(
     scene: &CasterScene,
@@ -178,18 +181,19 @@ pub(crate) fn resolve_along_segment(
     })
 }
 
-/// Orientation of surfaces towards light.
+/// Result of testing on which side light meets surfaces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Facing {
-    /// Asked lanes whose surface light meets from the front, without self-shadowing.
+    /// Lanes in which light meets the surface from the front, and the surface does not shadow itself.
     pub active: Masks,
-    /// Lanes whose triangle faces the light too.
+    /// Lanes in which light meets the triangle from the front too.
     pub faces_light: Masks,
-    /// Unit normal of the plane that is compared with a map, scene space.
+    /// Unit normal in scene space of the plane that is compared with a shadow map.
     pub normal: Vec3s,
 }
 
-/// Finds the orientation of the `asked` lanes. `to_light` are unit vectors towards the light.
+/// Finds the side on which light meets the surfaces, in the `asked` lanes. `to_light` are unit vectors towards the
+/// light.
 #[inline(always)]
 pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3s, asked: Masks) -> Facing {
     let zero = F32s::splat(0.0);
@@ -202,7 +206,7 @@ pub(crate) fn facing(scene: &CasterScene, surface: &SurfaceLanes, to_light: Vec3
     Facing { active: asked, faces_light, normal }
 }
 
-/// Selects the center and 1 / half size of the drawn part of each lane's face.
+/// Returns the center and 1 / half size of the drawn part of each lane's face.
 #[inline(always)]
 pub(crate) fn fit_of(fits: &[[f32; 4]], face: U32s) -> [F32s; 4] {
     let [x, y, per_x, per_y] = fits[0];

@@ -1,11 +1,11 @@
-//! Worker threads for relighting: one per core, regardless of the number of callers. Work on many items yields to
-//! others when that is due.
+//! Worker threads for relighting: one per core, regardless of the number of callers. Work on many items stops between
+//! two items if other work has to be done first.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Pool of threads. The caller blocks until its work is done.
+/// Pool of threads for relighting. Calls block until the work is done.
 #[derive(Debug)]
 pub struct Workers {
     pool: ThreadPool,
@@ -15,37 +15,39 @@ pub struct Workers {
 /// Bytes of new memory that are written between two yield points: some milliseconds on a machine with slow page faults.
 const NEW_BYTES_AT_ONCE: usize = 1 << 20;
 
-/// Callbacks by which long work yields to others; by default it never does.
+/// Policy by which long work stops at yield points to let other work go first. By default it never stops.
 #[derive(Clone, Default)]
 pub struct YieldPolicy(Option<Arc<YieldCallbacks>>);
 
-/// Callbacks of a yield point.
+/// Callbacks that a yield point calls.
 struct YieldCallbacks {
     should_yield: Box<dyn Fn() -> bool + Send + Sync>,
     yield_now: Box<dyn Fn() -> bool + Send + Sync>,
     run_in_background: Box<BackgroundRunner>,
 }
 
-/// Runs the given work, and returns false if the caller of that work is cancelled.
+/// Runs the given work while other work goes first. Returns false if the caller has been cancelled meanwhile.
 type BackgroundRunner = dyn Fn(&mut (dyn FnMut() + Send)) -> bool + Send + Sync;
 
 /// Error of work that was cancelled at a yield point. Its partial result is useless.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cancelled;
 
-/// Items that remain.
+/// Items that a call of `Workers::each` has not finished.
 struct Queue<I, T> {
     new: I,
-    /// Items that were begun and not finished.
+    /// Items whose work has begun and returned before it was finished.
     begun: Vec<T>,
 }
 
 impl YieldPolicy {
-    /// Makes a policy of three callbacks.
+    /// Makes a policy from three callbacks.
     ///
-    /// `is_due` tells at once, on any thread, if others come next. `give_way` then runs on the thread that requested
-    /// the work, and returns when the work may go on: false if it is cancelled. `aside` runs long work while others
-    /// have their turn, and returns when that is done and its caller may go on: false if it is cancelled.
+    /// `is_due` returns true if other work has to go first. It may be called on any thread, and does not block. If it
+    /// returned true, `give_way` is called on the thread that requested the work. `give_way` returns when the work may
+    /// go on, or returns false if the work is cancelled. `aside` runs long work that does not hinder other work, while
+    /// that goes first. It returns when the long work is done and its caller may go on, or returns false if the caller
+    /// is cancelled.
     pub fn new(
         is_due: impl Fn() -> bool + Send + Sync + 'static,
         give_way: impl Fn() -> bool + Send + Sync + 'static,
@@ -59,12 +61,12 @@ impl YieldPolicy {
         })))
     }
 
-    /// True if others come next.
+    /// True if other work has to go first.
     pub fn should_yield(&self) -> bool {
         self.0.as_deref().is_some_and(|calls| (calls.should_yield)())
     }
 
-    /// Yields to others if that is due. Gives an error if the work is cancelled.
+    /// Lets other work go first if it has to. Gives an error if the present work is cancelled meanwhile.
     pub fn yield_point(&self) -> Result<(), Cancelled> {
         match self.0.as_deref() {
             Some(calls) if (calls.should_yield)() && !(calls.yield_now)() => Err(Cancelled),
@@ -72,7 +74,8 @@ impl YieldPolicy {
         }
     }
 
-    /// Runs long work that needs nothing that others draw with, while those have their turn.
+    /// Runs long work that does not use the device, while other work uses it. Gives an error if the caller is cancelled
+    /// meanwhile.
     pub fn run_in_background<T: Send>(&self, work: impl FnOnce() -> T + Send) -> Result<T, Cancelled> {
         let Some(calls) = self.0.as_deref() else { return Ok(work()) };
         let (mut work, mut done) = (Some(work), None);
@@ -88,7 +91,7 @@ impl std::fmt::Debug for YieldPolicy {
 }
 
 impl Workers {
-    /// Starts one thread per core, without yielding.
+    /// Makes a pool with one thread per core, which never yields.
     pub fn new() -> Self {
         Self::with_threads(0)
     }
@@ -107,7 +110,7 @@ impl Workers {
         Self { yielding, ..self }
     }
 
-    /// Number of threads.
+    /// Returns the number of threads in the pool.
     pub fn count(&self) -> usize {
         self.pool.current_num_threads()
     }
@@ -119,8 +122,8 @@ impl Workers {
 
     /// Runs `work` on each item, in any order. Each thread takes the next item when it has finished one.
     ///
-    /// Others have their turn between items, and when `work` returns false since [`Self::should_yield`] and its item is
-    /// unfinished.
+    /// Other work goes first if [`Self::should_yield`] is true after an item. `work` may also return false in the
+    /// middle of an item if it finds that. The item is then continued later.
     pub(crate) fn each<T: Send>(
         &self,
         items: impl ExactSizeIterator<Item = T> + Send,
@@ -151,8 +154,8 @@ impl Workers {
         }
     }
 
-    /// Resizes `items` to `count` with copies of `item`, in parts with a yield point after each, since the operating
-    /// system is slow to provide new memory.
+    /// Resizes `items` to `count` with copies of `item`. Does so in parts, with a yield point after each, because the
+    /// operating system is slow to provide new memory.
     pub(crate) fn resize<T: Copy>(&self, items: &mut Vec<T>, count: usize, item: T) -> Result<(), Cancelled> {
         items.truncate(count);
         items.reserve_exact(count - items.len());
@@ -164,12 +167,12 @@ impl Workers {
         Ok(())
     }
 
-    /// Yields to others if that is due. Gives an error if the work is cancelled.
+    /// Lets other work go first if it has to. Gives an error if the present work is cancelled meanwhile.
     pub(crate) fn yield_point(&self) -> Result<(), Cancelled> {
         self.yielding.yield_point()
     }
 
-    /// True if work must yield.
+    /// True if other work has to go first.
     pub(crate) fn should_yield(&self) -> bool {
         self.yielding.should_yield()
     }
@@ -198,7 +201,8 @@ mod tests {
 
     use super::*;
 
-    /// Makes a policy that always yields, counts that, and cancels the work at a number.
+    /// Makes a policy that always yields and counts how often. It cancels the work at the yield with the number
+    /// `cancelled_at`.
     fn counting(cancelled_at: usize) -> (YieldPolicy, Arc<AtomicUsize>) {
         let count = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&count);
@@ -206,8 +210,8 @@ mod tests {
         (YieldPolicy::new(|| true, give_way, |work| (work(), true).1), count)
     }
 
-    /// Each of two items waits until the other has begun. If one thread runs both, or one after the other, neither sees
-    /// the other.
+    /// Each of two items waits until work on the other has begun. If one thread ran both, or if one ran after the
+    /// other, they would wait for ever.
     #[test]
     fn threads_work_on_items_at_the_same_time() {
         let begun = AtomicUsize::new(0);

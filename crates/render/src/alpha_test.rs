@@ -11,20 +11,20 @@ use crate::{Gpu, RenderError, gpu_structs};
 const TESTS: &str = "the scene's alpha tests in bytes";
 const TEXELS: &str = "the alpha of the scene's textures in bytes";
 
-/// The table; its layout is in `alpha_test.wgsl`.
+/// Alpha tests of a scene on the GPU, with the texels that they read. `alpha_test.wgsl` has the layout.
 #[derive(Debug)]
 pub(crate) struct GpuAlphaTests {
-    /// One per draw with an alpha test, in the order of their triangles.
+    /// Tests, one for each draw with an alpha test, in the order of their triangles.
     pub list: Vec<gpu_structs::AlphaTest>,
     pub tests: Buffer,
-    /// Alpha of all tested textures.
+    /// Alpha of all tested textures, one after another.
     pub texels: Buffer,
-    /// `list` in CPU memory, for the native backend.
+    /// Same tests in CPU memory, for the native backend.
     host_tests: Vec<relight::AlphaTest>,
     pub host_texels: Option<Arc<[u8]>>,
 }
 
-/// Position of a texture's alpha among the texels.
+/// Position of a texture's alpha within the texels of all tests.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct AlphaPicture {
     pub offset: u32,
@@ -33,7 +33,7 @@ pub(crate) struct AlphaPicture {
 }
 
 impl GpuAlphaTests {
-    /// Uploads the tests. `texels` have eight bits each.
+    /// Uploads the tests and their texels. `texels` has eight bits per texel.
     pub fn new(
         gpu: &Gpu,
         list: Vec<gpu_structs::AlphaTest>,
@@ -49,7 +49,7 @@ impl GpuAlphaTests {
         })
     }
 
-    /// Another table of tests over the same texels.
+    /// Makes a table of other tests over the same texels.
     pub fn with_tests(&self, gpu: &Gpu, list: Vec<gpu_structs::AlphaTest>) -> Result<Self, RenderError> {
         let tests = upload(gpu, TESTS, &list, BufferUsages::STORAGE)?;
         let host_tests = list.iter().map(host_test).collect();
@@ -62,7 +62,7 @@ impl GpuAlphaTests {
         })
     }
 
-    /// A table with one test that no triangle has, because a binding must not be empty.
+    /// Makes a table with one test that applies to no triangle, because a binding must not be empty.
     pub fn none(gpu: &Gpu) -> Result<Self, RenderError> {
         Self::new(
             gpu,
@@ -71,7 +71,7 @@ impl GpuAlphaTests {
         )
     }
 
-    /// The table as the native backend reads it. Panics on the wgpu backend.
+    /// Returns the tests for the native backend. Panics on the wgpu backend.
     pub fn host(&self) -> relight::AlphaTests<'_> {
         relight::AlphaTests {
             tests: &self.host_tests,
@@ -79,7 +79,7 @@ impl GpuAlphaTests {
         }
     }
 
-    /// Bytes of the buffers and of texels in CPU memory.
+    /// Returns the bytes of the buffers and of texels in CPU memory.
     pub fn bytes(&self) -> u64 {
         let host = self.host_texels.as_ref().map_or(0, |texels| texels.len() as u64);
         self.tests.size() + self.texels.size() + host
@@ -110,7 +110,7 @@ fn host_test(test: &gpu_structs::AlphaTest) -> relight::AlphaTest {
     }
 }
 
-/// The test of `draw`. Triangles with a test begin at the index `first_masked`.
+/// Makes the alpha test of `draw`. `first_masked` is the index at which alpha-tested triangles begin.
 pub(crate) fn alpha_test(
     draw: &MaterialRange,
     first_masked: u32,

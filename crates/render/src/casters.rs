@@ -31,10 +31,10 @@ pub(crate) struct Casters {
     pub indices: Buffer,
     pub vertex_count: u32,
     pub triangle_count: u32,
-    /// Number of indices without an alpha test.
+    /// Number of leading indices whose triangles have no alpha test.
     pub opaque_indices: u32,
     pub clusters: Clusters,
-    /// The same in CPU memory, on the native backend.
+    /// Positions and indices in CPU memory, for the native backend; `None` on the wgpu backend.
     pub host: Option<Arc<HostCasters>>,
 }
 
@@ -42,11 +42,11 @@ pub(crate) struct Casters {
 #[derive(Debug)]
 pub(crate) struct HostCasters {
     pub positions: Vec<[f32; 3]>,
-    /// Same order as [`Casters::indices`].
+    /// Indices in the order of [`Casters::indices`].
     pub indices: Vec<u32>,
 }
 
-/// Casters before upload.
+/// Shadow casters in CPU memory, before they are uploaded.
 pub(crate) struct CasterMesh {
     positions: Vec<[f32; 3]>,
     indices: Vec<u32>,
@@ -55,7 +55,7 @@ pub(crate) struct CasterMesh {
 }
 
 impl CasterMesh {
-    /// See [`Casters::new`].
+    /// Makes the casters for a surface, as [`Casters::new`] states, without uploading them.
     pub fn new((vertices, opaque_indices): (&Vertices, usize), mesh_error: f64) -> Self {
         let simplified;
         let (positions, indices, opaque_indices) = if mesh_error > 0.0 {
@@ -95,24 +95,25 @@ impl CasterMesh {
 }
 
 impl Casters {
-    /// Casters for the surface of `vertices`, whose first `opaque_indices` indices have no alpha test. They have fewer
-    /// triangles if `mesh_error` (world units) permits.
+    /// Makes and uploads the shadow casters of the surface `vertices`, whose first `opaque_indices` indices have no
+    /// alpha test. They have fewer triangles than the surface if `mesh_error`, their allowed distance from it in world
+    /// units, permits.
     pub fn new(gpu: &Gpu, surface: (&Vertices, usize), mesh_error: f64) -> Result<Self, RenderError> {
         gpu.run_in_background(|| CasterMesh::new(surface, mesh_error))?.upload(gpu)
     }
 
-    /// Bytes of the buffers and of arrays in CPU memory.
+    /// Returns the bytes of the buffers and of arrays in CPU memory.
     pub fn bytes(&self) -> u64 {
         let of = |host: &HostCasters| size_of_val(&host.positions[..]) + size_of_val(&host.indices[..]);
         self.positions.size() + self.indices.size() + self.host.as_deref().map_or(0, of) as u64
     }
 }
 
-/// Shadow casters of a light: all of a scene, or those that its links leave.
+/// Shadow casters of a light: all of a scene, or those that the light's shadow links select.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CasterSet<'a> {
     pub casters: &'a Casters,
-    /// The scene's own alpha-tested triangles.
+    /// Alpha-tested triangles of the scene that cast shadows.
     pub alpha_tested: &'a [MaterialDraw],
     /// Tests of `alpha_tested`; `None` if there are none.
     pub alpha_tests: Option<&'a GpuAlphaTests>,

@@ -23,18 +23,19 @@ pub(crate) struct ClosedComponents {
     parts: Vec<(TriangleComponent, BoundsF32)>,
 }
 
-/// A component under construction.
+/// Component to which triangles are still being added.
 #[derive(Debug)]
 struct ComponentBuilder {
     first: DVec3,
     bounds: BoundsF32,
     is_closed: bool,
-    /// Six times the enclosed volume.
+    /// Six times the volume that the component's triangles enclose.
     volume: f64,
     volume_at_most: f64,
 }
 
-/// A component whose volume is below this share of the sum of absolute volumes has no inside: it is rounding.
+/// Volume, as a share of the sum of the absolute volumes of its triangles' tetrahedra, below which a component encloses
+/// nothing: the volume is rounding error.
 const MIN_VOLUME_RATIO: f64 = 1e-6;
 
 impl ComponentBuilder {
@@ -64,10 +65,10 @@ impl ComponentBuilder {
 }
 
 impl TriangleComponent {
-    /// In the order of their numbers, which `bent_map.wgsl` shares.
+    /// All kinds, in the order of their numbers in `bent_map.wgsl`.
     pub const ALL: [Self; 3] = [Self::Open, Self::Closed, Self::InsideOut];
 
-    /// The kind after a reflection.
+    /// Returns the kind of the component after a reflection.
     pub fn mirrored(self) -> Self {
         match self {
             Self::Open => Self::Open,
@@ -119,7 +120,7 @@ impl ClosedComponents {
         self.part(triangle).0
     }
 
-    /// Bounds of the triangle's component.
+    /// Returns the bounds of the component to which the triangle belongs.
     pub fn bounds(&self, triangle: u32) -> BoundsF32 {
         self.part(triangle).1
     }

@@ -12,12 +12,12 @@ pub(crate) const TRIANGLES_PER_LEAF: usize = 64;
 /// Vertices of a block. The workgroups of `bent_map_vertices.wgsl` have as many threads.
 pub(crate) const VERTICES_PER_BLOCK: usize = 64;
 
-/// A box counts as straddling a plane that it misses by this share of the numbers involved, for rounding here and on
-/// the GPU.
+/// Distance to a plane below which a box counts as intersecting the plane, as a share of the numbers that the distance
+/// is computed from. It covers rounding on the CPU and the GPU.
 const ROUNDING: f64 = 1e-6;
 
-/// Largest distance of a triangle from the side of the casters' bounds that contains it, as a share of their size, for
-/// rounding.
+/// Largest distance of a triangle from a side of the casters' bounds at which the triangle counts as lying in that
+/// side, as a share of the size of the bounds.
 const SIDE_THICKNESS: f32 = 1e-6;
 
 /// Boxes around shadow casters. Triangles in a side of the casters' bounds, such as floors and walls, are separate from
@@ -27,22 +27,22 @@ const SIDE_THICKNESS: f32 = 1e-6;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Clusters {
     pub leaves: Vec<ClusterLeaf>,
-    /// Blocks of vertices that leaves have corners in, leaf by leaf.
+    /// Indices of the blocks of vertices that the leaves use, leaf by leaf.
     blocks: Vec<u32>,
     inner: ClusterTree,
     sides: Vec<(OpenSide, ClusterTree)>,
-    /// True if the triangles deviate from the surface that they stand for.
+    /// True if the triangles are a simplification of the scene's surface.
     is_simplified: bool,
 }
 
-/// Triangles close to each other and contiguous in the casters' list.
+/// Group of up to `TRIANGLES_PER_LEAF` neighbouring triangles, which are adjacent in the list of casters.
 #[derive(Clone, Debug)]
 pub(crate) struct ClusterLeaf {
     pub triangles: Range<u32>,
     pub component: TriangleComponent,
-    /// Bounds of all closed components that its triangles belong to.
+    /// Bounds of all closed components that the leaf's triangles belong to.
     pub component_bounds: ClusterBounds,
-    /// Range in the list of vertex blocks.
+    /// Range of the leaf's entries in `Clusters::blocks`.
     blocks: Range<usize>,
 }
 
@@ -53,11 +53,11 @@ pub(crate) struct OpenSide {
     pub offset: f64,
 }
 
-/// Bit set of the sides that light enters through; see [`Clusters::open_sides`].
+/// Set of the sides of the casters' bounds that light enters through, as bits; see [`Clusters::open_sides`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct OpenSides(u8);
 
-/// Nodes in depth-first order: each precedes its descendants.
+/// Tree of boxes. Nodes are in depth-first order: each comes before its descendants.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ClusterTree {
     nodes: Vec<Node>,
@@ -77,11 +77,12 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClusterBounds {
     pub center: DVec3,
-    /// Half its extents.
+    /// Half its size along each axis.
     pub half: DVec3,
 }
 
-/// Treatment of the boxes within a box. If several are requested, the last in this order applies.
+/// Selection of the leaves within a box. If several slabs of a light request different selections, the last one in this
+/// order applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum BoxSelection {
     Skip,
@@ -90,7 +91,8 @@ pub(crate) enum BoxSelection {
 }
 
 impl ClusterLeaf {
-    /// The component of the leaf's triangles for light from `source`: open if the source may be inside of it.
+    /// Returns the kind of the leaf's component for light from `source`. A closed component counts as open if the
+    /// source may be inside of it.
     pub fn component_from(&self, source: Option<&ClusterBounds>) -> TriangleComponent {
         if source.is_some_and(|source| self.component_bounds.touches(source)) {
             TriangleComponent::Open
@@ -177,7 +179,8 @@ impl Clusters {
         (clusters, order)
     }
 
-    /// Records the vertex blocks of each leaf. `indices` are corners of triangles in the leaves' order.
+    /// Records the blocks of vertices that each leaf uses. `indices` are the corners of the triangles, in the order of
+    /// the leaves.
     pub fn note_blocks(&mut self, indices: &[u32]) {
         for leaf in &mut self.leaves {
             let corners = &indices[3 * leaf.triangles.start as usize..3 * leaf.triangles.end as usize];
@@ -189,12 +192,13 @@ impl Clusters {
         }
     }
 
-    /// The vertex blocks in which a leaf has corners.
+    /// Returns the blocks of vertices that a leaf uses.
     pub fn blocks_of(&self, leaf: &ClusterLeaf) -> &[u32] {
         &self.blocks[leaf.blocks.clone()]
     }
 
-    /// Sides that may cast visible shadows: those for which `comes_in` says that light enters.
+    /// Returns the sides of the bounds that may cast visible shadows: those for which `comes_in` returns true, because
+    /// light enters through them.
     pub fn open_sides(&self, comes_in: impl Fn(&OpenSide) -> bool) -> OpenSides {
         // Simplified casters may have surfaces behind a side.
         let open = |side: &OpenSide| self.is_simplified || comes_in(side);
@@ -203,14 +207,14 @@ impl Clusters {
         )
     }
 
-    /// Trees of the casters whose shadows may be visible.
+    /// Returns the trees of all casters that may cast visible shadows: the inner ones, and those in the given sides.
     pub fn casting_trees(&self, open: OpenSides) -> impl Iterator<Item = &ClusterTree> {
         let sides = self.sides.iter().enumerate().filter(move |(k, _)| open.0 >> k & 1 != 0);
         std::iter::once(&self.inner).chain(sides.map(|(_, (_, tree))| tree))
     }
 }
 
-/// Index of the group of triangles that are in no side.
+/// Index of the group of triangles that lie in no side of the bounds; smaller indices are the sides.
 const INNER: usize = 6;
 
 impl From<BoundsF32> for ClusterBounds {
@@ -243,14 +247,14 @@ fn halves<T>(items: &mut [T], center: impl Fn(&T) -> Vec3) -> (&mut [T], &mut [T
 }
 
 impl OpenSide {
-    /// Distance of a position in scene space beyond the side.
+    /// Returns the distance of a position in scene space beyond the side.
     pub fn height(&self, position: DVec3) -> f64 {
         self.normal.dot(position) - self.offset
     }
 }
 
 impl ClusterTree {
-    /// Builds a tree of leaves with their bounds.
+    /// Builds a tree over leaves, given their bounds and indices.
     fn new(leaves: &mut [(BoundsF32, u32)]) -> Self {
         let mut tree = Self::default();
         if !leaves.is_empty() {
@@ -340,7 +344,7 @@ impl ClusterBounds {
         (self.center - other.center).abs().cmple(self.half + other.half).all()
     }
 
-    /// Least and greatest value of `normal . p + offset` in the box.
+    /// Returns the least and the greatest value of `normal . p + offset` over the box.
     pub fn range(&self, normal: DVec3, offset: f64) -> [f64; 2] {
         let (middle, reach) = (normal.dot(self.center) + offset, normal.abs().dot(self.half));
         [middle - reach, middle + reach]
@@ -355,7 +359,7 @@ impl ClusterBounds {
     }
 }
 
-/// Clusters of triangles without alpha tests.
+/// Builds the clusters of triangles without alpha tests.
 #[cfg(test)]
 pub(crate) fn of_opaque(positions: &[[f32; 3]], indices: &[u32]) -> Clusters {
     let triangles = indices.as_chunks().0;
@@ -366,7 +370,7 @@ pub(crate) fn of_opaque(positions: &[[f32; 3]], indices: &[u32]) -> Clusters {
 mod tests {
     use super::*;
 
-    /// Each triangle is in a leaf, leaves are small, and boxes contain their descendants.
+    /// Checks that each triangle is in a leaf, that leaves are small, and that boxes contain their descendants.
     #[test]
     fn boxes_hold_their_triangles() {
         let positions: Vec<[f32; 3]> =

@@ -13,35 +13,38 @@ use crate::{Gpu, RenderError};
 /// Largest error as a share of half the scene's diagonal: a quarter of a texel of a coarse map, with 1024 texels a
 /// side, that shows the whole scene.
 const SHARE_OF_SCENE: f64 = 1.0 / 2048.0;
-/// Largest error in texels of the map, at its widest texels: the filter blends two.
+/// Largest distance of simplified casters from the surface, in texels of the map where they are widest. It can be two
+/// texels because the filter blends two.
 const MOST_TEXELS: f64 = 2.0;
-/// Number of coarse maps without simplified casters per scene. A moving scene is another scene for each picture.
+/// Number of coarse maps that are drawn before the casters of a scene are simplified. A scene whose nodes move is a new
+/// scene in each picture, and simplification would never pay off.
 const MAPS_BEFORE_START: u32 = 3;
-/// Largest number of triangles, as a share of the scene's, that is worth the memory.
+/// Largest ratio of simplified triangles to the scene's triangles at which simplified casters are kept. With more
+/// triangles they save too little for the memory they take.
 const MAX_TRIANGLE_RATIO: f64 = 0.75;
 
-/// Simplified casters of one scene.
+/// Simplified casters of a scene, which are made in the background once they are needed.
 #[derive(Debug, Default)]
 pub(crate) struct CoarseCasters {
-    /// Revision of the scene that they belong to.
+    /// Revision of the scene that the casters belong to.
     scene_revision: u64,
     state: State,
 }
 
 #[derive(Debug)]
 enum State {
-    /// Number of maps that could have used them.
+    /// Simplification has not started. The number counts the coarse maps that could have used simplified casters.
     Asked(u32),
     Making(JoinHandle<Option<CasterMesh>>),
     Made(SimplifiedCasters),
-    /// They would hardly have fewer triangles.
+    /// Simplified casters would have hardly fewer triangles than the scene.
     NotWorthwhile,
 }
 
 #[derive(Debug)]
 pub(crate) struct SimplifiedCasters {
     pub casters: Casters,
-    /// Largest distance from the surface, in world units.
+    /// Largest distance of the casters from the surface, in world units.
     pub mesh_error: f64,
     _memory: Reservation,
 }
@@ -59,22 +62,22 @@ impl SimplifiedCasters {
         Ok(Self { casters, mesh_error: mesh_error(scene), _memory: memory })
     }
 
-    /// True if they are accurate enough for a map whose texels are `texel` wide, in world units.
+    /// True if the casters are accurate enough for a map whose texels are `texel` world units wide.
     pub fn is_accurate_for(&self, texel: f64) -> bool {
         self.mesh_error <= MOST_TEXELS * texel
     }
 }
 
 impl CoarseCasters {
-    /// Frees casters of another scene revision.
+    /// Frees the casters if they belong to another revision of the scene.
     pub fn forget_before(&mut self, scene_revision: u64) {
         if self.scene_revision != scene_revision && matches!(self.state, State::Made(_)) {
             self.state = State::default();
         }
     }
 
-    /// Returns the casters of `scene` for one more map, if they are ready. Starts or collects the thread that makes
-    /// them.
+    /// Returns the simplified casters for one more map of `scene`, if they are ready. After some maps starts the thread
+    /// that makes them, and later takes its result.
     pub fn get(&mut self, gpu: &Gpu, scene: &GpuScene) -> Result<Option<&SimplifiedCasters>, RenderError> {
         self.state = match std::mem::take(&mut self.state) {
             // One thread at a time, even if the scene has changed.
@@ -103,7 +106,7 @@ impl CoarseCasters {
 
 #[cfg(test)]
 impl CoarseCasters {
-    /// True if a thread is making them, or has made them.
+    /// True if a thread is making simplified casters, or has made them.
     pub fn is_begun(&self) -> bool {
         !matches!(self.state, State::Asked(_))
     }

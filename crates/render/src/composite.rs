@@ -12,7 +12,7 @@ use crate::{Gpu, gpu_structs, shaders};
 
 pub(crate) const SUM_FORMAT: TextureFormat = TextureFormat::Rg32Uint;
 
-/// A layer with the factors of its scattered and mirrored light, in linear RGB.
+/// Layer of a picture, with the linear RGB factors of its diffuse and specular light.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuTerm<Layer> {
     pub layer: Layer,
@@ -27,7 +27,7 @@ pub(crate) struct GpuTerms {
     pub kind: TermKind,
 }
 
-/// Kind of the terms. It selects the constants of the passes, and their index among the pipelines.
+/// Kind of the terms that a pass adds up. It selects constants of the shader, and the pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum TermKind {
     Layers,
@@ -43,7 +43,7 @@ impl TermKind {
     }
 }
 
-/// Sums layers, and sums of layers; [`crate::display`] shows them on a screen.
+/// Pass that adds up layers, or sums of layers. [`crate::display`] shows the result on a screen.
 #[derive(Debug)]
 pub(crate) struct CompositePass {
     sums: [RenderPipeline; 2],
@@ -66,7 +66,7 @@ impl CompositePass {
         Self { sums, layout }
     }
 
-    /// Terms from layers with their factors.
+    /// Makes the terms of a sum from layers and their factors.
     pub fn layers(&self, gpu: &Gpu, terms: &[GpuTerm<TextureView>]) -> GpuTerms {
         let mut uniform = gpu_structs::Terms { count: terms.len() as u32, ..Default::default() };
         let padded = |[r, g, b]: [f32; 3]| [r, g, b, 0.0];
@@ -78,7 +78,7 @@ impl CompositePass {
         GpuTerms { group: self.group(gpu, &uniform, &textures), kind: TermKind::Layers }
     }
 
-    /// Terms from sums, unweighted.
+    /// Makes the terms of a sum from sums, each with factor 1.
     pub fn sums(&self, gpu: &Gpu, sums: &[TextureView]) -> GpuTerms {
         let uniform = gpu_structs::Terms { count: sums.len() as u32, ..Default::default() };
         GpuTerms { group: self.group(gpu, &uniform, &sums.iter().collect::<Vec<_>>()), kind: TermKind::Sums }

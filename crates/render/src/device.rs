@@ -11,7 +11,7 @@ use wgpu::{
 use crate::stages::{FrameStage, StageRecorder};
 use crate::{Aov, Backend, MemoryBudget, RenderError, driver};
 
-/// Features that every pass needs: lights add up in f32, and a fragment knows its triangle.
+/// Features that every pass needs: blending in f32, to add up lights, and the index of a fragment's triangle.
 const FEATURES: Features = Features::FLOAT32_BLENDABLE.union(Features::PRIMITIVE_INDEX);
 /// Features that are used if present: 16-bit formats for decoded colors, and branches that a software driver takes only
 /// if some pixel of a subgroup does.
@@ -35,7 +35,7 @@ pub struct Gpu {
     driver: String,
     /// Reason for the loss of the device; `None` while it works.
     lost: Arc<Mutex<Option<String>>>,
-    /// A text in the shaders, and its replacement.
+    /// Deliberate fault for tests: text to replace in every shader, and its replacement.
     #[cfg(feature = "planted-faults")]
     fault: Option<[&'static str; 2]>,
 }
@@ -103,8 +103,8 @@ impl Gpu {
         })
     }
 
-    /// Returns the device with a fault in its shaders, which tests must detect: each `text` in WGSL is replaced.
-    /// Pipelines compiled before stay unchanged.
+    /// Returns the device with a deliberate fault in its shaders, which tests must detect: `text` is replaced wherever
+    /// it occurs in WGSL. Pipelines that were compiled before stay unchanged.
     #[cfg(feature = "planted-faults")]
     #[must_use]
     pub fn with_fault(mut self, text: &'static str, replacement: &'static str) -> Self {
@@ -112,7 +112,7 @@ impl Gpu {
         self
     }
 
-    /// WGSL with the planted fault.
+    /// Returns WGSL with the deliberate fault, if its text occurs there.
     #[cfg(feature = "planted-faults")]
     pub(crate) fn faulty<'a>(&self, wgsl: &'a str) -> std::borrow::Cow<'a, str> {
         match self.fault {
@@ -132,7 +132,7 @@ impl Gpu {
         Ok(self.yielding.yield_point()?)
     }
 
-    /// Runs long CPU work while other workers have their turn.
+    /// Runs long CPU work while other workers draw.
     pub(crate) fn run_in_background<T: Send>(
         &self,
         work: impl FnOnce() -> T + Send,
@@ -140,12 +140,12 @@ impl Gpu {
         Ok(self.yielding.run_in_background(work)?)
     }
 
-    /// Name of the driver's device, with the interface and the driver's version.
+    /// Returns the name of the device, with the graphics interface and the driver's version.
     pub fn adapter_name(&self) -> &str {
         &self.adapter_name
     }
 
-    /// Advice, as a sentence, if another version of this driver would draw much faster.
+    /// Returns a sentence of advice if another version of the driver would draw much faster.
     pub fn advice(&self) -> Option<&str> {
         self.advice.as_deref()
     }
@@ -184,7 +184,7 @@ impl Gpu {
         self.workers.get_or_init(|| Workers::new().with_yield_policy(self.yielding.clone()))
     }
 
-    /// Account of cached data.
+    /// Returns the budget that counts cached data.
     pub fn memory(&self) -> &MemoryBudget {
         &self.memory
     }

@@ -20,29 +20,31 @@ const SMALLEST_RATIO: f64 = 0.25;
 /// Smallest scene size, so that its inverse is within f32.
 const SMALLEST: f64 = 1e-30;
 
-/// Extent of a light's map in light axes around the scene's origin: x, y, and height towards the light.
+/// Part of a scene that a directional light's map shows, in the light's axes around the scene's origin: x, y, and
+/// height towards the light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectionalMapFit {
     pub center: DVec2,
     /// Half the size of the drawn part.
     pub half: DVec2,
-    /// Heights of depth 0 and of depth 1. The scene is above the first, all casters are below the second.
+    /// Heights that have depth 0 and depth 1. The whole scene is above the first height, all casters are below the
+    /// second.
     pub heights: [f64; 2],
     /// False if there are no casters: the map need not be drawn.
     pub has_casters: bool,
 }
 
 impl DirectionalMapFit {
-    /// Fit of a light without a map.
+    /// Fit for a light that has no map.
     pub const NONE: Self =
         Self { center: DVec2::ZERO, half: DVec2::ONE, heights: [0.0, 1.0], has_casters: false };
 }
 
-/// A placed directional light: its numbers for one scene.
+/// Directional light in a scene: its uniform, and the projection of its map.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuDirectional {
     pub uniform: gpu_structs::Directional,
-    /// The profile in `uniform`, in f64.
+    /// Profile of the light, in f64. `uniform` has it in f32.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }

@@ -20,13 +20,13 @@ pub(crate) fn exposure_factor(exposure: f64) -> f32 {
     exposure.exp2() as f32
 }
 
-/// Exposure of the native backend, from stops.
+/// Converts an exposure in stops for the native backend.
 pub(crate) fn exposure_of(stops: f64) -> relight::Exposure {
     let factor = exposure_factor(stops);
     relight::Exposure { factor, brightest: BRIGHTEST / factor }
 }
 
-/// `radiance` times `factor`, as in the shader.
+/// Computes `radiance` times `factor`, limited as in the shader.
 pub(crate) fn exposed_radiance(radiance: f32, factor: f32) -> f32 {
     radiance.min(BRIGHTEST / factor) * factor
 }
@@ -39,7 +39,7 @@ pub(crate) struct DisplayPass {
     layout: BindGroupLayout,
 }
 
-/// Bind group of a picture's radiance, with its exposure.
+/// Bind group with a picture's radiance and its exposure.
 #[derive(Debug)]
 pub(crate) struct ExposedRadiance {
     group: BindGroup,
@@ -47,7 +47,7 @@ pub(crate) struct ExposedRadiance {
 }
 
 impl DisplayPass {
-    /// `terms` is the layout of layers and sums.
+    /// Compiles the pipelines. `terms` is the layout of the bind group of layers or sums.
     pub fn new(gpu: &Gpu, terms: &BindGroupLayout) -> Self {
         let layout = gpu.bind_group_layout("display", &[RAW_TEXTURE, UNIFORM]);
         let pipeline = |wgsl: &str, entry_point, groups: &[&BindGroupLayout]| {

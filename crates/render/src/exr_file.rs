@@ -37,7 +37,7 @@ pub struct PictureOrigin {
     pub seq: Option<u64>,
     /// Hash of the document.
     pub document_hash: Option<String>,
-    /// Hash of the scene, or another name.
+    /// Hash of the scene, or a name if it has none.
     pub scene: Option<String>,
     /// Overrides of this picture alone: addresses and values as JSON.
     pub set: Option<String>,
@@ -52,7 +52,7 @@ pub struct ExrFile {
     channels: Vec<AnyChannel<FlatSamples>>,
 }
 
-/// Float like the colors: programs read `RGBA` as a unit of one type.
+/// Alpha channel. It is a float channel like the colors, because programs expect `RGBA` to have one type.
 const ALPHA: (&str, usize, bool) = ("A", 3, false);
 
 /// Channels of an AOV: name, index among a pixel's four values, and true if half suffices.

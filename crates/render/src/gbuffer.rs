@@ -23,13 +23,13 @@ const OFFSET_FORMAT: TextureFormat = TextureFormat::R32Float;
 
 /// Pixels per submission to a software driver, which takes about 10 ms for them.
 const BAND_PIXELS: u32 = 1 << 18;
-/// Divisor of the rows of a band, so that pixels which share a texture's level of detail are in one band.
+/// Divisor of the number of rows in a band. Pixels that share a texture's level of detail are then in one band.
 const BAND_STEP: u32 = 16;
 
 /// Bytes per pixel of a G-buffer: the packed surface, the offset and the depth.
 pub(crate) const BYTES_PER_PIXEL: u64 = 16 + 4 + 4;
 
-/// The pipelines, shared by all scenes and pictures.
+/// Pipelines that draw the G-buffer. All scenes and pictures share them.
 #[derive(Debug)]
 pub(crate) struct GbufferPass {
     /// Indexed by flags of the material: color texture, metallic-roughness texture, alpha test, double-sided.
@@ -38,14 +38,14 @@ pub(crate) struct GbufferPass {
     pub surface_layout: BindGroupLayout,
 }
 
-/// Textures of one picture size.
+/// G-buffer of a picture: its textures, and the bind group by which passes read them.
 #[derive(Debug)]
 pub(crate) struct GbufferTextures {
     packed: TextureView,
-    /// Terminator offset: distance of the shadow test from the surface.
+    /// Distance in front of the surface at which its shadow is tested.
     offset: TextureView,
     depth: TextureView,
-    /// The textures of those views, in that order.
+    /// Textures of `packed`, `offset` and `depth`, in this order.
     pub textures: [Texture; 3],
     /// Group 1 of the lighting passes.
     pub surface: BindGroup,
@@ -61,7 +61,7 @@ const STAGED_BYTES: u32 = 6 << 20;
 pub(crate) struct GbufferTexels {
     pub packed: Vec<[u32; 4]>,
     pub offset: Vec<f32>,
-    /// Reversed: 0 in the background.
+    /// Reversed depth: 0 in the background.
     pub depth: Vec<f32>,
     staging: Option<Buffer>,
 }
@@ -80,7 +80,7 @@ pub(crate) struct GbufferKey {
 }
 
 impl GbufferKey {
-    /// Cause for drawing this G-buffer after the one of `before`.
+    /// Returns the cause for drawing this G-buffer after the one with the key `before`.
     pub fn cause_after(&self, before: Option<&Self>) -> Cause {
         match before {
             None => Cause::First,
@@ -111,7 +111,8 @@ impl GbufferTexels {
         self.packed.len() as u64 * BYTES_PER_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
     }
 
-    /// Reads back the submitted `gbuffer` and waits for it. If cancelled, it holds a part.
+    /// Reads back a G-buffer whose draw was submitted, and waits for it. If the readback is cancelled, the arrays hold
+    /// only a part.
     pub fn read(&mut self, gpu: &Gpu, gbuffer: &GbufferTextures) -> Result<(), RenderError> {
         let Self { packed, offset, depth, staging } = self;
         let textures = gbuffer.textures.each_ref();
@@ -143,13 +144,13 @@ impl GbufferTexels {
     }
 }
 
-/// True if one readback takes a G-buffer of this size. New memory for a larger one takes long, so its readback yields
-/// in between.
+/// True if a G-buffer of this size is read back in one piece. A larger one is read in several, with a yield after each,
+/// because the system takes long to provide new memory.
 fn fits_one_readback([width, height]: [u32; 2]) -> bool {
     u64::from(width) * u64::from(height) * BYTES_PER_PIXEL <= u64::from(STAGED_BYTES)
 }
 
-/// Rows per readback of a larger one, except its depth.
+/// Returns the number of rows per readback of a G-buffer that is read in several pieces. The depth is read separately.
 fn rows_at_once(width: u32) -> u32 {
     let [of_packed, of_offset, _] = TEXEL_BYTES;
     (STAGED_BYTES / ((of_packed + of_offset) as u32 * width.max(1))).max(1)

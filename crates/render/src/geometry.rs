@@ -17,13 +17,14 @@ use crate::{Gpu, RenderError};
 pub(crate) struct Vertices {
     pub positions: Vec<[f32; 3]>,
     pub attributes: Vec<Attributes>,
-    /// Counter-clockwise from the front.
+    /// Three per triangle, counter-clockwise seen from the front.
     pub indices: Vec<u32>,
-    /// One per triangle: the unit normal, and its dot product with any point of the triangle; zeros for area 0.
+    /// One plane per triangle: the unit normal, and its dot product with any point of the triangle. All zeros if the
+    /// area is 0.
     pub planes: Vec<[f32; 4]>,
-    /// One per used material; those without an alpha test come first.
+    /// Ranges of triangles with one material, one per material in use. Those without an alpha test come first.
     pub draws: Vec<MaterialRange>,
-    /// One per posed primitive, in the same order.
+    /// Ranges of triangles of each posed primitive, in the same order as the primitives.
     pub runs: Vec<DrawRun>,
 }
 
@@ -129,7 +130,7 @@ fn plane(corners: [[f32; 3]; 3]) -> [f32; 4] {
     [normal.x, normal.y, normal.z, offset as f32]
 }
 
-/// [`Vertices`] on the GPU. Shaders can read every buffer, so lights can derive their own casters.
+/// [`Vertices`] on the GPU. Shaders can read every buffer, for instance to map casters into a light.
 #[derive(Debug)]
 pub(crate) struct Geometry {
     /// `array<f32>`, three per vertex.
@@ -144,7 +145,7 @@ pub(crate) struct Geometry {
     pub hierarchy: Buffer,
     /// The triangles in the order of the hierarchy's leaves.
     pub hierarchy_triangles: Buffer,
-    /// The same in CPU memory, on the native backend.
+    /// Same data in CPU memory, for the native backend; `None` on the wgpu backend.
     pub host: Option<Arc<HostGeometry>>,
 }
 

@@ -14,40 +14,40 @@ use crate::material::{MaterialDraw, Materials};
 use crate::memory::{MemoryKind, Reservation};
 use crate::{Gpu, RenderError, gpu_structs};
 
-/// A scene on the device, for any number of renderers. Clones share the scene.
+/// Scene on the device, which any number of renderers can use. Clones share it.
 #[derive(Clone, Debug)]
 pub struct SceneOnDevice(Arc<UploadedScene>);
 
-/// Data that is made once per scene.
+/// Data of a scene that is uploaded once and shared by renderers.
 #[derive(Debug)]
 pub(crate) struct UploadedScene {
     pub posed: Arc<PosedScene>,
     pub geometry: Geometry,
     pub triangle_count: u32,
-    /// Number of indices without an alpha test; they come first.
+    /// Number of leading indices whose triangles have no alpha test.
     pub opaque_indices: u32,
     pub draws: Vec<MaterialDraw>,
     /// Triangle ranges of each node.
     pub runs: Vec<DrawRun>,
     /// Alpha tests of `draws`; `None` if no draw has one.
     pub alpha_tests: Option<GpuAlphaTests>,
-    /// Binding that replaces them if there are none.
+    /// Table without tests, which is bound in place of `alpha_tests` if there are none.
     no_tests: Option<GpuAlphaTests>,
     /// Group 2 of the fill's pass; see `fill.wgsl`.
     pub fill: BindGroup,
-    /// Shadow casters, with their largest distance from the surface in world units.
+    /// Largest distance of the shadow casters from the surface in world units, and the casters.
     casters: (f64, Arc<Casters>),
-    /// Accounts for buffers, textures and copies in CPU memory.
+    /// Counts the memory of buffers, textures and copies in CPU memory.
     _memory: Reservation,
 }
 
-/// A scene in one renderer.
+/// Scene as one renderer uses it: shared uploaded data, and the renderer's own bind group.
 #[derive(Debug)]
 pub(crate) struct GpuScene {
-    /// Number of the scene in its renderer. Data made from another revision is invalid.
+    /// Number that the renderer gives to each scene it is set to. Cached data of another number is invalid.
     pub revision: u64,
     pub casters: Arc<Casters>,
-    /// Group 0 of the passes with a camera, that of this renderer; see `view.wgsl`.
+    /// Group 0 of the passes with a camera, with the camera of this renderer; see `view.wgsl`.
     pub view: BindGroup,
     uploaded: SceneOnDevice,
 }

@@ -51,7 +51,7 @@ pub(crate) const ALL: &[StructLayout] = &[
 pub(crate) type Mat4 = [[f32; 4]; 4];
 
 gpu_struct! {
-    /// See `view.wgsl`.
+    /// Uniform of a view in `view.wgsl`: the camera, and the rays through the pixels of a picture.
     View {
         clip_from_scene: Mat4,
         ray_origin: [f32; 3],
@@ -73,7 +73,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `nearby.wgsl`.
+    /// Node of the bounding-volume hierarchy over a scene's triangles, in `nearby.wgsl`. Nodes are in depth-first
+    /// order.
     HierarchyNode {
         min: [f32; 3],
         triangle_count: u32,
@@ -83,7 +84,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `material.wgsl`.
+    /// Uniform of a glTF material in `material.wgsl`, without its textures.
     Material {
         base_color: [f32; 4],
         metallic: f32,
@@ -94,7 +95,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `alpha_test.wgsl`.
+    /// Alpha test of a material's triangles in `alpha_test.wgsl`: the triangles, the cutoff, and the texture's place
+    /// and wrap modes.
     AlphaTest {
         first_triangle: u32,
         first_index: u32,
@@ -110,7 +112,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `fill.wgsl`.
+    /// Uniform of the scene's fill light in `fill.wgsl`: a hemisphere from `ground` to `sky`.
     Fill {
         sky: [f32; 3],
         pad0: f32,
@@ -120,7 +122,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `display.wgsl`.
+    /// Uniform of the exposure in `display.wgsl`.
     Exposure {
         factor: f32,
         brightest: f32,
@@ -128,7 +130,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `shadow.wgsl`.
+    /// Uniform of one face of a straight light's shadow map in `shadow.wgsl`.
     ShadowView {
         clip_from_scene: Mat4,
     }
@@ -140,19 +142,19 @@ pub(crate) const SPOT_FACES: usize = 5;
 /// Length of the array of pieces in `profile.wgsl`: one more than the most knots.
 pub(crate) const RADIAL_PIECES: usize = light::MAX_KNOTS + 1;
 
-/// Most layers of a sum in `terms.wgsl`. With the fill it is below every device's limit of bindings. Intermediate sums
-/// are less work for more layers.
+/// Most layers or sums that one pass adds up, in `terms.wgsl`. Together with the fill this stays below every device's
+/// limit of bindings. If there are more layers, intermediate sums are less work.
 pub(crate) const TERMS: usize = 8;
 
-/// A piece that begins beyond all angles.
+/// Piece of a periodic curve that fills unused entries: it begins beyond all angles.
 const NO_PIECE: [f32; 4] = [LARGE as f32, 1.0, 1.0, 0.0];
 
-/// Limit for numbers that f64 holds and f32 does not. A ramp that steep is a step in f32, and `profile.wgsl` keeps
-/// light that strong within f32.
+/// Limit for numbers that f64 can hold and f32 cannot. A ramp as steep as this is a step in f32, and `profile.wgsl`
+/// keeps light as strong as this within f32.
 pub(crate) const LARGE: f64 = 1e30;
 
 gpu_struct! {
-    /// See `profile.wgsl`.
+    /// Falloff of a light in `profile.wgsl`: `light::LightProfile` in f32.
     LightProfile {
         tint: [f32; 3],
         least_distance: f32,
@@ -218,7 +220,7 @@ impl From<&light::LightProfile> for LightProfile {
 }
 
 gpu_struct! {
-    /// See `terms.wgsl`.
+    /// Uniform of a sum of layers in `terms.wgsl`: the number of terms, and the factors of each.
     Terms {
         diffuse: [[f32; 4]; TERMS],
         specular: [[f32; 4]; TERMS],
@@ -228,7 +230,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `cone.wgsl`.
+    /// Uniform of a spotlight in `cone.wgsl`.
     Spot {
         light_from_scene: Mat4,
         light_profile: LightProfile,
@@ -241,7 +243,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `omni.wgsl`.
+    /// Uniform of an omni light in `omni.wgsl`.
     Omni {
         light_from_scene: Mat4,
         light_profile: LightProfile,
@@ -254,7 +256,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `parallel.wgsl`.
+    /// Uniform of a directional light in `parallel.wgsl`.
     Directional {
         light_from_scene: Mat4,
         window: [f32; 4],

@@ -12,7 +12,8 @@ pub(crate) struct Hierarchy {
     pub triangles: Vec<u32>,
 }
 
-/// The single node of a scene without triangles, which no ray meets: a binding must not be empty.
+/// Only node of the hierarchy of a scene without triangles. No ray meets it. It exists because a binding must not be
+/// empty.
 const NOWHERE: HierarchyNode =
     HierarchyNode { min: [f32::MAX; 3], triangle_count: 0, max: [f32::MIN; 3], next: 1 };
 
@@ -64,7 +65,8 @@ fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
 mod tests {
     use super::*;
 
-    /// Triangles on a grid, each a hundredth wide.
+    /// Makes a grid of `side` by `side` small triangles at a distance of 1, each 0.01 wide. Returns positions and
+    /// indices.
     fn grid(side: u16) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         let places = (0..side).flat_map(|x| (0..side).map(move |y| (f32::from(x), f32::from(y))));
         let positions: Vec<_> =
@@ -73,8 +75,8 @@ mod tests {
         (positions, triangles)
     }
 
-    /// The traversal of `nearby.wgsl`: the triangles of leaves whose boxes contain `point`, and the number of visited
-    /// nodes.
+    /// Traverses the hierarchy like `nearby.wgsl`. Returns the triangles of all leaves whose boxes contain `point`, and
+    /// the number of visited nodes.
     fn walk(hierarchy: &Hierarchy, point: [f32; 3]) -> (Vec<u32>, usize) {
         let (mut found, mut looked_at, mut index) = (Vec::new(), 0, 0);
         while let Some(node) = hierarchy.nodes.get(index) {

@@ -23,8 +23,8 @@ use crate::pause::{DrawnPiece, Pause};
 use crate::tile::Tile;
 use crate::{Gpu, RenderError};
 
-/// Layers or sums per intermediate sum. One moving light of 64 is added to three others, their sum to three, and that
-/// to three.
+/// Number of layers or sums that are added to an intermediate sum. If one of 64 lights moves, its layer is added to
+/// three others, their sum to three other sums, and that sum to three more.
 const GROUP: usize = 4;
 
 /// Draws and sums the layers of a view, on the GPU or the CPU.
@@ -60,21 +60,22 @@ pub(crate) trait LayerPainter {
     /// Draws a sum. Reuses the storage of `over`, which is no longer needed. Records [`crate::FrameStage::Sum`].
     fn draw_sum(&mut self, terms: &Self::Terms, over: Option<Self::Sum>) -> Result<Self::Sum, RenderError>;
 
-    /// Terms from layers with their factors.
+    /// Makes the terms of a sum from layers and their factors.
     fn terms_of_layers(&self, layers: &[GpuTerm<Self::Layer>]) -> Self::Terms;
 
-    /// Terms from sums, unweighted.
+    /// Makes the terms of a sum from sums, each with factor 1.
     fn terms_of_sums(&self, sums: &[Self::Sum]) -> Self::Terms;
 
     /// Waits until all layers are drawn.
     fn finish(&mut self) -> Result<(), RenderError>;
 }
 
-/// The layers of a view, valid while its G-buffer is, and their sums.
+/// Layers of the lights in a view, and their sums. They are valid as long as the view's G-buffer is.
 #[derive(Debug)]
 pub(crate) struct Layers<Layer, Sum> {
     lights: Vec<KeptLayer<Layer>>,
-    /// Sums of groups of lights, then sums of groups of those, level by level.
+    /// Intermediate sums, level by level. The first level adds up groups of lights, each further level groups of the
+    /// sums before.
     sums: Vec<Vec<KeptSum<Sum>>>,
 }
 
@@ -83,7 +84,7 @@ struct KeptLayer<Layer> {
     light: LightId,
     /// Revision of the light that the layer shows; `None` if invalid.
     radiance_revision: Option<LightDigest>,
-    /// Scale of the shadow map that it was drawn with.
+    /// Scale of the shadow map with which the layer was drawn.
     shadow_map: MapScale,
     /// `None` if the light reaches no visible surface.
     layer: Option<Evictable<Layer>>,
@@ -91,9 +92,9 @@ struct KeptLayer<Layer> {
 
 #[derive(Debug)]
 struct KeptSum<Sum> {
-    /// Its lights, each with the revision of everything that a picture depends on.
+    /// Lights that the sum contains, each with the digest of all its values that affect a picture.
     light_revisions: Vec<(LightId, LightDigest)>,
-    /// Requested scale of shadow maps when it was drawn.
+    /// Scale of shadow maps that was requested when the sum was drawn.
     shadow_map: MapScale,
     sum: Evictable<Sum>,
 }
@@ -107,12 +108,12 @@ pub(crate) struct LayerWork<'a> {
     pub shadow_map: MapScale,
     pub shadow_maps: &'a mut ShadowMaps,
     pub pass_runs: &'a mut PassRuns,
-    /// Decides after each piece if the picture pauses; `None` if it never does.
+    /// Callback that decides after each piece of work if drawing the picture pauses. `None` if it never pauses.
     pub pause: Option<Pause<'a>>,
 }
 
 impl LayerWork<'_> {
-    /// Waits for a piece. Returns true if the picture pauses after it.
+    /// Waits until a piece of work is drawn. Returns true if drawing the picture pauses now.
     fn pauses(&mut self, painter: &mut impl LayerPainter, piece: DrawnPiece) -> Result<bool, RenderError> {
         let Some(pause) = self.pause else { return Ok(false) };
         painter.finish()?;
@@ -141,7 +142,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         self.sums.iter_mut().flatten().for_each(|sum| sum.light_revisions.clear());
     }
 
-    /// The layer of `light` if it is valid and was drawn with a map of at least that scale.
+    /// Returns the layer of `light` if it is valid and was drawn with a map of at least that scale.
     fn cached_layer(&self, light: &LightInstance, shadow_map: MapScale) -> Option<Layer> {
         let shows = Some(light.light.revisions().radiance);
         let kept =
@@ -171,7 +172,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         reaches
     }
 
-    /// Cause for drawing the layer of `light`.
+    /// Returns the cause for drawing the layer of `light`.
     fn cause(&self, light: &LightInstance) -> Cause {
         match self.lights.iter().find(|kept| kept.light == light.id) {
             None => Cause::First,
@@ -202,13 +203,14 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         self.lights.push(KeptLayer { light: light.id, radiance_revision: shows, shadow_map, layer });
     }
 
-    /// Takes out the cached layer of a light, even if it is invalid.
+    /// Takes the cached layer of a light out of the cache, even if it is invalid.
     fn take(&self, light: &LightInstance) -> Option<Layer> {
         self.lights.iter().find(|kept| kept.light == light.id)?.layer.as_ref()?.take()
     }
 
-    /// Updates the layers of `lights` and sums them to a few terms: a picture without its fill. `None` if no light
-    /// contributes. Pending if the picture pauses; the next call continues with the layers drawn so far.
+    /// Updates the layers of `lights`, and adds them up until only a few terms remain, whose sum is the picture without
+    /// its fill. `None` if no light contributes. Pending if the picture pauses; the next call continues with the layers
+    /// drawn so far.
     pub fn draw<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut LayerWork, &mut P),
@@ -265,7 +267,8 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
         Ok(Poll::Ready(Some(painter.terms_of_sums(&sums))))
     }
 
-    /// Layers of some lights with their factors; draws those that are not cached. Pending if the picture pauses.
+    /// Returns the layers of some lights with their factors, and draws the layers that are not cached. Pending if
+    /// drawing the picture pauses.
     fn terms_of_lights<P: LayerPainter<Layer = Layer, Sum = Sum>>(
         &mut self,
         (work, painter): (&mut LayerWork, &mut P),
@@ -370,7 +373,7 @@ impl<Layer: Clone + Send + 'static, Sum: Clone + Send + 'static> Layers<Layer, S
     }
 }
 
-/// Factors of a layer of `light`, for scattered and for mirrored light; linear RGB.
+/// Returns the linear RGB factors of a layer of `light`, for its diffuse and its specular part.
 pub(crate) fn factors(light: &CheckedLight) -> [[f32; 3]; 2] {
     light.light_profile().lobe_weights().map(|weight| weight.min(DVec3::splat(LARGE)).as_vec3().to_array())
 }

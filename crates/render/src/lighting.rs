@@ -23,7 +23,8 @@ const ADD: BlendState = {
     BlendState { color: sum, alpha: sum }
 };
 
-/// Passes of one module, by its compiled-in constants and by use of links. Each is compiled at first use.
+/// Compiled passes of one shader module, by their constants and by whether lights have links. Each pass is compiled at
+/// first use.
 #[derive(Debug)]
 pub(crate) struct PassVariants<K>(Mutex<Vec<Variant<K>>>);
 
@@ -39,7 +40,8 @@ impl<K: Copy + PartialEq> PassVariants<K> {
         Self(Mutex::default())
     }
 
-    /// Returns the pass with those constants, for lights with links if `linked`. `make` compiles it at first use.
+    /// Returns the pass for a set of compiled-in constants, for lights with links if `linked`. Calls `make` to compile
+    /// the pass if it does not exist yet.
     pub fn get(&self, constants: K, linked: bool, make: impl FnOnce() -> LightingPass) -> Arc<LightingPass> {
         let mut made = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_it = |known: &&Variant<K>| (known.constants, known.linked) == (constants, linked);
@@ -52,8 +54,8 @@ impl<K: Copy + PartialEq> PassVariants<K> {
     }
 }
 
-/// A module of fullscreen entry points that add to the picture: one per AOV, `fs_` and its name. Pipelines are compiled
-/// at first use.
+/// Pipelines of a shader module that draw over the whole picture and add to it. Each AOV has an entry point of its own,
+/// named `fs_` and the AOV's name. A pipeline is compiled at first use.
 #[derive(Debug)]
 pub(crate) struct LightingPass {
     layout: PipelineLayout,
@@ -63,7 +65,8 @@ pub(crate) struct LightingPass {
 }
 
 impl LightingPass {
-    /// `groups` begin with the layouts of the view and the surface.
+    /// Compiles the module. `groups` are the layouts of its bind groups; the first are those of the view and the
+    /// surface.
     pub fn new(gpu: &Gpu, label: &str, wgsl: &str, groups: &[&BindGroupLayout]) -> Self {
         Self {
             layout: gpu.pipeline_layout(label, groups),

@@ -24,7 +24,7 @@ use crate::shadow_settings::{Culling, MapSize};
 use crate::straight::{StraightLight, StraightSlot};
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Shadow maps of one scene's lights, shared by all views.
+/// Shadow maps of the lights in a scene, which all views share.
 #[derive(Debug)]
 pub(crate) struct ShadowMaps {
     maps: Vec<KeptMap>,
@@ -34,17 +34,17 @@ pub(crate) struct ShadowMaps {
     known_links: KnownLinks,
     pub coarse: CoarseCasters,
     shadows: ShadowSettings,
-    /// Key and size of the map that each backend drew last for each light.
+    /// Key and size of the map that each backend drew last for each light, to find the cause of the next draw.
     drawn: BTreeMap<(LightId, Backend), (MapKey, MapSize)>,
 }
 
-/// Draws the maps of lights, on the GPU or the CPU.
+/// Draws shadow maps of lights, on the GPU or the CPU.
 pub(crate) trait MapPainter {
-    /// A light with its map, ready for lookups.
+    /// Light with its map, as lighting passes of this backend use it.
     type Light;
     const BACKEND: Backend;
 
-    /// Creates storage for a map of `light` of that size; nothing is drawn.
+    /// Creates memory for a map of `light` of this size. Nothing is drawn yet.
     fn slot(&self, light: &CheckedLight, size: MapSize) -> LightSlot;
 
     /// Updates `slot`, which was created for such a light. Returns the placed light, and true if its map was drawn:
@@ -68,13 +68,14 @@ pub(crate) struct MapBuilders<'a> {
 #[derive(Debug)]
 struct KeptMap {
     slot: Evictable<LightSlot>,
-    /// True if a picture under way needs it, or if it is the map of its light in the latest picture.
+    /// True if the map may not be reused for another light: a picture in progress needs it, or it is the map of its
+    /// light in the latest picture.
     needed: bool,
     /// Triangles selected by the light's links, if it has any.
     linked: Option<Arc<LinkedCasters>>,
 }
 
-/// A view and the maps of its latest picture.
+/// View, with the keys of the maps that its latest picture used.
 #[derive(Debug)]
 struct MapUser {
     slot: ViewSlot,
@@ -90,18 +91,18 @@ pub(crate) enum LightSlot {
     Native(Box<NativeSlot>),
 }
 
-/// A light with a valid map, in the form of its backend.
+/// Light whose shadow map is valid, as lighting passes of the backend use it.
 #[derive(Debug)]
 pub(crate) struct ReadyLight<Light> {
     pub light: Light,
-    /// Pixels that it may reach: `[x, y, width, height]`.
+    /// Rectangle of pixels that the light may reach: `[x, y, width, height]`.
     pub pixels: [u32; 4],
-    /// Triangles selected by its links, if it has any.
+    /// Triangles that the light's links select; `None` if it has no links.
     pub linked: Option<Arc<LinkedCasters>>,
     pub shadow_map: MapScale,
-    /// Cause for drawing its shadow map; `None` if the cached one was valid.
+    /// Cause for which the light's shadow map was drawn; `None` if a cached map was valid.
     pub shadow_map_cause: Option<Cause>,
-    /// Accounts for the map if the budget has no room to cache it. The map lives as long as this.
+    /// Counts the memory of the map if the budget has no room to cache it. The map is freed together with this.
     pub transient_map: Option<Reservation>,
 }
 
@@ -183,7 +184,7 @@ impl ShadowMaps {
         self.update_needed_maps();
     }
 
-    /// See [`crate::Renderer::corrupt_native_maps`].
+    /// Corrupts maps of the native backend for tests, as [`crate::Renderer::corrupt_native_maps`] states.
     #[cfg(test)]
     pub fn corrupt_native_maps(
         &mut self,
@@ -330,7 +331,8 @@ impl ShadowMaps {
         }))
     }
 
-    /// Puts a map back, or caches a new one if there is room. Otherwise returns the reservation that accounts for it.
+    /// Puts a map back into the cache, or adds a new one if there is room. Otherwise returns the reservation that
+    /// counts its memory.
     fn keep(
         &mut self,
         gpu: &Gpu,

@@ -19,7 +19,7 @@ use crate::{Gpu, RenderError, gpu_structs};
 /// Group 3 of the lighting passes of lights with links; see `links.wgsl`.
 pub(crate) const BINDINGS: [BindingType; 1] = [UINT_TEXTURE];
 
-/// Texels per row of the texture of bits.
+/// Texels per row of the texture that stores the selected triangles as bits.
 const TEXELS_PER_ROW: usize = 1024;
 
 /// `lightLink` and `shadowLink` of a light.
@@ -28,14 +28,14 @@ type LinkPair = [Option<Links>; 2];
 /// Triangles of a scene that a light's links select.
 #[derive(Debug)]
 pub(crate) struct LinkedCasters {
-    /// Group 3 of its lighting pass.
+    /// Group 3 of the lighting pass of a light with these links.
     pub group: BindGroup,
-    /// Content of that group's texture, for the native backend: one bit per triangle, 32 per word. `[0]` is set if the
-    /// light lights the triangle, `[1]` if the triangle casts shadows.
+    /// Content of the texture in `group`, for the native backend: two words for each 32 triangles, with one bit per
+    /// triangle. `[0]` is set if the light lights the triangle, `[1]` if the triangle casts shadows.
     pub host_bits: Option<Arc<[[u32; 2]]>>,
-    /// One per node, true if it casts shadows; `None` if all do.
+    /// One entry per node, true if it casts shadows. `None` if all nodes do.
     casts_shadows: Option<Vec<bool>>,
-    /// Made when the first map is drawn.
+    /// Casters that the links select, made when the first map is drawn.
     casters: OnceLock<LinkedCasterMeshes>,
     _memory: Reservation,
 }
@@ -48,12 +48,12 @@ struct LinkedCasterMeshes {
     _memory: Reservation,
 }
 
-/// Selections in use, by the scene's revision and the links.
+/// Selections that lights are using, by scene revision and links, so that lights with the same links share one.
 #[derive(Debug, Default)]
 pub(crate) struct KnownLinks(Vec<((u64, LinkPair), Weak<LinkedCasters>)>);
 
 impl KnownLinks {
-    /// Returns the selection of `light` in `scene`; `None` if the light has no links.
+    /// Returns the triangles that the links of `light` select in `scene`. `None` if the light has no links.
     pub fn get(
         &mut self,
         gpu: &Gpu,
@@ -165,8 +165,8 @@ impl LinkedCasterMeshes {
     }
 }
 
-/// The draws of `runs`, all of which are alpha-tested, and their tests. Triangles are numbered among those of `runs`
-/// alone.
+/// Returns the draws of `runs`, all of which are alpha-tested, and their alpha tests. Triangles are numbered within
+/// `runs`.
 fn linked_alpha_tests<'a>(
     gpu: &Gpu,
     scene: &GpuScene,

@@ -8,7 +8,7 @@ use crate::pass_runs::Cause;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct MapKey {
     light: LightId,
-    /// Revision of the light's values that its map depends on.
+    /// Digest of the light's values that its map depends on.
     revision: LightDigest,
     scene: u64,
 }

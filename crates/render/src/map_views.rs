@@ -11,7 +11,7 @@ pub(crate) struct MapViews {
     pub light_from_scene: DMat4,
     /// Distance of the near plane in world units; `None` for parallel rays.
     pub near: Option<f64>,
-    /// One per face; `None` for a face without casters.
+    /// Projections, one per face; `None` for a face without casters.
     pub clip_from_light: Vec<Option<DMat4>>,
 }
 

@@ -24,14 +24,14 @@ pub(crate) const BINDINGS: [BindingType; 5] = [UNIFORM, COLOR_TEXTURE, FILTERING
 pub(crate) struct MaterialDraw {
     pub indices: Range<u32>,
     pub material: BindGroup,
-    /// Flags for a color texture and for a metallic-roughness texture.
+    /// Two flags: true if the material has a color texture, and if it has a metallic-roughness texture.
     pub has_textures: [bool; 2],
     pub is_alpha_tested: bool,
     pub double_sided: bool,
 }
 
 pub(crate) struct Materials {
-    /// Draws without an alpha test come first.
+    /// Draws of the scene, one per material in use. Those without an alpha test come first.
     pub draws: Vec<MaterialDraw>,
     /// `None` if no draw is alpha-tested.
     pub alpha_tests: Option<GpuAlphaTests>,
@@ -107,12 +107,12 @@ impl Materials {
 struct Textures<'a> {
     gpu: &'a Gpu,
     scene: &'a Scene,
-    /// By image and encoding.
+    /// Uploaded textures, by image and encoding.
     uploaded: HashMap<(Option<usize>, Encoding), TextureView>,
     samplers: HashMap<Sampler, wgpu::Sampler>,
-    /// Position of each image's alpha among the texels.
+    /// Position of each image's alpha in `texels`.
     alpha: HashMap<Option<usize>, AlphaPicture>,
-    /// Alpha of tested textures.
+    /// Alpha of all alpha-tested textures, one after another.
     texels: Vec<u8>,
     /// Bytes of all textures.
     bytes: u64,

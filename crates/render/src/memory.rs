@@ -1,4 +1,4 @@
-//! Accounts for memory on a device: one budget for all renderers, and eviction if it is exceeded.
+//! Counts the memory on a device: one budget for all renderers, and eviction if it is exceeded.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -15,7 +15,7 @@ pub enum MemoryKind {
     Views,
     /// Layers: contributions of each light to viewers' pictures.
     Layers,
-    /// Pictures drawn in tiles: a tile, and the picture so far.
+    /// Pictures that are drawn in tiles: memory for one tile, and for the finished pixels.
     Tiled,
 }
 
@@ -24,7 +24,7 @@ impl MemoryKind {
     pub const ALL: [Self; 6] =
         [Self::Scenes, Self::ShadowMaps, Self::ShadowWork, Self::Views, Self::Layers, Self::Tiled];
 
-    /// Identifier for programs.
+    /// Returns the identifier of the kind in metrics.
     pub fn name(self) -> &'static str {
         match self {
             Self::Scenes => "scenes",
@@ -37,11 +37,11 @@ impl MemoryKind {
     }
 }
 
-/// Memory of a device in use, and its limit. Clones share it.
+/// Counts the memory of a device against a limit. Clones share the count.
 ///
-/// Each large allocation is counted with its bytes. Data that can be made again is cached: if memory is short, the
-/// account first evicts data that no view or picture under way needs, then the least recently used. Data that the
-/// current picture has used stays until the picture ends. Its bytes, and those of scenes and tiles, can exceed the
+/// The bytes of each large allocation are counted. Data that can be made again is cached. If memory is short, the
+/// budget first evicts data that no view or picture in progress needs, then the data that was used least recently. Data
+/// that the current picture has used stays until that picture ends. This data, scenes and tiled pictures can exceed the
 /// budget.
 #[derive(Clone, Debug)]
 pub struct MemoryBudget(Arc<Mutex<Account>>);
@@ -57,10 +57,10 @@ struct Account {
 struct Allocation {
     kind: MemoryKind,
     bytes: u64,
-    /// Number of the picture that last used it.
+    /// Number of the picture that last used the data.
     used: u64,
     needed: bool,
-    /// Evicts the data; `None` if it cannot be made again.
+    /// Frees the data; `None` if it cannot be made again.
     evict: Option<Box<dyn FnOnce() + Send>>,
 }
 
@@ -74,7 +74,7 @@ impl MemoryBudget {
     /// Default budget: the maps of 200 lights and a dozen large views.
     pub const DEFAULT_BUDGET: u64 = 4 << 30;
 
-    /// An empty account; `budget` is in bytes.
+    /// Makes a budget of `budget` bytes, none of which are used.
     pub fn new(budget: u64) -> Self {
         Self(Arc::new(Mutex::new(Account {
             budget,
@@ -84,12 +84,12 @@ impl MemoryBudget {
         })))
     }
 
-    /// Largest number of cached bytes. A single picture may need more.
+    /// Returns the largest number of bytes that are cached. A single picture may need more.
     pub fn budget(&self) -> u64 {
         self.account().budget
     }
 
-    /// Bytes of one kind.
+    /// Returns the counted bytes of one kind of memory.
     pub fn bytes(&self, kind: MemoryKind) -> u64 {
         self.account()
             .allocations
@@ -99,7 +99,7 @@ impl MemoryBudget {
             .sum()
     }
 
-    /// Bytes of all kinds.
+    /// Returns all counted bytes.
     pub fn total(&self) -> u64 {
         self.account().total()
     }
@@ -109,13 +109,13 @@ impl MemoryBudget {
         self.account().picture_number += 1;
     }
 
-    /// Counts bytes for as long as the reservation lives.
+    /// Counts `bytes` bytes until the returned reservation is dropped. Evicts cached data to make room.
     pub(crate) fn reserve(&self, kind: MemoryKind, bytes: u64) -> Reservation {
         self.make_room(bytes);
         Reservation { allocation: self.add(kind, bytes, None), memory: self.clone() }
     }
 
-    /// Caches a value that may be evicted.
+    /// Caches a value of `bytes` bytes, which may be evicted later.
     pub(crate) fn keep<T: Send + 'static>(&self, kind: MemoryKind, bytes: u64, value: T) -> Evictable<T> {
         self.make_room(bytes);
         let value = Arc::new(Mutex::new(Some(value)));
@@ -178,7 +178,7 @@ impl Account {
     }
 }
 
-/// Bytes of the budget, released on drop.
+/// Counted bytes of the budget. Dropping the reservation frees them.
 #[derive(Debug)]
 pub(crate) struct Reservation {
     allocation: u64,
@@ -193,7 +193,7 @@ impl Drop for Reservation {
     }
 }
 
-/// A cached value that can be made again, and may have been evicted.
+/// Cached value, which may have been evicted, and then has to be made again.
 #[derive(Debug)]
 pub(crate) struct Evictable<T> {
     value: Arc<Mutex<Option<T>>>,
@@ -201,7 +201,7 @@ pub(crate) struct Evictable<T> {
 }
 
 impl<T> Evictable<T> {
-    /// Takes the value out and marks it as used now; `None` if it was evicted.
+    /// Takes the value out of the cache and marks it as used by the current picture. `None` if it was evicted.
     pub fn take(&self) -> Option<T> {
         let mut account = self.reservation.memory.account();
         let now = account.picture_number;
@@ -219,12 +219,12 @@ impl<T> Evictable<T> {
         }
     }
 
-    /// Reads the value without marking it as used.
+    /// Calls `look` with the value, without marking it as used. `None` if it was evicted.
     pub fn peek<R>(&self, look: impl FnOnce(&T) -> R) -> Option<R> {
         lock(&self.value).as_ref().map(look)
     }
 
-    /// Sets the flag that a view or a picture under way needs the value.
+    /// Sets if a view or a picture in progress needs the value.
     pub fn set_needed(&self, needed: bool) {
         if let Some(allocation) =
             self.reservation.memory.account().allocations.get_mut(&self.reservation.allocation)
@@ -244,13 +244,13 @@ impl<T> Evictable<T> {
         }
     }
 
-    /// True unless evicted or taken out.
+    /// True if the value is in the cache: neither evicted nor taken out.
     pub fn is_present(&self) -> bool {
         lock(&self.value).is_some()
     }
 }
 
-/// Ignores poisoning: a thread that panicked with the lock has left consistent numbers.
+/// Locks the mutex. Ignores poisoning, because a thread that panics leaves consistent numbers behind.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -12,7 +12,7 @@ pub(crate) enum Encoding {
     Linear,
 }
 
-/// An image and its mip levels, in a texture format.
+/// Image and its mip levels, in the bytes of a texture format.
 #[derive(Debug)]
 pub(crate) struct MipChain {
     /// Levels in order, from the full size down.
@@ -55,7 +55,7 @@ fn encode_level(level: &[[f32; 4]], format: TextureFormat) -> Vec<u8> {
     }
 }
 
-/// The next level: half the size, rounded down, at least 1.
+/// Computes the next mip level: half the size, rounded down, at least 1.
 fn halved(level: &[[f32; 4]], width: usize, height: usize) -> (Vec<[f32; 4]>, usize, usize) {
     let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
     let mut out = Vec::with_capacity(half_width * half_height);

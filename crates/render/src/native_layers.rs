@@ -17,7 +17,7 @@ use crate::passes::Passes;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError};
 
-/// Draws layers over the surfaces of pixels.
+/// Draws layers on the CPU, on the surfaces that the pixels show.
 pub(crate) struct NativeLayers<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
@@ -25,7 +25,7 @@ pub(crate) struct NativeLayers<'a> {
     pub surfaces: &'a Surfaces,
 }
 
-/// Terms of a picture or a sum.
+/// Layers or sums that the native backend adds up.
 #[derive(Debug)]
 pub(crate) enum NativeTerms {
     Layers(Vec<GpuTerm<Arc<LightLayer>>>),
@@ -33,7 +33,7 @@ pub(crate) enum NativeTerms {
 }
 
 impl NativeTerms {
-    /// Passes the terms to `work` in the form of `relight`.
+    /// Calls `work` with the terms in the form that `relight` takes.
     pub fn with<'a, T>(&'a self, work: impl FnOnce(relight::LayerTerms) -> T) -> T {
         match self {
             Self::Layers(terms) => {

@@ -16,14 +16,14 @@ use crate::shadow_settings::MapSize;
 use crate::straight::StraightLight;
 use crate::{Gpu, RenderError, ShadowSettings, native_straight};
 
-/// A placed light, with its map if it casts shadows.
+/// Light in the form that `relight` draws, with its shadow map if it casts shadows.
 #[derive(Debug)]
 pub(crate) struct NativeLight {
     pub light: relight::RelitLight,
     pub map: Option<Arc<DepthMap>>,
 }
 
-/// Draws maps of lights over a scene.
+/// Draws shadow maps of lights in a scene on the CPU.
 pub(crate) struct NativeMaps<'a> {
     pub gpu: &'a Gpu,
     pub scene: &'a GpuScene,

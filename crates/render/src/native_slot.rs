@@ -9,11 +9,11 @@ use crate::map_key::MapKey;
 use crate::shadow_settings::MapSize;
 use crate::straight;
 
-/// Data of one light, of any shape, that the native backend caches between pictures.
+/// Cached shadow map of one light on the native backend, for lights of any shape.
 #[derive(Debug)]
 pub(crate) struct NativeSlot {
     size: MapSize,
-    /// Key of the map, and the map.
+    /// Key of the cached map, and the map. `None` before the first one is drawn.
     pub shown: Option<(MapKey, FittedMap)>,
 }
 
@@ -31,7 +31,7 @@ pub(crate) enum MapFit {
     Straight(straight::Fitted),
 }
 
-/// Work memory for maps, kept from one to the next.
+/// Work memory for drawing maps, reused from one map to the next.
 #[derive(Debug, Default)]
 pub(crate) struct NativeMapBuilders {
     pub bent: BentMapBuilder,
@@ -39,7 +39,7 @@ pub(crate) struct NativeMapBuilders {
 }
 
 impl NativeSlot {
-    /// A slot for a map of `size`.
+    /// Makes an empty slot for a map of `size`.
     pub fn new(size: MapSize) -> Self {
         Self { size, shown: None }
     }
@@ -56,7 +56,7 @@ impl NativeSlot {
         self.shown.as_ref().map(|(key, _)| *key)
     }
 
-    /// Memory for a map: that of the previous map if nothing else uses it.
+    /// Returns memory for a map: that of the previous map if nothing else uses it, else new memory.
     pub fn map(&mut self) -> DepthMap {
         let before = self.shown.take().and_then(|(_, shown)| Arc::into_inner(shown.map));
         before.unwrap_or_else(|| DepthMap::new(self.size.side as usize, self.size.layers as usize))

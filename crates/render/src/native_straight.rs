@@ -24,10 +24,10 @@ use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, gpu_structs};
 
 #[derive(Debug, Default)]
 struct VisibleCasters {
-    /// One list per face: the first triangle of each leaf, and its number of triangles in the low 16 bits with its
-    /// [`crate::closed_components::TriangleComponent`] above.
+    /// List of leaves for each face: the index of a leaf's first triangle; and its number of triangles in the low 16
+    /// bits, with its [`crate::closed_components::TriangleComponent`] above.
     leaves: Vec<Vec<[u32; 2]>>,
-    /// Indices of blocks of vertices.
+    /// Indices of the blocks of vertices that the leaves use.
     blocks: Vec<u32>,
     triangles: u64,
 }
@@ -56,7 +56,7 @@ impl VisibleCasters {
     }
 }
 
-/// Draws the map of a placed light into `into`, with the casters that `linked` leaves.
+/// Draws the map of a light into `into`, with the casters that `linked` selects.
 pub(crate) fn draw_map(
     (gpu, work): (&Gpu, &mut StraightMapBuilder),
     (light, placed): (StraightLight, &Placed),
@@ -105,7 +105,8 @@ pub(crate) fn draw_map(
     Ok(())
 }
 
-/// Matrix from light space to map space: the identity, or for parallel rays (x, y, 1, depth).
+/// Returns the matrix from light space to map space. It is the identity for a light with a source. For parallel rays
+/// map space is (x, y, 1, depth).
 fn map_from_light(views: &MapViews) -> DMat4 {
     match (views.near, &views.clip_from_light[..]) {
         (None, [Some(clip_from_light)]) => {
@@ -115,14 +116,14 @@ fn map_from_light(views: &MapViews) -> DMat4 {
     }
 }
 
-/// Matrix from map space to (x, y, w) of a face.
+/// Returns the matrix from map space to (x, y, w) of a face.
 fn clip_from_map(views: &MapViews, clip_from_light: Option<&DMat4>) -> DMat3 {
     let Some(clip_from_light) = clip_from_light else { return DMat3::IDENTITY };
     let [x, y, z, w] = [0, 1, 2, 3].map(|k| clip_from_light.col(k)).map(Vec4Swizzles::xyw);
     DMat3::from_cols(x, y, if views.near.is_some() { z } else { w })
 }
 
-/// The placed light in the form of `relight`.
+/// Converts a light to the form that `relight` draws.
 pub(crate) fn relit_light(placed: &Placed, filter: ShadowFilter) -> relight::RelitLight {
     let matrix = |columns: &gpu_structs::Mat4| Mat4::from_cols_array_2d(columns);
     let end = |range: f32| (range > 0.0).then_some(range);

@@ -17,15 +17,15 @@ use crate::stages::FrameStage;
 use crate::tile::Tile;
 use crate::{Gpu, RenderError, gpu_structs};
 
-/// Surfaces of pixels in CPU memory, with the light on them.
+/// Surfaces that pixels show, in CPU memory, with the light that was added up on them.
 #[derive(Debug, Default)]
 pub(crate) struct NativeTargets {
     /// Surfaces of the latest G-buffer; `None` until needed.
     surfaces: Option<Surfaces>,
     layers: Layers<Arc<LightLayer>, Arc<LayerSum>>,
-    /// Sum of the lights so far in the current sample.
+    /// Sum of the lights added so far in the current sample.
     sample_sum: LayerSum,
-    /// Sum of the samples before it: linear RGBA, rows from the top.
+    /// Sum of the samples before the current one: linear RGBA, rows from the top.
     radiance: Vec<[f32; 4]>,
 }
 
@@ -114,7 +114,8 @@ impl NativeTargets {
         );
     }
 
-    /// Adds `light` to the sample. `ready` has pixels of the whole picture, of which this is `tile`.
+    /// Adds the contribution of `light` to the current sample. `tile` is the part of the picture that these targets
+    /// hold. The pixels in `ready` are those of the whole picture.
     pub fn add_light(
         &mut self,
         (gpu, scene): (&Gpu, &GpuScene),
@@ -139,8 +140,8 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Writes the visibility of `ready` into the radiance. `ready` has pixels of the whole picture, of which this is
-    /// `tile`.
+    /// Writes the visibility of the light in `ready` as radiance. `tile` is the part of the picture that these targets
+    /// hold. The pixels in `ready` are those of the whole picture.
     pub fn draw_visibility(
         &mut self,
         (gpu, scene): (&Gpu, &GpuScene),
@@ -161,7 +162,7 @@ impl NativeTargets {
         Ok(())
     }
 
-    /// Adds the sample and the fill, times `weight`, to the radiance; the first sample clears it.
+    /// Adds the current sample and the fill, times `weight`, to the radiance. The first sample replaces the radiance.
     pub fn end_sample(&mut self, gpu: &Gpu, is_first: bool, (fill_factor, weight): (f32, f32)) {
         let surfaces = expect_surfaces(self.surfaces.as_ref());
         let [width, height] = surfaces.size().map(|side| side as usize);

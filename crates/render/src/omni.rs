@@ -11,15 +11,15 @@ use crate::omni_faces::{CubeFace, FACES, FittedCube};
 use crate::shadow_settings::MapSize;
 use crate::{ShadowSettings, gpu_structs};
 
-/// Near plane of a map that would begin at the source, as a share of the distance to the scene's far end: near enough
-/// for a bulb in its shade.
+/// Near plane of a shadow map that begins at the source, as a share of the distance to the far end of the scene. It is
+/// near enough for a bulb inside its shade.
 const NEAR_SHARE: f64 = 1e-3;
 
-/// A placed omni light: its numbers for one scene.
+/// Omni light in a scene: its uniform, and the projections of its map.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuOmni {
     pub uniform: gpu_structs::Omni,
-    /// The profile in `uniform`, in f64.
+    /// Profile of the light, in f64. `uniform` has it in f32.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }

@@ -14,7 +14,8 @@ const MARGIN_TEXELS: f64 = 2.0;
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
 
-/// The drawn part of a face, in slopes right / ahead and up / ahead.
+/// Drawn part of a face, as slopes: distance to the right over distance ahead, and distance upwards over distance
+/// ahead.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CubeFace {
     index: usize,
@@ -28,11 +29,12 @@ pub(crate) struct CubeFace {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct FittedCube {
     pub faces: [CubeFace; FACES],
-    /// Least distance ahead of any caster on its face; infinity without casters.
+    /// Least distance ahead, on its face, of any caster; infinity without casters.
     pub nearest: f64,
 }
 
-/// Indices of the light axes that point right and up on a face, and the index and sign of the one that points ahead.
+/// Returns the indices of the light axes that point right and up on a face, and the index and sign of the axis that
+/// points ahead.
 fn axes(index: usize) -> ([usize; 2], usize, f64) {
     let ahead = index / 2;
     ([(ahead + 1) % 3, (ahead + 2) % 3], ahead, if index.is_multiple_of(2) { 1.0 } else { -1.0 })
@@ -52,7 +54,7 @@ impl CubeFace {
     }
 }
 
-/// The part of a face that boxes cover.
+/// Part of a face that boxes cover.
 #[derive(Clone, Copy, Debug)]
 struct Cover {
     low: DVec2,
@@ -95,13 +97,13 @@ impl Cover {
 }
 
 impl FittedCube {
-    /// Faces of a light without a map.
+    /// Makes the faces of a light without a map.
     pub fn none() -> Self {
         let face = |index| CubeFace { index, middle: DVec2::ZERO, half: DVec2::ONE, has_casters: false };
         Self { faces: std::array::from_fn(face), nearest: f64::INFINITY }
     }
 
-    /// Faces of `side` texels, fitted to `clusters`.
+    /// Fits the faces of a map, `side` texels a side, to `clusters`.
     pub fn new(light_from_scene: DAffine3, clusters: &Clusters, side: f64) -> Self {
         let source = light_from_scene.inverse().translation;
         // Light that starts inside a side of the scene's bounds leaves through it and does not return.

@@ -5,15 +5,15 @@ use light::LightId;
 /// Number of runs of each pass since the renderer was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PassCounts {
-    /// Passes over the scene's triangles for the camera.
+    /// Number of passes that draw the scene's triangles for the camera.
     pub gbuffer: u64,
-    /// Passes over the scene's triangles for a light.
+    /// Number of passes that draw the scene's triangles for a light.
     pub shadow: u64,
-    /// Passes over the picture, once per sample: the fill and all lights, or the fill alone if lights have layers.
+    /// Number of passes over the picture that add light, one per sample. With layers, such a pass adds the fill alone.
     pub lighting: u64,
-    /// Passes over the picture for a single light's layer.
+    /// Number of passes over the picture that draw the layer of one light.
     pub layers: u64,
-    /// Passes over the picture for a screen.
+    /// Number of passes over the picture that convert it for a screen.
     pub display: u64,
 }
 
@@ -36,7 +36,7 @@ pub enum Pass {
 /// Reason why a pass ran.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cause {
-    /// Nothing was cached.
+    /// No result was cached.
     First,
     /// The scene changed, or its nodes moved.
     Scene,
@@ -56,14 +56,14 @@ pub enum Cause {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PassRun {
     pub pass: Pass,
-    /// Light of the pass, if it is for one.
+    /// Light that the pass is for; `None` if the pass is for no single light.
     pub light: Option<LightId>,
     pub cause: Cause,
     pub runs: u32,
 }
 
 impl PassRun {
-    /// Adds these runs to `all`, merged with those of the same pass, light and cause.
+    /// Adds these runs to `all`. They are merged with runs of the same pass, light and cause.
     pub fn add_to(self, all: &mut Vec<Self>) {
         let same = |run: &&mut Self| (run.pass, run.light, run.cause) == (self.pass, self.light, self.cause);
         match all.iter_mut().find(same) {
@@ -76,7 +76,8 @@ impl PassRun {
 #[derive(Debug, Default)]
 pub(crate) struct PassRuns {
     pub counts: PassCounts,
-    /// Runs of the latest picture or turn, in order.
+    /// Runs for the latest picture, in order. For a picture that is drawn in several slices of time, those of the
+    /// latest slice.
     pub runs: Vec<PassRun>,
 }
 

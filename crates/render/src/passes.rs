@@ -13,7 +13,7 @@ use crate::pipeline::{STORAGE, UNIFORM};
 use crate::straight::StraightPass;
 use crate::{linked, material, shaders};
 
-/// All pipelines. Renderers on one device share them.
+/// Pipelines of all passes. Renderers on one device share them.
 #[derive(Debug)]
 pub(crate) struct Passes {
     pub group_layouts: SceneGroupLayouts,

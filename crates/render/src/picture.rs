@@ -17,7 +17,7 @@ pub struct Picture {
     pub pixels: Vec<[f32; 4]>,
 }
 
-/// Background of a PNG.
+/// Background of a PNG, where a pixel shows no surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Background {
     /// Black, as on a screen.
@@ -27,7 +27,7 @@ pub enum Background {
     Transparent,
 }
 
-/// A picture read back for a screen or for programs.
+/// Pixels that were read back, for a screen, for programs, or for both.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
     /// RGBA for a screen, 8 bits per channel, rows from the top.
@@ -39,25 +39,26 @@ pub enum Pixels {
         /// Four bytes per pixel.
         bytes: Vec<u8>,
     },
-    /// Linear values.
+    /// Linear values, for programs.
     Raw(Picture),
-    /// Both, from one drawing: linear values, and four bytes per pixel as above.
+    /// Linear values, and RGBA for a screen with four bytes per pixel, both from one drawing.
     Both(Picture, Vec<u8>),
 }
 
-/// Form of a picture that its files need.
+/// Form in which files need the pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FileNeeds {
-    /// Bytes of a screen, for a PNG of the beauty.
+    /// RGBA for a screen, for a PNG of the beauty.
     Display,
-    /// Linear values.
+    /// Linear values, for an EXR or for a PNG of another AOV.
     Values,
-    /// Both, from one drawing.
+    /// Linear values and RGBA for a screen, both from one drawing.
     Both,
 }
 
 impl FileNeeds {
-    /// Form that the files of an AOV need: a PNG over `png`, an EXR, or both.
+    /// Returns the form that the files of an AOV need. `png` is the background of a PNG, `None` for no PNG. `exr` is
+    /// true for an EXR.
     pub fn of(aov: Aov, png: Option<Background>, exr: bool) -> Self {
         let is_shown = aov == Aov::Beauty && png == Some(Background::Black);
         match (is_shown, exr) {

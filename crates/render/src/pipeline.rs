@@ -17,7 +17,7 @@ pub(crate) const COLOR_TEXTURE: BindingType = texture(TextureSampleType::Float {
 /// A texture that shaders only load or gather. Depth is bound like this, too: the GL backend cannot load depth
 /// textures.
 pub(crate) const RAW_TEXTURE: BindingType = texture(TextureSampleType::Float { filterable: false });
-/// The same with layers.
+/// Layered texture that shaders only load or gather.
 pub(crate) const RAW_TEXTURE_LAYERS: BindingType = BindingType::Texture {
     sample_type: TextureSampleType::Float { filterable: false },
     view_dimension: TextureViewDimension::D2Array,
@@ -30,7 +30,7 @@ pub(crate) const NON_FILTERING: BindingType = BindingType::Sampler(SamplerBindin
 #[derive(Debug)]
 pub(crate) struct MapTarget {
     pub size: MapSize,
-    /// View for reading.
+    /// View of all layers, for reading.
     pub all: wgpu::TextureView,
     /// Views for drawing, one per layer.
     pub layers: Vec<wgpu::TextureView>,
@@ -156,7 +156,8 @@ impl Gpu {
         self.layered_target(label, wgpu::Extent3d { width, height, depth_or_array_layers: 1 }, format)
     }
 
-    /// A shadow map's texture, with a view of all layers for reading and one of each for drawing.
+    /// Creates the texture of a shadow map, with one view of all layers for reading, and a view of each layer for
+    /// drawing.
     pub(crate) fn map_target(&self, label: &str, size: MapSize) -> MapTarget {
         let extent =
             wgpu::Extent3d { width: size.side, height: size.side, depth_or_array_layers: size.layers };

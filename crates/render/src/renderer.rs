@@ -111,7 +111,8 @@ impl Renderer {
         self.pass_runs.counts
     }
 
-    /// Passes of the latest picture, or of the latest turn of one drawn in turns, with their causes.
+    /// Returns the passes that ran for the latest picture, with their causes. For a picture drawn in several slices of
+    /// time, returns those of the latest slice.
     pub fn runs(&self) -> &[PassRun] {
         &self.pass_runs.runs
     }
@@ -330,8 +331,8 @@ impl Renderer {
         Ok(sample + 1 == *samples)
     }
 
-    /// The lights for pictures of `aov`: a straight BendyLight becomes the equal spotlight, unless the AOV shows
-    /// positions along the curve.
+    /// Returns the lights for pictures of `aov`. A straight BendyLight is replaced by the equal spotlight, unless the
+    /// AOV shows positions along the curve.
     fn straightened_lights(&self, aov: Aov, lights: &[LightInstance]) -> Vec<LightInstance> {
         let shows_curve = matches!(aov, Aov::T | Aov::Wireframe);
         let reach = self.scene.posed.bounds();
@@ -387,7 +388,7 @@ pub(crate) struct CheckedPicture {
     pub view: View,
     pub lights: Vec<LightInstance>,
     pub raster: CameraRaster,
-    /// Indices of the lights that it needs.
+    /// Indices of the lights that the picture needs.
     pub light_range: Range<usize>,
     pub samples: u32,
 }
@@ -404,7 +405,7 @@ impl CheckedPicture {
     }
 }
 
-/// Indices of the lights that `aov` needs: all, its own one, or none.
+/// Returns the range of indices of the lights that `aov` needs: all lights, its own light, or none.
 fn required_lights(aov: Aov, index: usize, count: usize) -> Result<Range<usize>, RenderError> {
     match aov {
         Aov::Beauty => Ok(0..count),

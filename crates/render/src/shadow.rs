@@ -14,7 +14,7 @@ use crate::pipeline::{MapTarget, UNIFORM, depth_attachment, reversed_depth_test,
 use crate::shadow_settings::{Culling, MapSize};
 use crate::{Gpu, RenderError, gpu_structs, shaders};
 
-/// The pipelines, shared by all scenes and lights.
+/// Pipelines that draw shadow maps of straight lights. All scenes and lights share them.
 #[derive(Debug)]
 pub(crate) struct ShadowPass {
     /// Indexed by [`TriangleComponent`]: for closed components, only the side that faces the light is drawn.
@@ -26,7 +26,7 @@ pub(crate) struct ShadowPass {
 #[derive(Debug)]
 pub(crate) struct ShadowMap {
     pub target: MapTarget,
-    /// One per layer: its uniform, and the bind group of that.
+    /// One entry per layer: its uniform, and the bind group with that uniform.
     views: Vec<(Buffer, wgpu::BindGroup)>,
 }
 
@@ -134,7 +134,7 @@ impl ShadowPass {
         Ok(triangles)
     }
 
-    /// Draws of the casters, in order.
+    /// Lists the draws of the casters, in order.
     fn runs<'a>(
         &'a self,
         geometry: &'a Geometry,
@@ -166,7 +166,7 @@ impl ShadowPass {
 /// Triangles with the same pipeline and buffers.
 struct ShadowRun<'a> {
     pipeline: &'a RenderPipeline,
-    /// Bind group of alpha-tested triangles.
+    /// Bind group of the material, for alpha-tested triangles.
     material: Option<&'a BindGroup>,
     vertices: [Option<&'a Buffer>; 2],
     index_buffer: &'a Buffer,

@@ -48,7 +48,7 @@ pub struct Culling {
 }
 
 impl Culling {
-    /// Skips all work that no picture depends on.
+    /// Skips everything that no picture depends on.
     pub const ALL: Self = Self { clusters: true, backs: true, sides: true, pixels: true };
     /// Skips nothing.
     pub const NONE: Self = Self { clusters: false, backs: false, sides: false, pixels: false };
@@ -82,7 +82,7 @@ impl ShadowSettings {
         MapSize { side, layers: faces as u32 }
     }
 
-    /// The same settings with maps of that scale.
+    /// Returns the settings with maps of another scale.
     pub(crate) fn scaled(self, scale: MapScale) -> Self {
         let resolution = (self.resolution / u32::from(scale.divisor())).max(Self::MIN_RESOLUTION);
         Self { resolution: resolution.min(self.resolution), ..self }
@@ -123,7 +123,7 @@ impl ShadowSettings {
     /// Smallest edge error; below it, rounding in f32 decides the splits.
     const MIN_EDGE_ERROR_TEXELS: f32 = 0.05;
 
-    /// Error in texels above which an edge of a bent map is split.
+    /// Returns the error in texels above which an edge of a bent map is split.
     pub(crate) fn split_above_texels(&self) -> f32 {
         self.edge_error_texels.unwrap_or(f32::MAX)
     }

@@ -17,11 +17,11 @@ use crate::{ShadowFilter, ShadowSettings, gpu_structs};
 /// near enough for a lamp in its shade, and far enough for the map's depths to resolve a thousandth of that distance.
 const NEAR_SHARE: f64 = 1e-3;
 
-/// A placed spotlight: its numbers for one scene.
+/// Spotlight in a scene: its uniform, and the projections of its map.
 #[derive(Clone, Debug)]
 pub(crate) struct GpuSpot {
     pub uniform: gpu_structs::Spot,
-    /// The profile in `uniform`, in f64.
+    /// Profile of the light, in f64. `uniform` has it in f32.
     pub light_profile: LightProfile,
     pub views: MapViews,
 }
@@ -35,7 +35,7 @@ pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
     [cone.translation, a, b, c, d]
 }
 
-/// Upper bound of the distance from the light to any point of the scene.
+/// Returns an upper bound of the distance from the light to any point of the scene.
 fn far_distance(cone: &Cone, posed: &PosedScene) -> f64 {
     ((cone.translation - posed.origin_in_world).abs() + posed.half_extent).length()
 }
@@ -114,7 +114,8 @@ pub(crate) fn map_size(light: &Light, shadows: &ShadowSettings) -> MapSize {
     shadows.map_size(spot_faces::face_count(light))
 }
 
-/// Values compiled into the lighting pass of a spotlight: the constants of `spot_faces.wgsl` and `shadow_filter.wgsl`.
+/// Values of a spotlight that are compiled into its lighting pass: the constants of `spot_faces.wgsl` and
+/// `shadow_filter.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BakedSpot {
     filter: ShadowFilter,

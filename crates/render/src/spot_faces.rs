@@ -48,7 +48,7 @@ pub(crate) struct SpotFace {
 #[derive(Clone, Debug)]
 pub(crate) struct FittedFaces {
     pub faces: Vec<SpotFace>,
-    /// Least depth of a caster; infinity without casters.
+    /// Least depth of any caster; infinity without casters.
     pub nearest: f64,
 }
 
@@ -103,7 +103,7 @@ impl FittedFaces {
     }
 }
 
-/// The part of a face that boxes cover.
+/// Part of a face that boxes cover.
 #[derive(Clone, Copy, Debug)]
 struct SpotFaceCover {
     low: DVec2,

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// A part of a frame that is submitted, or waited for, by itself.
+/// Part of the work on a frame whose time is measured by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FrameStage {
     Gbuffer,
@@ -73,7 +73,7 @@ impl FrameStage {
     }
 }
 
-/// Time of some work.
+/// Wall time and CPU time of some work.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageCost {
     pub wall_ms: f64,
@@ -118,7 +118,7 @@ fn process_time() -> Duration {
     Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
 }
 
-/// Amount of work in a frame.
+/// Amounts of work that a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WorkCounters {
     /// Triangles processed for shadow maps, once per map; for an omni light or a very wide spotlight, once per face.
@@ -134,7 +134,7 @@ pub struct WorkCounters {
     pub bytes: u64,
 }
 
-/// Costs of a frame drawn stage by stage.
+/// Costs and amounts of work of a frame that was drawn stage by stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Recording {
     runs: [u64; FrameStage::ALL.len()],

@@ -26,7 +26,7 @@ use crate::spot_faces::FittedFaces;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowFilter, ShadowSettings, shaders};
 
-/// Group 2 of their lighting passes; see `spot.wgsl`.
+/// Bindings of group 2 in the lighting passes of straight lights; see `spot.wgsl`.
 const BINDINGS: [BindingType; 3] = [UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
 /// A checked light with straight rays.
@@ -37,7 +37,7 @@ pub(crate) enum StraightLight<'a> {
     Directional(&'a Parallel),
 }
 
-/// Values compiled into a lighting pass.
+/// Values of a light that are compiled into its lighting pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BakedStraight {
     Spot(BakedSpot),
@@ -45,7 +45,7 @@ pub(crate) enum BakedStraight {
     Directional(ShadowFilter, BakedFilter),
 }
 
-/// Fit of a light's map to a scene.
+/// Part of a scene that a light's shadow map shows.
 #[derive(Clone, Debug)]
 pub(crate) enum Fitted {
     Spot(FittedFaces),
@@ -53,7 +53,7 @@ pub(crate) enum Fitted {
     Directional(DirectionalMapFit),
 }
 
-/// A placed light: its numbers for one scene.
+/// Light in a scene: its uniform, and the projections of its map.
 #[derive(Clone, Debug)]
 pub(crate) enum Placed {
     Spot(GpuSpot),
@@ -85,7 +85,7 @@ pub(crate) struct ReadyStraight {
 }
 
 impl<'a> StraightLight<'a> {
-    /// The light, or `None` if its rays are bent.
+    /// Returns the straight light in `light`. `None` if its rays are bent.
     pub fn of(light: &'a CheckedLight) -> Option<Self> {
         match light.rays() {
             LightRays::Cone(cone) => Some(Self::Spot(light, cone)),
@@ -130,7 +130,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// Origin of the light; `None` if it is outside every scene.
+    /// Returns the world position of the source. `None` if light comes from outside every scene.
     pub fn source_in_world(self) -> Option<DVec3> {
         match self {
             Self::Spot(_, cone) => Some(cone.translation),
@@ -139,7 +139,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// Fits its map to a scene; an empty fit for a light without shadows.
+    /// Fits the light's shadow map to a scene. The fit is empty for a light without shadows.
     pub fn fit_map(self, scene: &GpuScene, shadows: &ShadowSettings) -> Fitted {
         let shadowed = self.light_profile().shadow_enable;
         match self {
@@ -156,7 +156,8 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// Places the light. `fitted` must be of its shape.
+    /// Makes the uniform and the projections of the light in a scene. `fitted` must be the fit of a light of the same
+    /// shape.
     pub fn placed(self, fitted: &Fitted, scene: &GpuScene, shadows: &ShadowSettings) -> Placed {
         match (self, fitted) {
             (Self::Spot(_, cone), Fitted::Spot(fitted)) => {
@@ -182,7 +183,7 @@ impl BakedStraight {
         BakedSpot::all().map(Self::Spot).chain(others)
     }
 
-    /// Label, and WGSL with its constants.
+    /// Returns a label, and WGSL with the constants in it.
     pub fn wgsl(self) -> (&'static str, String) {
         match self {
             Self::Spot(baked) => ("spot", baked.into_wgsl(shaders::SPOT)),
@@ -204,11 +205,11 @@ pub(crate) struct StraightPass {
     sampler: Sampler,
 }
 
-/// Data of one light that is cached between pictures.
+/// Cached shadow map of one straight light.
 #[derive(Debug)]
 pub(crate) struct StraightSlot {
     map: ShadowMap,
-    /// Key of the map, and its fit.
+    /// Key of the cached map, and its fit. `None` before the first one is drawn.
     shown: Option<(MapKey, Fitted)>,
 }
 
@@ -227,7 +228,7 @@ impl StraightSlot {
 }
 
 impl StraightPass {
-    /// `camera_groups` are the layouts of the view and the surface.
+    /// Compiles the pipelines. `camera_groups` are the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], scene: &SceneGroupLayouts) -> Self {
         let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("straight light", &BINDINGS));
         Self {
@@ -240,7 +241,7 @@ impl StraightPass {
         }
     }
 
-    /// Returns the pass for lights with the values `baked`, with links if `linked`.
+    /// Returns the lighting pass with the compiled-in values `baked`, for lights with links if `linked`.
     pub fn lighting(&self, gpu: &Gpu, baked: BakedStraight, linked: bool) -> Arc<LightingPass> {
         self.lighting.get(baked, linked, || {
             let (label, wgsl) = baked.wgsl();
@@ -252,7 +253,7 @@ impl StraightPass {
         StraightSlot { map: self.shadow.new_map(gpu, size), shown: None }
     }
 
-    /// Updates `slot` for `light` over `scene`, with the casters that `linked` leaves.
+    /// Updates the shadow map in `slot` for `light`, with the casters that `linked` selects.
     pub fn prepare(
         &self,
         gpu: &Gpu,

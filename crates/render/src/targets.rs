@@ -28,7 +28,7 @@ use crate::{Aov, Backend, Gpu, RenderError, View, ViewSlot, display, gpu_structs
 
 /// Bytes per pixel of radiance and of a screen's picture.
 const LIT_BYTES_PER_PIXEL: u64 = 16 + 4;
-/// Bytes per pixel of targets that the GPU lights.
+/// Bytes per pixel of the targets of a picture that the GPU lights.
 const BYTES_PER_PIXEL: u64 = gbuffer::BYTES_PER_PIXEL + LIT_BYTES_PER_PIXEL;
 
 #[derive(Debug, Default)]
@@ -37,23 +37,23 @@ pub(crate) struct Viewers(Vec<(ViewSlot, Evictable<Targets>)>);
 /// Textures and caches of one viewer and picture size.
 #[derive(Debug)]
 pub(crate) struct Targets {
-    /// Width and height in pixels, of the tile if there is one.
+    /// Width and height in pixels: of the tile, if the picture is drawn in tiles.
     pub size: [u32; 2],
     gbuffer: GbufferTextures,
     /// Key of the G-buffer's content; `None` if it is invalid.
     gbuffer_key: Option<GbufferKey>,
-    /// The G-buffer in CPU memory, with its key; it may be older.
+    /// Copy of the G-buffer in CPU memory, and the key it was read with. It may be older than the G-buffer.
     texels: (Option<GbufferKey>, GbufferTexels),
     /// Layers of lights on the wgpu backend.
     layers: Layers<TextureView, TextureView>,
     pub native: NativeTargets,
-    /// Created when the GPU first lights something.
+    /// Textures for radiance and for the screen, created when the GPU first adds light.
     lit: OnceLock<LitTargets>,
-    /// Content of the radiance: revision of the scene, view, tile and lights.
+    /// Key of the radiance: scene revision, view, tile, and lights with their digests.
     radiance_key: Option<(u64, View, Tile, Vec<LightRevision>)>,
-    /// Samples per pixel in the radiance.
+    /// Number of samples per pixel that the radiance already contains.
     pub samples_drawn: u32,
-    /// Number of lights drawn of the next sample; `None` before it has begun.
+    /// Number of lights that are already added to the next sample. `None` before that sample has begun.
     pub lights_drawn: Option<usize>,
 }
 
@@ -66,7 +66,7 @@ pub(crate) struct LitTargets {
     display_view: TextureView,
 }
 
-/// A light with its revision for pictures.
+/// Light, with the digest of its values that affect pictures.
 type LightRevision = (LightId, LightDigest);
 
 impl Viewers {
@@ -116,7 +116,8 @@ impl Viewers {
     }
 }
 
-/// Largest number of bytes of targets of `size` pixels, lit by `backend`; without layers.
+/// Returns the largest number of bytes of targets of `size` pixels, without layers. `backend` is the one that adds
+/// light.
 pub(crate) fn bytes_of(backend: Backend, size: [u32; 2]) -> u64 {
     match backend {
         Backend::Wgpu => pixels(size) * BYTES_PER_PIXEL,
@@ -170,12 +171,12 @@ impl Targets {
         device + self.texels.1.bytes() + self.native.bytes()
     }
 
-    /// The textures that the GPU lights, created at first use.
+    /// Returns the textures to which the GPU adds light. Creates them at first use.
     pub fn lit(&self, gpu: &Gpu, passes: &Passes) -> &LitTargets {
         self.lit.get_or_init(|| LitTargets::new(gpu, passes, self.size))
     }
 
-    /// The G-buffer in CPU memory, read back if it has changed. Its draw must have been submitted.
+    /// Returns the G-buffer in CPU memory. Reads it back if it has changed. Its draw must have been submitted.
     pub fn gbuffer_texels(&mut self, gpu: &Gpu) -> Result<&GbufferTexels, RenderError> {
         let (key, texels) = &mut self.texels;
         if *key != self.gbuffer_key {

@@ -33,7 +33,7 @@ const FIRST_SIDE: u32 = 256;
 /// Divisor of sides, so that four pixels which share a texture's level of detail are in one tile.
 const STEP: u32 = 16;
 
-/// Cuts a picture into tiles, row by row. The cost of earlier rows determines the sides of a row's tiles.
+/// Division of a picture into tiles, row by row. The time of earlier tiles determines the size of later ones.
 #[derive(Debug)]
 pub(crate) struct Tiling {
     size: [u32; 2],
@@ -54,7 +54,7 @@ impl Tiling {
         tiling
     }
 
-    /// The current tile; `None` at the end.
+    /// Returns the current tile. `None` after the last one.
     pub fn tile(&self) -> Option<Tile> {
         self.next
     }

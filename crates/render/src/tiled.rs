@@ -12,11 +12,11 @@ use crate::targets::{Targets, bytes_of};
 use crate::tile::{Tile, Tiling};
 use crate::{Aov, FileNeeds, Gpu, Picture, Pixels, RenderError, Renderer, View, position};
 
-/// Progress of a picture, in samples of its pixels.
+/// Progress of a picture, counted in samples: each sample of each pixel counts as one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SampleProgress {
     pub done: u64,
-    /// Number of all samples.
+    /// Number of samples of the whole picture.
     pub total: u64,
 }
 
@@ -28,10 +28,10 @@ pub struct SampleProgress {
 #[derive(Debug)]
 pub struct TiledPicture {
     view: View,
-    /// The picture to draw for it.
+    /// Checked request of the picture.
     drawing: CheckedPicture,
     pixels: Pixels,
-    /// `None` until the first piece is drawn.
+    /// Targets and progress; `None` until drawing begins.
     work: Option<TiledWork>,
 }
 
@@ -42,22 +42,23 @@ struct TiledWork {
     targets: Option<Targets>,
     tile_memory: Option<Reservation>,
     _pixels_memory: Reservation,
-    /// Time of this tile's longest piece that grew with its pixels.
+    /// Time of the longest piece of work on this tile that grew with its number of pixels.
     longest_piece: Duration,
-    /// Samples of pixels of finished tiles.
+    /// Number of samples in finished tiles.
     finished_samples: u64,
     tile_samples: u64,
 }
 
 impl TiledPicture {
-    /// Draws the beauty of `view` under `lights` for a screen, regardless of `view.aov`.
+    /// Begins a picture of the beauty of `view` under `lights` for a screen, regardless of `view.aov`. Nothing is drawn
+    /// yet.
     pub fn for_screen(view: &View, lights: &[LightInstance]) -> Result<Self, RenderError> {
         let bytes = vec![0; 4 * view.width as usize * view.height as usize];
         let pixels = Pixels::Display { width: view.width, height: view.height, bytes };
         Self::new(&View { aov: Aov::Beauty, ..view.clone() }, lights, pixels)
     }
 
-    /// Draws `view` under `lights` in the form that files need.
+    /// Begins a picture of `view` under `lights`, in the form that files need. Nothing is drawn yet.
     pub fn for_files(view: &View, lights: &[LightInstance], needs: FileNeeds) -> Result<Self, RenderError> {
         if needs == FileNeeds::Display {
             return Self::for_screen(view, lights);
@@ -229,7 +230,8 @@ impl Renderer {
     }
 }
 
-/// Number of pieces that should fit into one turn, so that it ends close to its aim.
+/// Number of pieces of work that should fit into the time given to `Renderer::advance_tiled`, so that it ends close
+/// to that time.
 const PIECES_PER_TURN: u32 = 2;
 
 /// Copies the rows of a tile, `count` columns from column `from` on, into the rows of a picture.
@@ -258,7 +260,7 @@ impl TiledWork {
         }
     }
 
-    /// Ensures targets that hold `tile`, and not much more.
+    /// Makes targets that are at least as large as `tile`, and not much larger, unless the present ones are.
     fn ensure_targets(
         &mut self,
         gpu: &Gpu,

@@ -9,13 +9,13 @@ const MAX_NAME: usize = 31 - ".direction.X".len();
 /// Name of an unnamed light in files.
 const NAMELESS: &str = "light";
 
-/// A picture to draw.
+/// Picture of one AOV that was requested, possibly of one light.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WantedPicture {
     pub aov: Aov,
-    /// Index of the light, if the AOV is of one.
+    /// Index of the light that the picture is of. Other pictures do not use it.
     pub light: usize,
-    /// Name of that light in files, if there are pictures of several lights.
+    /// Name of the light in files, if there are pictures of several lights.
     pub name: Option<String>,
 }
 

@@ -16,12 +16,12 @@ use crate::stages::FrameStage;
 use crate::wgpu_maps::{WgpuLight, WgpuMaps};
 use crate::{Gpu, RenderError, composite, lighting};
 
-/// Draws layers over the surfaces of a G-buffer.
+/// Draws layers on the GPU, on the surfaces of a G-buffer.
 pub(crate) struct WgpuLayers<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
     pub scene: &'a GpuScene,
-    /// The G-buffer, in the group of lighting passes.
+    /// G-buffer, as the bind group that lighting passes read.
     pub surface: &'a BindGroup,
     /// In pixels.
     pub size: [u32; 2],

@@ -17,7 +17,8 @@ use crate::shadow_settings::MapSize;
 use crate::straight::{BakedStraight, StraightLight};
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Draws maps of lights over a scene. Maps of straight lights are recorded in `encoder`; bent ones are submitted.
+/// Draws shadow maps of lights in a scene on the GPU. Draws of straight lights are recorded in `encoder`; draws of bent
+/// lights are submitted at once.
 pub(crate) struct WgpuMaps<'a> {
     pub gpu: &'a Gpu,
     pub passes: &'a Passes,
@@ -25,7 +26,7 @@ pub(crate) struct WgpuMaps<'a> {
     pub encoder: &'a mut CommandEncoder,
 }
 
-/// A light as its lighting pass binds it.
+/// Light with the bind groups of its lighting pass.
 #[derive(Debug)]
 pub(crate) struct WgpuLight {
     kind: LightingKind,
@@ -48,7 +49,7 @@ impl ReadyLight<WgpuLight> {
         }
     }
 
-    /// Bind groups of its pass after those of view and surface.
+    /// Returns the light's bind groups, which follow those of the view and the surface.
     pub fn groups(&self) -> Vec<&BindGroup> {
         [&self.light.group].into_iter().chain(self.linked.as_ref().map(|linked| &linked.group)).collect()
     }

@@ -22,17 +22,18 @@ pub struct Allowance {
     updated_at: Instant,
 }
 
-/// Allowances of each session and each actor. A request takes from both.
+/// Token buckets of all sessions and all actors. A request takes tokens from the buckets of both its session and its
+/// actor.
 #[derive(Debug)]
 pub struct Allowances {
     rate: AllowanceRate,
-    /// Only those below their capacity.
+    /// Buckets that are not full, by session. The next field has those of actors.
     sessions: BTreeMap<Arc<str>, Allowance>,
     actors: BTreeMap<Arc<str>, Allowance>,
 }
 
 impl Allowance {
-    /// A full bucket.
+    /// Makes a full bucket.
     pub fn full(rate: AllowanceRate, now: Instant) -> Self {
         Self { rate, tokens: rate.burst, updated_at: now }
     }
@@ -42,12 +43,13 @@ impl Allowance {
         (self.tokens + self.rate.per_second * since).min(self.rate.burst)
     }
 
-    /// Time at which tokens will be there. Not after `now` if there are some.
+    /// Returns the time at which the bucket has tokens: at most `now` if it has some.
     fn back_at(&self, now: Instant) -> Instant {
         now + Duration::from_secs_f64((-self.left(now) / self.rate.per_second).max(0.0))
     }
 
-    /// Takes an amount if any tokens are left, even fewer. Otherwise returns the time at which there will be some.
+    /// Takes `amount` tokens if at least some are left; the rest becomes debt. Otherwise returns the time at which
+    /// there will be tokens.
     pub fn try_take(&mut self, amount: f64, now: Instant) -> Result<(), Instant> {
         let back_at = self.back_at(now);
         if back_at > now {
@@ -57,14 +59,14 @@ impl Allowance {
         Ok(())
     }
 
-    /// Takes an amount, even if fewer tokens are left.
+    /// Takes `amount` tokens, even if fewer are left.
     pub fn take(&mut self, amount: f64, now: Instant) {
         (self.tokens, self.updated_at) = (self.left(now) - amount, now);
     }
 }
 
 impl Allowances {
-    /// All allowances are full.
+    /// Makes buckets that are all full.
     pub fn new(rate: AllowanceRate) -> Self {
         Self { rate, sessions: BTreeMap::new(), actors: BTreeMap::new() }
     }
@@ -74,15 +76,15 @@ impl Allowances {
         self.back_at(payer, now) <= now
     }
 
-    /// Time at which a payer will have tokens. Not after `now` if it has some.
+    /// Returns the time at which a payer has tokens: at most `now` if it has some.
     fn back_at(&self, payer: &Payer, now: Instant) -> Instant {
         let back_at = |allowance: Option<&Allowance>| allowance.map_or(now, |of| of.back_at(now));
         let of_actor = payer.actor_id().and_then(|actor| self.actors.get(actor));
         back_at(self.sessions.get(payer.session())).max(back_at(of_actor))
     }
 
-    /// Takes an amount from a payer if it has any tokens, even fewer. Otherwise returns the time at which it will have
-    /// some.
+    /// Takes `amount` tokens from a payer if at least some are left; the rest becomes debt. Otherwise returns the time
+    /// at which there will be tokens.
     pub fn try_take(&mut self, payer: &Payer, amount: f64, now: Instant) -> Result<(), Instant> {
         let back_at = self.back_at(payer, now);
         if back_at > now {
@@ -92,7 +94,7 @@ impl Allowances {
         Ok(())
     }
 
-    /// Takes an amount from a payer, even if it has fewer tokens.
+    /// Takes `amount` tokens from a payer, even if fewer are left.
     pub fn take(&mut self, payer: &Payer, amount: f64, now: Instant) {
         let take = |accounts: &mut BTreeMap<Arc<str>, Allowance>, name: &Arc<str>| {
             let full = Allowance::full(self.rate, now);

@@ -17,7 +17,7 @@ use crate::storage::Storage;
 use crate::trace::Trace;
 use crate::views::MovingPixels;
 
-/// One of each service. Clones share them.
+/// The services that all sessions and requests share. Clones share them.
 #[derive(Clone, Debug)]
 pub struct Services {
     pub storage: Storage,
@@ -32,7 +32,7 @@ pub struct Services {
     pub edit_pacing: Arc<RequestPacing>,
     /// Throttles requests.
     pub request_pacing: Arc<RequestPacing>,
-    /// Account of the bytes of bodies, answers and messages.
+    /// Counts the bytes of bodies, answers and messages in memory.
     pub in_flight: ByteBudget,
     pub metrics: Arc<Metrics>,
     /// Trace of pictures.

@@ -1,19 +1,19 @@
-//! Charges: time that clients have used of the renderer or of solver threads, which decides the next client.
+//! Charges: time that clients have used of the renderer or of solver threads. They decide which client is next.
 //!
-//! Measured time is charged. The least charged is next: first among sessions, so that many clients of one session take
-//! no more than the few of another, then among the actors of a session. An actor counts once over all its sockets and
-//! sessions. Callers pass the time in.
+//! A client is charged for measured time. The least charged client is next: first the least charged session, so that
+//! many clients of one session get no more than the few clients of another, then the least charged actor of the
+//! session. An actor is one client, whatever its number of sockets and sessions. Callers pass in the time.
 
 use std::cmp::Ordering;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-/// Greatest number of accounts. Above it the least charged ones are dropped.
+/// Greatest number of sessions, and of actors, whose charges are kept. Above it the less charged half is dropped.
 pub const MAX_ACCOUNTS: usize = 256;
 
-/// Seconds of credit that an idle client can save. A user who drags requests nothing while a picture is on its way to
-/// the viewer. But other clients also save, and then draw that much at once: beside views that open 30 at a time, the
-/// longest gap of a drag is 92 ms with 50 ms of credit and 70 ms with these 30 ms, for as many pictures.
+/// Seconds of credit that a client can save while it is idle. A user who drags requests nothing while a picture is on
+/// its way to the viewer. But other clients also save, and then draw that much at once: beside views that open 30 at a
+/// time, the longest gap of a drag is 92 ms with 50 ms of credit and 70 ms with these 30 ms, for as many pictures.
 const MAX_CREDIT_SECONDS: f64 = 0.03;
 
 /// An actor in a session that is charged for work.
@@ -28,22 +28,22 @@ pub struct Payer {
 /// Seconds charged to each session and each actor.
 ///
 /// This is start-time fair queueing (Goyal, Vin, Cheng, 1996) with equal weights. A client that was idle starts at the
-/// level of those served lately, less [`MAX_CREDIT_SECONDS`].
+/// charge of those that were served lately, less [`MAX_CREDIT_SECONDS`].
 #[derive(Clone, Debug, Default)]
 pub struct Charges {
     sessions: Accounts,
     actors: Accounts,
 }
 
-/// Accounts of all sessions, or of all actors.
+/// Charged seconds by the name of each session, or of each actor.
 #[derive(Clone, Debug, Default)]
 struct Accounts {
     seconds: BTreeMap<Arc<str>, f64>,
-    /// Charge of the account that was served last, before that turn.
+    /// Charge at which a new session or actor starts: the greatest charge that one had when it was served.
     virtual_time: f64,
 }
 
-/// Charge of a payer, lower first: the larger of its session's and its own, then its own.
+/// Charges of a payer. The first number is the greater one of the payer's session and actor, the second is the actor's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChargedSeconds(f64, f64);
 
@@ -62,28 +62,28 @@ impl Payer {
         &self.session
     }
 
-    /// The payer for programs without an actor, in a session.
+    /// Makes the payer for programs that name no actor.
     pub fn program(session: &str) -> Self {
         Self { session: session.into(), actor: None }
     }
 }
 
 impl ChargedSeconds {
-    /// Orders by charge. The lower one is next.
+    /// Orders two payers by their charges. The lower charge is next.
     pub fn order(&self, other: &Self) -> Ordering {
         self.0.total_cmp(&other.0).then(self.1.total_cmp(&other.1))
     }
 }
 
 impl Charges {
-    /// Charge of a payer that asks now.
+    /// Returns the present charges of a payer.
     pub fn of(&self, payer: &Payer) -> ChargedSeconds {
         let session = self.sessions.of(&payer.session);
         let actor = payer.actor.as_deref().map_or(session, |actor| self.actors.of(actor));
         ChargedSeconds(session.max(actor), actor)
     }
 
-    /// Charges a payer for a turn of that many seconds.
+    /// Charges a payer for `seconds` of drawing or solving.
     pub fn charge(&mut self, payer: &Payer, seconds: f64) {
         self.sessions.charge(&payer.session, seconds);
         if let Some(actor) = &payer.actor {
@@ -122,8 +122,8 @@ mod tests {
         Payer::new(&session.into(), actor)
     }
 
-    /// Shares of the time of each of `payers` in that many turns, with the given length of each one's turns, if all
-    /// always want one.
+    /// Returns the share of the time that each of `payers` gets in `turns` slices, if all always want a slice. The
+    /// second value of each is the length of its slices.
     fn shares(payers: &[(Payer, f64)], turns: usize) -> Vec<f64> {
         let mut charges = Charges::default();
         let mut had = vec![0.0; payers.len()];
@@ -162,7 +162,8 @@ mod tests {
         assert!((had[0] - 0.5).abs() < 0.01, "{had:?}");
     }
 
-    /// The planted fault: an account that starts at zero makes the other wait for as long as it was away.
+    /// Deliberate fault that the test must detect: a client that comes back with a charge of zero makes another wait
+    /// for as long as it was away.
     #[test]
     fn an_idle_client_saves_little_credit() {
         let (ada, bob) = (payer("shot", "ada"), payer("other", "bob"));

@@ -31,7 +31,7 @@ use crate::send_within::WriteTimeoutStream;
 /// Delay after the system refused a connection, for example because too many files are open.
 const ACCEPT_RETRY_DELAY: Duration = Duration::from_millis(100);
 
-/// A connection, which each of its requests carries. Clones share it.
+/// Connection of a client. Each of its requests has a clone of it.
 #[derive(Clone, Debug)]
 pub struct Connection(Arc<ConnectionState>);
 
@@ -42,7 +42,7 @@ struct ConnectionState {
     close_token: CancellationToken,
     /// True once a request has arrived.
     has_requested: AtomicBool,
-    /// True once it has shown the token.
+    /// True once a request on the connection has shown the token.
     is_authenticated: AtomicBool,
     _permit: OwnedSemaphorePermit,
 }
@@ -94,14 +94,14 @@ impl Connection {
         Bytes::from_owner(UndeliveredBytes { bytes, _untaken: untaken })
     }
 
-    /// Waits until the server has to close the connection: to make room for others, unless it is authenticated, or
-    /// because it takes an answer too slowly.
+    /// Waits until the server has to close the connection: because the limit of anonymous connections is reached, or
+    /// because the client takes an answer too slowly.
     pub async fn until_closed_by_server(&self) {
         self.0.close_token.cancelled().await;
     }
 }
 
-/// Bytes of an answer that is not yet taken as a whole.
+/// Bytes of an answer that the client has not taken completely.
 struct UndeliveredBytes {
     bytes: Bytes,
     _untaken: DropGuard,
@@ -120,7 +120,7 @@ impl Drop for ConnectionState {
 }
 
 impl AnonymousConnections {
-    /// Adds a connection. Above the limit the oldest one is closed, since a client with the token shows it at once.
+    /// Adds a connection. Above the limit closes the oldest one, since a client with the token shows it at once.
     fn enter(&self) -> (u64, CancellationToken) {
         let number = self.last.fetch_add(1, Ordering::Relaxed);
         let token = CancellationToken::new();

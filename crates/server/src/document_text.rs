@@ -7,7 +7,7 @@ use document::Document;
 
 use crate::in_flight::{ByteBudget, ByteReservation};
 
-/// JSON of the document after one record. It counts as bytes in flight while anybody holds it.
+/// JSON of the document after one record. Its bytes count as in flight as long as any clone exists.
 #[derive(Debug)]
 pub struct DocumentText {
     document: Document,

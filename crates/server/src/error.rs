@@ -27,7 +27,7 @@ pub enum ServerError {
     BadToken(PathBuf),
     #[error("the server can no longer accept connections ({0}): start it again")]
     Listen(io::Error),
-    /// A scene cannot be used.
+    /// The scene cannot be used.
     #[error(transparent)]
     Scene(#[from] assets::AssetError),
     #[error("there is no demo scene `{0}`: `bendylights scenes` lists them")]
@@ -53,7 +53,7 @@ pub enum ServerError {
     /// The store or its disk refused a read.
     #[error(transparent)]
     StoreRead(StoreError),
-    /// A session could not be opened. Each asker gets the same reason.
+    /// The session could not be opened. All requests that wait for it get the same reason.
     #[error(transparent)]
     Opening(Arc<ServerError>),
 
@@ -63,7 +63,7 @@ pub enum ServerError {
     /// The page of the request has another origin.
     #[error("pages of {0} may not use this server: open the server's own address")]
     ForeignOrigin(String),
-    /// The `Host` is unknown, and may lead here by DNS rebinding.
+    /// The host name in the header `Host` is not one of the server's. DNS rebinding may have led the request here.
     #[error(
         "this server does not go by the name `{0}`: open the address that it printed when it started, or start it with \
          --public-url http://{0}"
@@ -76,7 +76,7 @@ pub enum ServerError {
     /// The first message is no `hello`, or a second one came.
     #[error("a connection begins with exactly one `hello`: send that first")]
     Hello,
-    /// No `hello` came in time.
+    /// No `hello` arrived in time.
     #[error("no `hello` came within {} seconds: connect again", HELLO_TIMEOUT.as_secs())]
     HelloTooLate,
     /// A message or a body cannot be read.
@@ -85,7 +85,7 @@ pub enum ServerError {
     /// A command has no meaning.
     #[error(transparent)]
     BadCommand(#[from] Refused),
-    /// The session refused.
+    /// The session refused the edit.
     #[error(transparent)]
     Refused(#[from] EditRefusal),
     /// An edit of a group is invalid.
@@ -95,7 +95,7 @@ pub enum ServerError {
         number: usize,
         reason: Box<ServerError>,
     },
-    /// Moving views are drawn smaller. A warning that refuses nothing.
+    /// The client's moving views are drawn smaller. This is a warning and refuses nothing.
     #[error(
         "your views have more than {MAX_MOVING_PIXELS} pixels that move at once, so they are drawn smaller until they rest: \
          close one, or make it smaller"
@@ -105,7 +105,7 @@ pub enum ServerError {
     NotFound {
         /// Kind of the missing thing.
         what: &'static str,
-        /// Its requested name.
+        /// Name in the request.
         name: String,
         remedy: &'static str,
     },
@@ -116,7 +116,7 @@ pub enum ServerError {
     )]
     InUse {
         session: String,
-        /// Names of its clients.
+        /// Names of the connected actors.
         people: Vec<String>,
     },
     /// No route has that path.
@@ -145,7 +145,7 @@ pub enum ServerError {
     /// A large body arrives too slowly.
     #[error("a request of more than {SMALL_BYTES} bytes has to come within {} s: send it in parts", LARGE_BODY_TIMEOUT.as_secs())]
     TooSlow,
-    /// The account of bytes in flight is full.
+    /// The budget of bytes in flight is used up.
     #[error("the server holds as many bytes of requests and answers as it may: try again in a moment")]
     Busy,
     /// The body ended early.
@@ -154,14 +154,14 @@ pub enum ServerError {
     /// A count is over its limit.
     #[error("this server takes at most {limit} {what} at once: try again later")]
     TooMany { what: &'static str, limit: usize },
-    /// A session has its share of a common limit in use.
+    /// The session already uses its share of a limit that all sessions share.
     #[error(
         "the session has {count} {what} under way, and leaves the rest to others: try again when one of them is done"
     )]
     SessionLimitReached {
-        /// Name for users: requests, pictures.
+        /// Plural name of the limited things: requests, pictures.
         what: &'static str,
-        /// Number in progress.
+        /// Number of those things that the session has in progress.
         count: usize,
     },
     #[error("the renderer is warming up: try again in a few seconds")]
@@ -228,12 +228,13 @@ impl ServerError {
         self.code().is_transient()
     }
 
-    /// True if the request may have been carried out.
+    /// True if the request may have been carried out although it failed.
     pub fn has_unknown_outcome(&self) -> bool {
         matches!(self, Self::Store(StoreError::UnknownOutcome(_)))
     }
 
-    /// Code and message for users. Messages of the store name folders of this machine, so they go to the log only.
+    /// Returns code and message for users. Messages of the store contain folder names of this machine, so they go to
+    /// the log only.
     pub fn problem(&self) -> Problem {
         let code = self.code();
         if matches!(code, ErrorCode::Storage | ErrorCode::UnknownOutcome) {
@@ -258,7 +259,7 @@ const WRITE_FAILED: &str =
 const OUTCOME_UNKNOWN: &str = "the server's disk failed, and this may have been done or not: tell whoever runs it, then look, \
     or send it again under the same name";
 
-/// Names of people and the verb, as far as a sentence has room.
+/// Joins names of people and a verb, as many names as a sentence has room for.
 fn names_in_sentence(people: &[String]) -> String {
     match people {
         [] => "somebody is".into(),

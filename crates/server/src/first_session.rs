@@ -17,11 +17,11 @@ const MAX_STEM_CHARS: usize = MAX_NAME_CHARS - 4;
 /// Number of names to try for a scene's session if its own name is taken.
 const MAX_NAME_TRIES: usize = 100;
 
-/// The session that a start opens.
+/// Sessions that a start of the server opens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StartSession {
     pub name: String,
-    /// Name of the first session's scene, if it has another scene than the requested one.
+    /// Name of the scene in the first session, if it is not the requested one.
     pub scene_already_there: Option<String>,
 }
 

@@ -1,6 +1,6 @@
-//! Account of bytes in flight: request bodies until they are answered, and large answers and messages until they are
-//! taken. All clients share one account, so their number does not increase the server's memory. Bodies get half of it,
-//! so a client that sends as many as fit does not prevent answers.
+//! Budget for bytes in flight: request bodies until they are answered, and large answers and messages until the client
+//! has taken them. All clients share one budget, so the server's memory does not grow with their number. Bodies get
+//! half of it, so a client that sends as many bodies as fit does not prevent answers.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,30 +13,30 @@ use crate::limits::{
     MAX_BODY_BYTES_IN_FLIGHT, MAX_BYTES_IN_FLIGHT, MIN_DELIVERY_BYTES_PER_SECOND, SEND_TIMEOUT,
 };
 
-/// The account. Clones share it.
+/// Counts bytes in flight against `MAX_BYTES_IN_FLIGHT`. Clones share the count.
 #[derive(Clone, Debug, Default)]
 pub struct ByteBudget(Arc<BudgetCounters>);
 
 #[derive(Debug, Default)]
 struct BudgetCounters {
     bytes: AtomicUsize,
-    /// Part of `bytes` that belongs to bodies.
+    /// Part of `bytes` that is reserved for bodies.
     body_bytes: AtomicUsize,
 }
 
-/// Bytes on the account. Dropping this takes them off.
+/// Reserved bytes of the budget. Dropping the reservation frees them.
 #[derive(Debug)]
 pub struct ByteReservation {
     account: ByteBudget,
     bytes: usize,
 }
 
-/// Bytes of a body on the account. Dropping this takes them off.
+/// Reserved bytes of the budget for a body. Dropping the reservation frees them.
 #[derive(Debug)]
 pub struct BodyReservation(ByteReservation);
 
 impl ByteBudget {
-    /// Reserves bytes if they fit. On an empty account any number fits.
+    /// Reserves bytes, or gives an error if they do not fit. Any number of bytes fits if none are reserved.
     pub fn reserve(&self, bytes: usize) -> Result<ByteReservation, ServerError> {
         try_add(&self.0.bytes, bytes, MAX_BYTES_IN_FLIGHT)?;
         Ok(ByteReservation { account: self.clone(), bytes })
@@ -53,12 +53,12 @@ impl ByteBudget {
         ByteReservation { account: self.clone(), bytes }
     }
 
-    /// Gives an error if the account is full.
+    /// Gives an error if the budget is used up.
     pub fn check(&self) -> Result<(), ServerError> {
         if self.is_full() { Err(ServerError::Busy) } else { Ok(()) }
     }
 
-    /// True if nothing more fits.
+    /// True if the budget is used up.
     pub fn is_full(&self) -> bool {
         self.bytes() >= MAX_BYTES_IN_FLIGHT
     }
@@ -68,12 +68,12 @@ impl ByteBudget {
     }
 }
 
-/// Time within which a client has to take that many bytes.
+/// Returns the time within which a client has to take an answer of `bytes` bytes.
 pub fn delivery_timeout(bytes: usize) -> Duration {
     SEND_TIMEOUT + Duration::from_secs_f64(bytes as f64 / MIN_DELIVERY_BYTES_PER_SECOND as f64)
 }
 
-/// Adds bytes to a sum up to a limit. To zero any number can be added.
+/// Adds bytes to a sum, or gives an error if the sum would exceed the limit. Any number can be added to a sum of zero.
 fn try_add(sum: &AtomicUsize, bytes: usize, most: usize) -> Result<(), ServerError> {
     let fits = |held: usize| {
         let sum = held.saturating_add(bytes);
@@ -105,7 +105,7 @@ impl Drop for BodyReservation {
 }
 
 impl ByteReservation {
-    /// Wraps bytes so that they stay on the account until their last clone is dropped.
+    /// Attaches the reservation to bytes. It is freed when their last clone is dropped.
     pub fn attach_to(self, bytes: impl AsRef<[u8]> + Send + 'static) -> Bytes {
         Bytes::from_owner(Owned { bytes, _reservation: self })
     }

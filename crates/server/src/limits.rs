@@ -30,29 +30,32 @@ pub const MAX_STILLS: usize = 8;
 pub const MAX_PICTURE_BYTES: usize = 256 << 20;
 /// Greatest number of probes and picks that trace rays at once, for about a millisecond each. Others wait.
 pub const MAX_PROBES: usize = 4;
-/// Greatest number of feature drags that are solved or wait, each with a thread: one per socket and per HTTP request.
+/// Greatest number of drags of features that are being solved or wait, each with a thread: one per socket and per HTTP
+/// request.
 pub const MAX_SOLVES: usize = MAX_SOCKETS + MAX_REQUESTS;
-/// Counted steps up to which a solve is short and precedes long ones: about 20 ms, which suffices for most.
+/// Number of counted steps up to which a solve is short. Short solves run before long ones. So many steps take about 20
+/// ms, and most solves need fewer.
 pub const SHORT_SOLVE_STEPS: u64 = 20_000_000;
-/// Allowance of a client's short solves before they count as long, in seconds of a core: about 25 drags per second of a
-/// usual light. If the CPU has time, long ones take no longer.
+/// Solver time that a client may use for short solves before its solves count as long, in seconds of a core: about 25
+/// drags per second of a usual light. Long solves take no more time if the CPU is otherwise idle.
 pub const SHORT_SOLVE_RATE: AllowanceRate = AllowanceRate { per_second: 0.1, burst: 0.2 };
-/// Messages of a socket while a user of another client moves a view. The rate is several times that of a user who
-/// acknowledges frames and drags or orbits.
+/// Messages that a socket may send while a user of another client moves a view. The rate is several times that of a
+/// user who acknowledges frames and drags or orbits.
 pub const THROTTLED_MESSAGE_RATE: AllowanceRate = AllowanceRate { per_second: 400.0, burst: 400.0 };
-/// Edits of a session, and of an actor, while a user of another client moves a view. With `MESSAGE_COST_EDITS` they
-/// allow 60 messages per second with an edit each, one per shown picture.
+/// Edits that a session, and an actor, may make while a user of another client moves a view. With `MESSAGE_COST_EDITS`
+/// they allow 60 messages per second with an edit each, one per shown picture.
 pub const THROTTLED_EDIT_RATE: AllowanceRate = AllowanceRate { per_second: 120.0, burst: 120.0 };
-/// Requests about a session, or about none, while a user moves a view.
+/// Requests about a session, or about no session, that are let through while a user moves a view.
 pub const THROTTLED_REQUEST_RATE: AllowanceRate = AllowanceRate { per_second: 200.0, burst: 200.0 };
-/// Decoding of uploaded scenes while a user moves a view, in seconds of the decoding thread. Further uploads wait.
+/// Seconds that the server may spend on decoding uploaded scenes while a user moves a view. Further uploads wait.
 pub const THROTTLED_UPLOAD_RATE: AllowanceRate = AllowanceRate { per_second: 0.25, burst: 1.0 };
-/// Greatest charge of an upload in seconds of decoding. The next upload waits for at most 2 s.
+/// Greatest time that an upload is charged, in seconds of decoding. So the next upload waits for at most 2 s.
 pub const MAX_UPLOAD_CHARGE: Duration = Duration::from_millis(500);
 /// Cost of a message or request in edits, besides its own edits: its delivery to the session, its commit and its
 /// broadcast.
 pub const MESSAGE_COST_EDITS: f64 = 1.0;
-/// Number of solves for one step of a drag while others change its inputs. After that the step is refused.
+/// Number of times that one step of a drag is solved while other clients change its inputs. After that the step is
+/// refused.
 pub const MAX_SOLVE_TRIES: u32 = 4;
 /// Greatest number of scenes being uploaded. Each may take hundreds of megabytes of disk.
 pub const MAX_UPLOADS: usize = 32;
@@ -70,10 +73,10 @@ pub const MAX_CACHED_SCENES: usize = 4;
 /// Bytes of requests and answers in memory over all clients: bodies with the data made from them, and answers and
 /// messages of more than `SMALL_BYTES` until they are taken. The largest picture, 4096 x 4096 in EXR, has 256 MiB.
 pub const MAX_BYTES_IN_FLIGHT: usize = 320 << 20;
-/// Part of it for bodies.
+/// Part of `MAX_BYTES_IN_FLIGHT` that bodies may use.
 pub const MAX_BODY_BYTES_IN_FLIGHT: usize = MAX_BYTES_IN_FLIGHT / 2;
-/// Size up to which bodies and answers are not on that account. 640 connections with one each have 40 MiB, and no
-/// client is refused a small one because of large ones of others.
+/// Size up to which bodies and answers are not counted in `MAX_BYTES_IN_FLIGHT`. 640 connections with one such body
+/// or answer each have 40 MiB. So no client is refused a small one because of large ones of others.
 pub const SMALL_BYTES: usize = 64 << 10;
 /// Factor for the bytes of a body: the data made from its JSON takes a few times as much.
 pub const BODY_COST: usize = 4;
@@ -81,7 +84,8 @@ pub const BODY_COST: usize = 4;
 pub const COMPRESSED_FROM_BYTES: u16 = 1 << 10;
 /// Size of a page of a log that is sent while it is read, in bytes, except for a single larger record.
 pub const LOG_PAGE_BYTES: usize = 128 << 10;
-/// Greatest size of a request's head in bytes, and of an answer that a connection takes from its stream at a time.
+/// Greatest size of a request's head in bytes. A connection takes at most as many bytes of an answer from its stream at
+/// a time.
 pub const MAX_HEAD_BYTES: usize = 64 << 10;
 
 /// Greatest size of a control message in bytes. A light with the most control points takes less than a tenth.
@@ -90,8 +94,7 @@ pub const MAX_MESSAGE_BYTES: usize = 1 << 20;
 pub const MAX_BODY_BYTES: usize = 8 << 20;
 /// Greatest number of edits in a request.
 pub const MAX_EDITS: usize = 1_000;
-/// Greatest number of edits in a request that make one step. A session's task carries them out at once, as many as in a
-/// tick.
+/// Greatest number of edits in a request that make one step. A session's task carries them out in one tick.
 pub const MAX_GROUP_EDITS: usize = MAX_TICK_MESSAGES;
 /// Greatest number of feature drags in a request. Each takes some milliseconds.
 pub const MAX_DRAGS: usize = 1_000;
@@ -115,7 +118,7 @@ pub const MAX_MOVING_PIXELS: u64 = 3840 * 2160;
 /// Greatest number of messages that wait for a session's task. Above it senders wait.
 pub const ROOM_QUEUE: usize = 1_024;
 /// Greatest number of a client's editing messages that are not carried out yet. Most of them wait for the solve of one
-/// of its drags. Above it the socket is not read.
+/// of the client's drags. Above this number the server stops reading from the socket.
 pub const MAX_QUEUED_MESSAGES: usize = 64;
 /// Greatest number of messages that a session's task carries out before it commits their edits together, and of edits
 /// of programs' requests.
@@ -124,13 +127,13 @@ pub const MAX_TICK_MESSAGES: usize = 256;
 /// can hold a light with the most control points before and after: 33 KB in memory, and as much again as JSON several
 /// times.
 pub const MAX_TICK_CHANGES: usize = 2_048;
-/// Greatest number of control messages that wait for a client. Above it the client falls behind, and gets the outcome
-/// once it has taken them.
+/// Greatest number of control messages that wait for a client. Above it the server stops sending changes to the client
+/// one by one. Once the client has taken its messages, it gets the current state instead.
 pub const CONTROL_QUEUE: usize = 1_024;
-/// Greatest size of those messages in bytes. A single message may be larger.
+/// Greatest size of the control messages that wait for a client, in bytes. A single message may be larger.
 pub const CONTROL_BYTES: usize = 8 << 20;
-/// Size of those messages above which the client's requests are not read. The messages may be its own answers, which
-/// are not shared.
+/// Size of a client's waiting control messages above which the server does not read the client's requests. Answers to
+/// the client count too, and are not shared with other clients.
 pub const READ_PAUSE_BYTES: usize = 1 << 20;
 /// Bytes of a message given to its socket at a time: the memory held by a socket that takes nothing.
 pub const FRAGMENT_BYTES: usize = 64 << 10;
@@ -144,8 +147,8 @@ pub const RENDER_QUEUE: usize = 256;
 /// Greatest number of queued pictures: one per view and per still, so that no picture waits for another one to be
 /// queued.
 pub const MAX_PICTURES: usize = MAX_SOCKETS + MAX_STILLS;
-/// Time per client of the session during which a queued picture of a watching client keeps its content although that
-/// changes. So a session requests at most a thousand pictures per second.
+/// Time per client of the session during which a queued picture of a watching client keeps its content although the
+/// document changes. So a session requests at most a thousand pictures per second.
 pub const STALE_TIME_PER_CLIENT: Duration = Duration::from_millis(1);
 /// Greatest number of trace lines that wait for the disk. More are left out and counted.
 pub const TRACE_QUEUE: usize = 1_024;
@@ -161,7 +164,8 @@ pub const CHECKPOINT_AFTER_BYTES: u64 = 4 << 20;
 pub const MAX_READERS: usize = 8;
 /// Greatest number of records sent to a returning client. If it missed more, it gets the document.
 pub const MAX_CATCH_UP_RECORDS: u64 = 1_000;
-/// Greatest size of those records in bytes, except for a single one. The document's text is shared, theirs is not.
+/// Greatest size in bytes of the records sent to a returning client, except for a single larger one. The text of the
+/// document is shared between clients, the text of these records is not.
 pub const MAX_CATCH_UP_BYTES: usize = 1 << 20;
 
 /// Time within which a request's head has to arrive, and within which a connection has to send a request.
@@ -202,29 +206,30 @@ pub const SETTLING_TIME_SHARE: f64 = 0.1;
 pub const WATCHED_TIME_SHARE: f64 = 0.3;
 /// Time after its last edit or move of its camera during which a client's view counts as interactive.
 pub const INTERACTIVE_FOR: Duration = Duration::from_secs(1);
-/// Time after its last picture during which a view counts as moving. A drag requests its next picture when the last is
-/// shown.
+/// Time after its last picture during which a view counts as moving. In a drag the client requests the next picture
+/// when the last one is shown.
 pub const MOVING_FOR: Duration = Duration::from_millis(300);
-/// Length of a turn for a picture that a user moves, while several users do. A switch costs caches and a wait for the
-/// device. Beside 250 views of a drag by another client, a view gets .34 of its frames with turns of 8 ms by wgpu and
-/// .47 natively, and .51 and .58 with 16 ms. The longest gaps are no longer with 16 ms, but they are with 24 ms.
+/// Length of a slice of drawing time for a picture that a user moves, while several users move something. Changing to
+/// another picture loses cache contents and waits for the device. Beside 250 views of a drag by another client, a view
+/// gets 0.34 of its frames with slices of 8 ms by wgpu and 0.47 natively, and 0.51 and 0.58 with 16 ms. With 16 ms the
+/// longest gaps are as long as with 8 ms. With 24 ms they are longer.
 pub const MOVING_TURN: Duration = Duration::from_millis(16);
-/// Length of a turn for another picture while something moves. It is less than a tenth of a picture that takes a
-/// sixth of a second.
+/// Length of a slice of drawing time for any other picture while something moves: less than a tenth of a frame that
+/// takes a sixth of a second.
 pub const TURN_WHILE_MOVING: Duration = Duration::from_millis(10);
-/// Time after its last picture during which a client counts as one of several that draw. With several, no moving
-/// picture is drawn in one turn.
+/// Time after its last picture during which a client counts as one of several that draw. While there are several, no
+/// moving picture is drawn in one slice.
 pub const SHARED_FOR: Duration = Duration::from_secs(10);
-/// Number of pixels above which a moving picture is drawn in tiles while several clients draw. Larger ones take longer
-/// than a turn even for one light.
+/// Number of pixels above which a moving picture is drawn in tiles while several clients draw. A larger picture takes
+/// longer than a slice even with one light.
 pub const LARGE_PICTURE_PIXELS: u32 = 1_500_000;
 /// Number of pixels above which a moving picture is encoded as background work while several clients' views move. That
 /// many take about 17 ms of a core.
 pub const LARGE_ENCODE_PIXELS: u32 = 1 << 19;
-/// Number of turns after which a moving picture is drawn to its end in one turn. Its cached layers may have been
-/// evicted between turns.
+/// Number of slices after which a moving picture is drawn to its end in one slice. Its cached layers may have been
+/// evicted between slices.
 pub const MAX_MOVING_TURNS: u32 = 1_000;
-/// Length of a turn while nothing moves. Something that begins to move may have to wait that long.
+/// Length of a slice of drawing time while nothing moves. A view that starts to move may wait for that long.
 pub const MAX_TURN: Duration = Duration::from_millis(50);
 /// Time that a stopping server waits for the last lines of its trace.
 pub const TRACE_FLUSH_TIMEOUT: Duration = Duration::from_secs(1);

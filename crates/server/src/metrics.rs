@@ -26,11 +26,11 @@ pub struct Metrics {
     errors: Family<ErrorLabel, Counter>,
     /// Time from a request's head to its answer's, by route.
     request_seconds: Family<RouteLabel, Histogram, fn() -> Histogram>,
-    /// Requests that are being answered or wait for it.
+    /// Requests that have arrived and are not answered yet.
     requests_under_way: Gauge,
-    /// Pictures that wait for a turn, by urgency.
+    /// Pictures that wait for drawing time, by urgency.
     render_queue: Family<UrgencyLabel, Gauge>,
-    /// Time from a change to the start of a view's picture of it.
+    /// Time from a change to the start of drawing the picture that shows it in a view.
     pub frame_wait_seconds: Histogram,
     pub frames_rendered: Counter,
     pub frames_encoded: Family<CodecLabel, Counter>,
@@ -39,13 +39,13 @@ pub struct Metrics {
     pub frame_bytes_sent: Counter,
     /// Requests for records, by outcome.
     pub edits: Family<OutcomeLabel, Counter>,
-    /// Time of the store's transactions.
+    /// Duration of a transaction of the store.
     pub commit_seconds: Histogram,
-    /// Time of renders for views.
+    /// Time spent on drawing a picture for a view.
     pub render_seconds: Histogram,
-    /// Time of the renderer's turns. Each draws a picture or a part of it.
+    /// Duration of a slice of drawing time, in which the renderer draws a picture or a part of it.
     pub render_turn_seconds: Histogram,
-    /// Time of encodings for views.
+    /// Time spent on encoding a picture for a view.
     pub encode_seconds: Histogram,
     /// Clients that have said hello.
     pub clients: Gauge,
@@ -53,16 +53,16 @@ pub struct Metrics {
     pub rooms: Gauge,
     /// Decoded scene files, each of which may take gigabytes.
     pub scenes_decoded: Counter,
-    /// Turns of pictures for HTTP.
+    /// Slices of drawing time that pictures for HTTP have had.
     pub still_turns: Counter,
-    /// Least number of turns of a picture for HTTP in progress.
+    /// Least number of slices that any unfinished picture for HTTP has had.
     pub least_still_turns: Gauge,
-    /// Feature drags that are solved or wait.
+    /// Drags of features that are being solved or wait.
     pub solves_under_way: Gauge,
-    /// Bytes of the renderer by kind, read from its budget on request.
+    /// Bytes of the renderer's memory by kind, read from its budget when the metrics are requested.
     render_bytes: Family<MemoryLabel, Gauge>,
     render_memory: MemoryBudget,
-    /// Bytes of bodies, answers and messages, read from their account on request.
+    /// Bytes of bodies, answers and messages in memory, read from their budget when the metrics are requested.
     bytes_in_flight: Gauge,
     in_flight: ByteBudget,
 }
@@ -73,13 +73,13 @@ pub struct CodecLabel {
     codec: &'static str,
 }
 
-/// Label `committed`, or the code of the rejection.
+/// Label of a finished edit: `committed`, or the code of the rejection.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct OutcomeLabel {
     outcome: &'static str,
 }
 
-/// Label of a request and its answer.
+/// Labels of an answered request: its method, its route and the status of its answer.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, EncodeLabelSet)]
 pub struct RequestLabel {
     /// `GET`, `HEAD`, `POST` or `other`.
@@ -161,7 +161,7 @@ impl Metrics {
         metrics
     }
 
-    /// The account of the renderer's memory.
+    /// Returns the budget that counts the renderer's memory.
     pub fn render_memory(&self) -> &MemoryBudget {
         &self.render_memory
     }
@@ -221,7 +221,7 @@ impl Metrics {
         self.edits.get_or_create(&OutcomeLabel { outcome }).inc();
     }
 
-    /// Counts a request as in progress until the result is dropped.
+    /// Counts a request as in progress until the returned value is dropped.
     pub fn request_begins(&self) -> RequestUnderWay {
         self.requests_under_way.inc();
         RequestUnderWay(self.requests_under_way.clone())

@@ -19,34 +19,34 @@ use crate::limits::{CONTROL_BYTES, CONTROL_QUEUE, FRAME_QUEUE, READ_PAUSE_BYTES,
 #[derive(Debug)]
 pub enum SocketMessage {
     Text(SharedText),
-    /// A frame, or a tile of one.
+    /// Binary message: a frame, or a tile of one.
     Binary(Bytes),
 }
 
-/// A control message in its wire form, in pieces. Text that is sent to many clients is a piece of its own, which they
+/// Control message as text for the socket, in pieces. The text of a document that many clients get is a piece that they
 /// share.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SharedText {
     pieces: Vec<Bytes>,
-    /// Size without the text of a document.
+    /// Size in bytes without the text of a document.
     own_bytes: usize,
 }
 
 impl SharedText {
-    /// Makes the text of a message. It is on the account until all receivers have taken it.
+    /// Makes the text of a message. Its bytes count as in flight until all receivers have taken it.
     pub fn of(message: &ServerMessage, in_flight: &ByteBudget) -> Self {
         let text = counted(json(message), in_flight);
         Self { own_bytes: text.len(), pieces: vec![text] }
     }
 
-    /// Makes the text of a message with an empty document, replaced by the given text.
+    /// Makes the text of a message, with `document` in place of the empty document that the message holds.
     pub fn with_document(message: &ServerMessage, document: Bytes, in_flight: &ByteBudget) -> Self {
         let (before, after) = protocol::json_around_document(message);
         let own_bytes = before.len() + after.len();
         Self { pieces: vec![counted(before, in_flight), document, counted(after, in_flight)], own_bytes }
     }
 
-    /// The bytes, in order.
+    /// Returns the pieces of the text, in order.
     pub fn into_pieces(self) -> Vec<Bytes> {
         self.pieces
     }
@@ -64,7 +64,8 @@ pub struct Outbox {
     control: mpsc::UnboundedSender<SharedText>,
     frames: mpsc::Sender<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
-    /// Answers to a client that is behind, which may refer to messages it has not received. `None` if it is not behind.
+    /// Answers held back while the client is behind, since they may refer to messages that it has not received. `None`
+    /// if the client is not behind.
     deferred_answers: Option<Vec<SharedText>>,
     in_flight: ByteBudget,
 }
@@ -74,19 +75,19 @@ pub struct Outbox {
 pub struct OutboxReceiver {
     /// Texts, to be sent before frames.
     pub control: mpsc::UnboundedReceiver<SharedText>,
-    /// Frames, to be sent if no text waits: one message per tile, and the statistics of a frame behind its last.
+    /// Frames, which are sent while no text waits. Each has one message per tile. Its statistics follow its last tile.
     pub frames: mpsc::Receiver<Vec<SocketMessage>>,
     backlog: Arc<watch::Sender<Backlog>>,
 }
 
-/// Control messages that a client has not taken yet, including deferred answers.
+/// Number and size of the control messages that a client has not taken yet, including answers held back.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Backlog {
     messages: usize,
     bytes: usize,
 }
 
-/// Makes an empty outbox with its receiving end. Its messages are on that account.
+/// Makes an empty outbox and its receiving end. The bytes of its messages count in `in_flight`.
 pub fn outbox(in_flight: ByteBudget) -> (Outbox, OutboxReceiver) {
     let (control, control_end) = mpsc::unbounded_channel();
     let (frames, frames_end) = mpsc::channel(FRAME_QUEUE);
@@ -96,8 +97,8 @@ pub fn outbox(in_flight: ByteBudget) -> (Outbox, OutboxReceiver) {
 }
 
 impl Outbox {
-    /// Sends an answer, or a message for this client alone. It always arrives: the requests of a client that does not
-    /// take its answers are not read meanwhile.
+    /// Sends an answer, or another message for this client alone. There is always room for it, because the server does
+    /// not read requests of a client that does not take its answers.
     pub fn send(&mut self, message: &ServerMessage) {
         self.send_text(SharedText::of(message, &self.in_flight));
     }
@@ -143,7 +144,7 @@ impl Outbox {
         }
     }
 
-    /// Sends an error. The connection ends with it if it is `fatal`.
+    /// Sends an error. If it is `fatal`, the connection closes after it.
     pub fn send_error(&mut self, error: &ServerError, fatal: bool) {
         self.send(&error_message(error, fatal));
     }
@@ -181,7 +182,7 @@ impl OutboxReceiver {
         self.backlog.send_modify(|backlog| backlog.remove(text));
     }
 
-    /// The backlog of the client, to wait on.
+    /// Returns the client's backlog, for a task that waits until it changes.
     pub fn backlog(&self) -> watch::Receiver<Backlog> {
         self.backlog.subscribe()
     }
@@ -215,7 +216,7 @@ impl Backlog {
     }
 }
 
-/// A control message in its wire form, for messages that are sent with a frame and count as part of it.
+/// Makes the text of a control message that is sent with a frame and counts as part of it.
 pub fn text(message: &ServerMessage) -> SharedText {
     json(message).into()
 }
@@ -228,7 +229,7 @@ fn counted(text: String, in_flight: &ByteBudget) -> Bytes {
     in_flight.reserve_unchecked(text.len()).attach_to(text)
 }
 
-/// The message for an error.
+/// Makes the message that reports an error.
 pub fn error_message(error: &ServerError, fatal: bool) -> ServerMessage {
     let Problem { code, message } = error.problem();
     ServerMessage::Error { code, message, fatal }

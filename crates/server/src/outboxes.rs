@@ -18,7 +18,7 @@ pub struct Outboxes {
 }
 
 impl Outboxes {
-    /// Starts without outboxes. Their messages are on that account.
+    /// Makes a set without outboxes. The bytes of their messages will count in `in_flight`.
     pub fn new(in_flight: ByteBudget) -> Self {
         Self { boxes: BTreeMap::new(), in_flight }
     }
@@ -54,8 +54,8 @@ impl Outboxes {
         }
     }
 
-    /// Sends all clients a message, except for those that are behind, which get the outcome later. `requester` gets it
-    /// in any case.
+    /// Sends a message to all clients that are not behind. Those that are get the current state later. `requester` gets
+    /// the message in any case.
     pub fn broadcast(&mut self, message: &ServerMessage, requester: Option<ClientId>) {
         let text = SharedText::of(message, &self.in_flight);
         for (id, outbox) in &mut self.boxes {
@@ -106,7 +106,7 @@ impl Outboxes {
         self.boxes.get(&client).is_some_and(Outbox::is_behind)
     }
 
-    /// True if `chosen` is true for an outbox.
+    /// True if `chosen` is true for any client's outbox.
     pub fn any(&self, chosen: impl Fn(&Outbox) -> bool) -> bool {
         self.boxes.values().any(chosen)
     }

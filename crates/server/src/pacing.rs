@@ -25,15 +25,15 @@ pub struct SocketPacing {
     edits: Arc<RequestPacing>,
 }
 
-/// Throttle of edits, or of requests, of all clients.
+/// Throttle that all clients share, for edits or for requests.
 #[derive(Debug)]
 pub struct RequestPacing {
     allowances: Mutex<Allowances>,
     moving: Arc<MovingPixels>,
 }
 
-/// Throttle of the decoding of uploads, of all clients. Uploads wait for each other here, so opening a scene does not
-/// wait for an upload that itself waits.
+/// Throttle that all clients share, for the decoding of uploads. Uploads wait here for each other. So the decoder stays
+/// free to open a scene while an upload waits.
 #[derive(Debug)]
 pub struct UploadPacing {
     allowance: Allowance,
@@ -60,12 +60,12 @@ impl SocketPacing {
 }
 
 impl RequestPacing {
-    /// Makes a throttle with that rate per client beside interactive clients.
+    /// Makes a throttle that lets a client do as much as `rate` allows while another client is interactive.
     pub fn new(rate: AllowanceRate, moving: Arc<MovingPixels>) -> Self {
         Self { allowances: Mutex::new(Allowances::new(rate)), moving }
     }
 
-    /// Waits until a client's next request may be carried out, which counts for `count`.
+    /// Waits until the client's next request may be carried out. The request takes `count` tokens.
     pub async fn wait(&self, payer: &Payer, count: f64) {
         let try_take = |now| {
             let mut allowances = self.allowances.lock().unwrap_or_else(PoisonError::into_inner);

@@ -10,14 +10,14 @@ use crate::ServerError;
 /// share).
 #[derive(Debug)]
 pub struct SessionPermits {
-    /// Name of the guarded things for users.
+    /// Plural name of the limited things in error messages: requests, pictures.
     label: &'static str,
     limit: usize,
-    /// Number of permits of each session that has any. Requests without a session have an empty name.
+    /// Number of permits that each session holds. Requests without a session count under an empty name.
     taken: Mutex<BTreeMap<String, usize>>,
 }
 
-/// A permit, until it is dropped.
+/// A permit of a session, returned when this is dropped.
 #[derive(Debug)]
 pub struct Permit<'a> {
     permits: &'a SessionPermits,
@@ -29,7 +29,7 @@ impl SessionPermits {
         Self { label, limit, taken: Mutex::default() }
     }
 
-    /// Takes a permit for a session.
+    /// Takes a permit for a session, or gives an error if the session may hold no more.
     pub fn acquire(&self, session: &str) -> Result<Permit<'_>, ServerError> {
         let mut taken = self.taken();
         let free = self.limit - taken.values().sum::<usize>();
@@ -64,7 +64,8 @@ impl Drop for Permit<'_> {
 mod tests {
     use super::*;
 
-    /// Number of permits of each of these sessions if they take as many as they can, one after the other.
+    /// Returns the number of permits that each of these sessions gets if they take as many as they can, one session
+    /// after the other.
     fn had(most: usize, sessions: &[&str]) -> Vec<usize> {
         let permits = SessionPermits::new("pictures", most);
         let mut held = Vec::new();

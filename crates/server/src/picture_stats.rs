@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use protocol::{Cause, Pass, PassRun};
 
-/// Converts passes that ran.
+/// Converts passes that ran from the renderer's type to the protocol's.
 pub fn wire_pass_runs(runs: &[render::PassRun]) -> Vec<PassRun> {
     let run = |&render::PassRun { pass, light, cause, runs }: &render::PassRun| PassRun {
         pass: match pass {
@@ -31,7 +31,7 @@ pub fn wire_pass_runs(runs: &[render::PassRun]) -> Vec<PassRun> {
     runs.iter().map(run).collect()
 }
 
-/// Whole microseconds: the unit of times in frames, statistics and traces.
+/// Converts a duration to whole microseconds, the unit in frames, statistics and traces.
 pub fn micros(duration: Duration) -> u32 {
     duration.as_micros().try_into().unwrap_or(u32::MAX)
 }

@@ -26,7 +26,7 @@ pub struct ProbeJob {
     pub size: [u32; 2],
     /// Pixels from the top left corner.
     pub pixel: [f64; 2],
-    /// True if the positions of highlights are wanted.
+    /// True if the answer has to contain the positions of highlights.
     pub wants_highlights: bool,
     pub lights: Vec<LightInstance>,
     /// Lights that the view hides.
@@ -34,7 +34,7 @@ pub struct ProbeJob {
     pub scene: DecodedScene,
 }
 
-/// The wanted camera, of the document or given by the asker.
+/// Returns the camera of the probe: one of the document, or the one in the request.
 pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera, ServerError> {
     match wanted {
         ProbeCamera::Own(camera) => valid_camera(camera),
@@ -45,7 +45,7 @@ pub fn chosen_camera(wanted: ProbeCamera, document: &Document) -> Result<Camera,
     }
 }
 
-/// Finds the reasons for which a pixel is lit or not.
+/// Finds the reasons why a pixel is lit or not, for each light.
 pub async fn probe(backend: &Services, probe: ProbeJob) -> Result<Probed, ServerError> {
     let size = RenderLimits::HTTP.check_size(probe.size)?;
     let follow = move |bvh| {

@@ -19,10 +19,10 @@ pub enum ClientRequest {
     /// Opens a view of the client's own.
     OpenView {
         camera: Camera,
-        /// The client's number of the camera.
+        /// Number that the client gives the camera.
         camera_revision: u32,
         settings: ViewSettings,
-        /// Details that may be reduced while something moves.
+        /// Parts of the picture that may be reduced while something moves.
         interaction: Interaction,
         /// True if the client wants statistics of each frame.
         stats: bool,
@@ -38,7 +38,7 @@ pub enum ClientRequest {
     /// Moves the camera of the client's own view.
     SetCamera {
         camera: Camera,
-        /// The client's number of the camera.
+        /// Number that the client gives the camera.
         camera_revision: u32,
     },
     /// Changes the settings of the client's own view.
@@ -46,20 +46,20 @@ pub enum ClientRequest {
         settings: ViewSettings,
         /// True if the client wants statistics of each frame from now on. `None` changes nothing.
         stats: Option<bool>,
-        /// The client's number of the camera from now on.
+        /// Number that the client gives the camera from now on.
         camera_revision: u32,
     },
     /// Changes the size of the client's own view, in pixels.
     Resize([u32; 2]),
     /// Acknowledges a shown frame.
     Ack(u64),
-    /// Requests a key frame, since that frame could not be decoded.
+    /// Requests a key frame, because the client could not decode the frame of this number.
     RequestKeyFrame(u64),
     /// Requests a record.
     Step(RecordRequest),
     /// Begins to drag a light.
     BeginGesture {
-        /// The client's id of the gesture.
+        /// Name that the client gives the gesture.
         gesture: String,
         light: LightId,
         /// Number of the latest record that the client knew.
@@ -68,9 +68,9 @@ pub enum ClientRequest {
     /// Latest state of a drag.
     UpdateGesture {
         gesture: String,
-        /// The client's number of the update.
+        /// Number that the client gives the update.
         update: u64,
-        /// The state, or the error of its conversion.
+        /// Command with the state of the drag, or the error of its conversion.
         command: Result<Command, ServerError>,
     },
     /// Ends a drag without a record.
@@ -79,9 +79,9 @@ pub enum ClientRequest {
     Select(Option<u64>),
     /// Asks for the steps that undo and redo would revert.
     History,
-    /// Asks for the reasons for which a pixel is lit or not.
+    /// Asks for the reasons why a pixel is lit or not.
     Probe(ProbeQuestion),
-    /// Ping. The answer returns the number.
+    /// Asks for a pong that repeats the number.
     Ping(f64),
     /// A message that could not be read or is not allowed.
     Invalid(ServerError),
@@ -89,8 +89,8 @@ pub enum ClientRequest {
 
 impl ClientRequest {
     /// True if the request changes a picture that its sender already sees, so the sender waits for each picture of it.
-    /// A new view waits for its first picture like a watching client. Otherwise views opened by the dozen would take
-    /// turns with the drag of another client, one each.
+    /// A new view waits for its first picture like a watching client. Otherwise dozens of new views would each count
+    /// like the view of a client that drags.
     pub fn is_interactive(&self) -> bool {
         self.may_edit() || matches!(self, Self::SetCamera { .. } | Self::SetView { .. } | Self::Resize(_))
     }
@@ -107,7 +107,7 @@ impl ClientRequest {
 /// A question about a pixel.
 #[derive(Debug)]
 pub struct ProbeQuestion {
-    /// The client's id of the question.
+    /// Name that the client gives the question.
     pub probe: String,
     /// `None` for the camera of the client's view.
     pub camera: Option<ProbeCamera>,
@@ -115,7 +115,7 @@ pub struct ProbeQuestion {
     pub size: Option<[u32; 2]>,
     /// Pixels from the top left corner.
     pub pixel: [f64; 2],
-    /// True if the positions of highlights are wanted.
+    /// True if the client asks for the positions of highlights.
     pub wants_highlights: bool,
 }
 
@@ -197,7 +197,8 @@ pub fn needs_scene(command: &Command) -> bool {
     matches!(command, Command::DragFeature { .. } | Command::BendLight { .. })
 }
 
-/// Converts a message of a client. The session answers its errors, in the order of messages.
+/// Converts a message of a client. If that fails, the result is `ClientRequest::Invalid`, which the session answers
+/// with the error in the order of messages.
 pub async fn client_request(message: ClientMessage, scenes: &SceneCache) -> ClientRequest {
     parse(message, scenes).await.unwrap_or_else(ClientRequest::Invalid)
 }

@@ -39,9 +39,9 @@ pub struct DecodedScene {
     pub contents: Arc<SceneContents>,
     /// Parts of the file that are not drawn or were changed, one sentence each.
     pub notes: Arc<[String]>,
-    /// Name of the scene in its file.
+    /// Name of the scene in its own file.
     embedded_name: Option<String>,
-    /// Shared by all clones of the scene.
+    /// BVH of the scene, made at first use and shared by all clones.
     bvh: Arc<OnceCell<Arc<Bvh>>>,
 }
 
@@ -102,7 +102,8 @@ impl SceneCache {
         Ok(Asset { asset: asset.to_string(), name, notes: decoded.notes.to_vec() })
     }
 
-    /// Display name of a scene: the name that somebody gave it, or the one in its file, or the start of its hash.
+    /// Returns the display name of a scene: the name that a user gave it, or the name in the file, or the start of its
+    /// hash.
     async fn name_of(&self, asset: AssetHash, decoded: &DecodedScene) -> Result<String, ServerError> {
         let named = self.storage.read(move |store| store.assets.name_of(&asset)).await?;
         let own = || decoded.embedded_name.clone();
@@ -176,7 +177,7 @@ impl DecodedScene {
     }
 }
 
-/// Reasons for slow pictures of a scene, one sentence each.
+/// Lists reasons why pictures of the scene are slow, one sentence each.
 fn performance_notes(posed: &PosedScene) -> impl Iterator<Item = String> + use<> {
     let (count, depth) = (posed.primitives.len(), posed.depth_complexity());
     let primitives = (count > MANY_PRIMITIVES).then(|| {

@@ -12,7 +12,7 @@ use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::TcpStream;
 use tokio::time::{Instant, Sleep, sleep};
 
-/// Number of tries within a timeout.
+/// Number of times that a blocked write is tried again within the write timeout.
 const TRIES_PER_TIMEOUT: u32 = 6;
 
 /// A stream of which a write fails with `TimedOut` once the other side has taken nothing for `write_timeout`.
@@ -24,7 +24,7 @@ pub struct WriteTimeoutStream {
     stream: TcpStream,
     write_timeout: Duration,
     next_try: Pin<Box<Sleep>>,
-    /// Start of the wait of a write.
+    /// Time since which a write is blocked. `None` if none is.
     waits_since: Option<Instant>,
 }
 
@@ -124,7 +124,8 @@ mod tests {
 
     const WITHIN: Duration = Duration::from_secs(1);
 
-    /// Time for which 64 MiB can be written to a reader of `bytes` 20 times per second, up to 6 s.
+    /// Measures the time for which 64 MiB can be written to a reader that takes `bytes` bytes 20 times per second, up
+    /// to 6 s.
     async fn lasts(bytes: usize) -> Duration {
         let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
         set_socket_send_buffer_size(&listener, 512 << 10).unwrap();

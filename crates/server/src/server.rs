@@ -46,7 +46,7 @@ pub struct ServerConfig {
     /// Name of the first session, which the server makes.
     pub session: String,
     /// A scene to serve: a file, or `demo:NAME`. The first session loads it when it is made. If that session has
-    /// another scene, this one gets its own session.
+    /// another scene already, the server makes a session for the given scene.
     pub scene: Option<String>,
     /// File of the token, made if it is missing. `None` means a file in the data folder.
     pub token_file: Option<PathBuf>,
@@ -186,7 +186,7 @@ impl Server {
     }
 }
 
-/// Content of the data folder.
+/// Opened parts of the data folder.
 struct OpenedDataFolder {
     store: Store,
     token: Token,
@@ -211,7 +211,8 @@ impl OpenedDataFolder {
     }
 }
 
-/// Tests that kill a first start at every write and every sync. They are here so that no renderer starts.
+/// Tests that kill the first start of a server at every write and every sync. They are in this file because they open
+/// the data folder alone, without a renderer.
 #[cfg(test)]
 mod tests {
     use std::env;

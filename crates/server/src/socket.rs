@@ -93,7 +93,7 @@ async fn handshake(
     }
 }
 
-/// A joining client, and the epoch and record that it knows.
+/// Joining client, and the epoch and record that it says it has.
 type HelloClaims = (Principal, Option<String>, Option<u64>);
 
 /// Waits for the first message. Returns `None` if the connection ends before. Answers unreadable messages with an error
@@ -165,7 +165,7 @@ async fn read(
     }
 }
 
-/// The next control message, or the error of its conversion. `None` at the end.
+/// Receives the next control message, or the error of its conversion. `None` at the end of the connection.
 async fn next(
     messages: &mut (impl Stream<Item = Result<WireMessage, Error>> + Unpin),
 ) -> Option<Result<ClientMessage, ServerError>> {

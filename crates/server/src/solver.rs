@@ -1,4 +1,4 @@
-//! Threads that solve drags, in turns by client.
+//! Threads that solve drags. The least charged client is next.
 //!
 //! Each solve has its own thread. As many run at once as there are cores, and the others wait. Every few milliseconds
 //! of counted work a solve charges its client (`crate::charges`). It yields if a waiting solve is of a less charged
@@ -23,16 +23,16 @@ use crate::charges::{Charges, Payer};
 use crate::limits::{MAX_SOLVES, SHORT_SOLVE_RATE, SHORT_SOLVE_STEPS};
 use crate::views::MovingPixels;
 
-/// Factor of a long solve's rest to its work while views of other clients move.
+/// Factor of the pause of a long solve to the work before it, while views of other clients move.
 const LONG_SOLVE_REST_FACTOR: u32 = 3;
-/// Greatest rest, which limits it after a thread was delayed.
+/// Greatest pause of a long solve. It limits the pause if the thread was delayed and so seems to have worked long.
 const MAX_REST: Duration = Duration::from_millis(60);
 
-/// Handle to the threads that solve. Clones share them.
+/// Handle to the threads that solve drags. Clones share them.
 #[derive(Clone)]
 pub struct Solver {
     turns: Arc<Mutex<SolveQueue>>,
-    /// Actors whose views move.
+    /// Actors whose views move, by whom long solves are slowed.
     moving: Arc<MovingPixels>,
     /// Number of solves that run or wait.
     under_way: Gauge,
@@ -47,12 +47,13 @@ impl fmt::Debug for Solver {
 /// Queue of solves and their charges.
 struct SolveQueue {
     charges: Charges,
-    /// Time for which each client's solves may still run as short ones.
+    /// Solver time that each client may still use before its solves count as long.
     allowances: Allowances,
     waiting: Vec<QueuedSolve>,
-    /// Number of running short and long solves. Long ones may yield late, since everything else precedes them.
+    /// Number of running short solves, and of running long ones. A long solve may yield late, because everything else
+    /// runs before it.
     running: [usize; 2],
-    /// Greatest number of running short solves. Long ones run if short ones leave slots.
+    /// Greatest number of running short solves. A long solve runs if short ones leave a slot of this number free.
     max_running: usize,
     /// Number of solves that run or wait.
     total: usize,
@@ -98,7 +99,7 @@ impl SolveQueue {
     }
 }
 
-/// A solve on its thread, running or waiting.
+/// A solve on its own thread, running or waiting.
 pub struct SolveTurn {
     turns: Arc<Mutex<SolveQueue>>,
     moving: Arc<MovingPixels>,
@@ -125,8 +126,8 @@ impl Drop for CancelOnDrop {
 }
 
 impl Solver {
-    /// Makes a solver that runs up to `most` solves at once. `under_way` counts those that run or wait. Long ones run a
-    /// quarter of the time while views of other clients move.
+    /// Makes a solver that runs up to `most` solves at once. `under_way` counts the solves that run or wait. Long
+    /// solves work a quarter of the time while views of other clients move.
     pub fn new(most: usize, under_way: Gauge, moving: Arc<MovingPixels>) -> Self {
         let (charges, waiting) = (Charges::default(), Vec::new());
         let allowances = Allowances::new(SHORT_SOLVE_RATE);
@@ -142,8 +143,8 @@ impl Solver {
         Self { turns: Arc::new(Mutex::new(turns)), moving, under_way }
     }
 
-    /// Runs `solve` on its own thread when its turn comes. Dropping the future cancels the solve:
-    /// [`SolveTurn::may_continue`] returns false within some milliseconds.
+    /// Runs `solve` on its own thread once the queue admits it, and returns its result. Dropping the future cancels the
+    /// solve: [`SolveTurn::may_continue`] returns false within some milliseconds.
     pub async fn run<T: Send + 'static>(
         &self,
         payer: Payer,
@@ -171,7 +172,8 @@ impl Solver {
         answer.await.map_err(|_| ServerError::Internal)
     }
 
-    /// Makes a waiting solve.
+    /// Adds a solve to the count of those under way. Gives an error if there are too many. The solve does not run until
+    /// `SolveTurn::wait` returns true.
     fn turn(&self, payer: Payer) -> Result<SolveTurn, ServerError> {
         let mut turns = lock(&self.turns);
         if turns.total >= MAX_SOLVES {
@@ -194,8 +196,8 @@ impl Solver {
 }
 
 impl SolveTurn {
-    /// True if a solve that has taken that many steps may continue, at once or after yielding to others. `false` if it
-    /// is cancelled.
+    /// Charges the work since the last call, and waits if a less charged client is next. Returns false if the solve is
+    /// cancelled. `steps` is the number of steps that the solve has taken. Above a limit the solve counts as long.
     pub fn may_continue(&mut self, steps: u64) -> bool {
         if self.is_cancelled.load(Ordering::Acquire) {
             return false;
@@ -250,7 +252,7 @@ impl SolveTurn {
         true
     }
 
-    /// True if the client's solves may still run as short ones.
+    /// True if the client may still run short solves.
     fn has_short_allowance(&self) -> bool {
         lock(&self.turns).allowances.has_tokens(&self.payer, Instant::now())
     }
@@ -268,7 +270,7 @@ impl SolveTurn {
         worked
     }
 
-    /// Frees its slot for another solve.
+    /// Frees the solve's slot for another solve.
     fn release_slot(&mut self) {
         if self.since.take().is_some() {
             let mut turns = lock(&self.turns);

@@ -29,7 +29,7 @@ pub struct AppState {
     pub stills: SessionPermits,
     /// A permit for each scene being uploaded.
     pub uploads: Semaphore,
-    /// Permits of anonymous liveness checks and opening sockets.
+    /// Permits for anonymous requests that check if the server is alive, and for opening sockets.
     pub anonymous_short_permits: AnonymousPermits,
     /// Permits of all other anonymous requests.
     pub anonymous_permits: AnonymousPermits,

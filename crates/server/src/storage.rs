@@ -19,13 +19,14 @@ use crate::{ServerError, metrics::Metrics};
 pub struct Storage {
     folder: Arc<Path>,
     writes: mpsc::Sender<WriteJob>,
-    /// Unused connections.
+    /// Open connections for reading that nobody uses at the moment.
     readers: Arc<Mutex<Vec<Store>>>,
 }
 
 /// A write to the database.
 enum WriteJob {
-    /// Records and rejections of a session. The answer is the growth of its log.
+    /// Commits records and rejections of a session. The answer is the number and size of the records that its log grew
+    /// by.
     Commit(Commit, oneshot::Sender<Result<RecordTail, StoreError>>),
     /// A transaction of its own, which sends its own answer.
     Exclusive(Box<dyn FnOnce(&mut Store) + Send>),
@@ -47,8 +48,8 @@ impl Storage {
         Self { folder: folder.into(), writes, readers: Arc::default() }
     }
 
-    /// Writes records and rejections, which are on disk when this returns. `hash` is of the document after the last
-    /// record. Returns the growth of the log.
+    /// Writes records and rejections, which are on disk when this returns. `hash` is the hash of the document after the
+    /// last record. Returns the growth of the log.
     pub async fn append(
         &self,
         session: Arc<str>,
@@ -204,7 +205,8 @@ fn write_until_closed(mut store: Store, mut inbox: mpsc::Receiver<WriteJob>, met
     }
 }
 
-/// Commits all together. If that fails, commits each alone, so that no session fails because of another.
+/// Commits all batches in one transaction. If that fails, commits each in a transaction of its own, so that no session
+/// fails because of another.
 fn commit_all<T>(store: &mut Store, commits: &[(Commit, T)]) -> Vec<Result<RecordTail, StoreError>> {
     let batches: Vec<CommitBatch> = commits.iter().map(|(commit, _)| commit.batch()).collect();
     let together = if batches.len() > 1 { store.append(&batches).ok() } else { None };

@@ -19,14 +19,15 @@ use crate::ServerError;
 use crate::limits::{TRACE_FLUSH_TIMEOUT, TRACE_QUEUE};
 use crate::picture_stats::micros;
 
-/// Handle that takes lines of pictures. Clones share the file. The default has no file and drops all lines.
+/// Handle to the trace file, to which a line is written for each picture. Clones share the file. The default has no
+/// file and drops all lines.
 #[derive(Clone, Debug, Default)]
 pub struct Trace(Option<Lines>);
 
 #[derive(Clone, Debug)]
 struct Lines {
     queue: SyncSender<Entry>,
-    /// Number of lines without room since the last one with room.
+    /// Number of lines that were dropped, because the queue was full, since the last line that was queued.
     left_out: Arc<AtomicU64>,
 }
 
@@ -36,7 +37,7 @@ enum Entry {
     End,
 }
 
-/// The writing thread. Dropping this writes the waiting lines and waits for that, unless the disk is stuck.
+/// Thread that writes the trace. Dropping this writes the queued lines first, and waits for that unless the disk hangs.
 #[derive(Debug)]
 pub struct TraceThread {
     queue: SyncSender<Entry>,
@@ -53,8 +54,8 @@ impl Drop for TraceThread {
     }
 }
 
-/// The line of a drawn picture. It goes to the trace when the picture is encoded, or when this is dropped because it
-/// never will be.
+/// Line of a drawn picture that is not in the trace yet. It is queued when the picture is encoded, or when this is
+/// dropped because the picture will not be encoded.
 #[derive(Debug)]
 pub struct PictureTrace {
     trace: Trace,
@@ -62,7 +63,7 @@ pub struct PictureTrace {
 }
 
 impl PictureTrace {
-    /// Notes that the picture is encoded, and the time that took.
+    /// Queues the line, with the time that encoding took.
     pub fn encoded(mut self, took: Duration) {
         if let Some(line) = &mut self.line {
             line.encode_us = Some(micros(took));
@@ -81,7 +82,7 @@ impl Drop for PictureTrace {
 }
 
 impl Trace {
-    /// Appends to a file, which is made if it is missing, for its owner alone.
+    /// Starts the thread that appends lines to a file. Creates the file if it is missing, readable for its owner alone.
     pub fn start(path: &Path) -> Result<(Self, TraceThread), ServerError> {
         let unusable = |reason| ServerError::Trace { path: path.into(), reason };
         let file = File::options().create(true).append(true).mode(0o600).open(path).map_err(unusable)?;
@@ -104,7 +105,8 @@ impl Trace {
     }
 }
 
-/// Writes each line at once and as a whole, until the end or an error. Half a line is never followed by another one.
+/// Writes lines until the queue is closed or an error occurs. Each line is written at once and as a whole, so an
+/// incomplete line is never followed by another one.
 fn write_lines(mut file: File, path: &Path, entries: &Receiver<Entry>, left_out: &AtomicU64) {
     while let Ok(Entry::Line(mut line)) = entries.recv() {
         line.left_out = left_out.swap(0, Ordering::Relaxed);
@@ -173,8 +175,8 @@ mod tests {
         drop(Trace::default().drawn(|| unreachable!("nobody wants to know")));
     }
 
-    /// A reader that takes nothing stands for a stuck disk: nobody waits for it, and the next line says how many are
-    /// missing.
+    /// A reader that takes nothing stands for a disk that hangs. Nobody waits for it, and the next line has the number
+    /// of dropped lines.
     ///
     /// Rules: TRACE-1
     #[test]

@@ -12,7 +12,8 @@ use scene::View;
 use super::expected::ExpectedPixel;
 use super::{ExpectedPicture, RenderedSubject};
 
-/// Distances in texels at which the edge is searched; beyond the last the distance is infinite.
+/// Distances in texels at which an edge is searched around a pixel. If none is found up to the last, the distance is
+/// infinite.
 const RINGS: [f64; 12] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0];
 const DIRECTIONS: u32 = 16;
 /// Longest step along the light, in widths of a texel. If the light meets a plane edge on, the step along it grows

@@ -9,7 +9,7 @@ pub(super) enum ScanAxis {
     Column,
 }
 
-/// Position at which a scan line crosses a shadow edge in the reference.
+/// Position at which a scan line crosses a shadow edge in the reference's picture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Crossing {
     pub axis: ScanAxis,

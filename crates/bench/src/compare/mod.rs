@@ -32,7 +32,7 @@ const VISIBLE_ERROR: f32 = 0.1;
 /// Weights of a shadow filter add up to 1 within some ulps.
 const WEIGHT_EPSILON: f32 = 1e-6;
 
-/// Verdict on a pixel of the picture.
+/// Verdict of the comparison on a pixel of the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelVerdict {
     /// No surface in either picture.
@@ -43,14 +43,14 @@ pub enum PixelVerdict {
     Silhouette,
     /// Excluded: two surfaces coincide within the precision of f32, and the two pictures see different ones.
     Coincident,
-    /// Excluded: only one of the pictures has the pixel inside the light.
+    /// Excluded: the pixel is inside the light in only one of the pictures.
     Rim,
-    /// Excluded: a shadow edge is nearer than `TEXELS_ALLOWED`, or than that plus the radius of the shadow filter if
-    /// the pixel is on the right side of it.
+    /// Excluded: a shadow edge is nearer than `TEXELS_ALLOWED`. A pixel on the right side of the edge is excluded up to
+    /// that distance plus the radius of the shadow filter.
     Boundary,
-    /// Compared: light instead of shadow, farther from the edge than that.
+    /// Compared: the pixel is lit instead of in shadow, and farther from the edge than that.
     Missed,
-    /// Compared: shadow instead of light, farther from the edge than that.
+    /// Compared: the pixel is in shadow instead of lit, and farther from the edge than that.
     False,
     /// The picture has a number that is not finite.
     NotFinite,
@@ -64,23 +64,23 @@ pub struct Comparison {
     pub pixels: usize,
     /// Pixels inside the light by the reference.
     pub in_light: usize,
-    /// Excluded, because the two pictures see different surfaces.
+    /// Number of pixels excluded because the two pictures see different surfaces.
     pub silhouettes: usize,
-    /// Excluded, because two surfaces coincide.
+    /// Number of pixels excluded because two surfaces coincide.
     pub coincident: usize,
-    /// Excluded, because only one of the pictures has the pixel inside the light.
+    /// Number of pixels excluded because only one of the pictures has them inside the light.
     pub rim: usize,
-    /// Excluded, because a shadow edge is near.
+    /// Number of pixels excluded because a shadow edge is near.
     pub boundary: usize,
-    /// Light instead of shadow, more than 1.5 texels from the edge.
+    /// Number of pixels that are lit instead of in shadow, more than 1.5 texels from the edge.
     pub missed: usize,
-    /// Shadow instead of light, more than 1.5 texels from the edge.
+    /// Number of pixels that are in shadow instead of lit, more than 1.5 texels from the edge.
     #[serde(rename = "false")]
     pub false_shadow: usize,
-    /// Pixels with an error of more than a tenth of the light, where the reference has the same visibility for all 5 x
-    /// 5 pixels around. This criterion depends on no map and no texels.
+    /// Number of pixels with an error of more than a tenth of the light, where the reference has the same visibility
+    /// for all 5 x 5 pixels around. This criterion does not depend on a map or on texels.
     pub off_edge: usize,
-    /// Pixels that have a number that is not finite.
+    /// Number of pixels with a number that is not finite.
     pub not_finite: usize,
     /// `sqrt(mean |gpu - reference|^2) / sqrt(mean |reference|^2)` over the compared pixels.
     pub radiance_rmse: f64,
@@ -279,7 +279,7 @@ pub(crate) fn radiance_rmse_of_all(
     (if error2 == 0.0 { 0.0 } else { (error2 / reference2).sqrt() }, compared)
 }
 
-/// Radius in texels over which a filter blends a straight edge.
+/// Returns the radius in texels over which a filter blends a straight edge.
 fn filter_radius_texels(filter: ShadowFilter) -> f64 {
     let texels = match filter {
         ShadowFilter::Nearest => 0.0,

@@ -10,11 +10,12 @@ use super::expected::ExpectedPixel;
 /// Factor of the size at which the picture's visibility is drawn, so that its edges are known to a sixth of a pixel. It
 /// is odd, so that the center of every pixel is one of its points.
 pub(super) const FINER: u32 = 3;
-/// Pixels to both sides in which the picture's edge is searched.
+/// Distance in pixels on both sides of a crossing within which the picture's edge is searched.
 const WINDOW: f64 = 6.0;
-/// Number of halvings of a pixel's width: an edge is then known to 2^-12 of it.
+/// Number of times that a pixel's width is halved. After that an edge is known to 2^-12 of the width.
 const HALVINGS: u32 = 12;
-/// Adjacent pixels lie on one surface if the line between them leaves its plane by less than this share of its length.
+/// Greatest distance of one pixel's surface from the plane of the adjacent pixel's, as a share of the distance between
+/// them, at which both count as one surface.
 const COPLANAR: f64 = 0.3;
 /// Minimum radiance of light that ends at an edge, as a share of the brightest. Less than that is not seen to end, at
 /// the rim of a light or along a terminator.

@@ -88,7 +88,8 @@ fn name(feature: Feature) -> &'static str {
     }
 }
 
-/// Steps of the share of values, in percent, up to each value. Infinite values count in none.
+/// Returns the steps of a curve that shows, for each value, the percentage of values up to it. Infinite values count as
+/// none of these.
 fn cumulative(mut values: Vec<f64>, (least, most): (f64, f64)) -> Vec<(f64, f64)> {
     values.sort_by(f64::total_cmp);
     let count = values.len().max(1) as f64;

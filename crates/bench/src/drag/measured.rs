@@ -12,10 +12,10 @@ use super::stage::TrialScene;
 use super::trial::{Trial, TrialKind};
 use crate::{Progress, Quantiles};
 
-/// Distance in pixels within which a feature lies under the cursor.
+/// Distance in pixels from the cursor within which a feature counts as being under the cursor.
 pub(super) const LANDED_PX: f64 = 0.5;
 
-/// Options of the benchmark.
+/// Options of the benchmark of drags.
 #[derive(Clone, Copy, Debug)]
 pub struct DragBenchOptions {
     /// Drags of each kind in each scene.
@@ -24,7 +24,7 @@ pub struct DragBenchOptions {
     pub seed: u64,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of drags.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragBenchReport {
@@ -62,11 +62,11 @@ pub struct KindReport {
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragErrors {
-    /// Number of drags that ended within half a pixel of the cursor, with a valid light.
+    /// Number of drags after which the feature is within half a pixel of the cursor and the light is valid.
     pub landed: usize,
     /// Number of lights that fold.
     pub folded: usize,
-    /// Number of features that are not in the picture afterwards.
+    /// Number of drags after which the feature is not in the picture.
     pub lost: usize,
     /// Distance from the cursor to the feature, in pixels.
     pub px: Quantiles,
@@ -89,7 +89,7 @@ pub(super) struct MeasuredTrial {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DragError {
     is_folded: bool,
-    /// Infinite if the feature is not in the picture.
+    /// Distance from the cursor to the feature in pixels; infinite if the feature is not in the picture.
     pub px: f64,
     residual: f64,
     pub ms: f64,

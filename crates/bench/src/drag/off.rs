@@ -17,11 +17,11 @@ const GRADIENT_STEP_PX: f64 = 0.25;
 /// Angle in degrees within which a surface faces the light.
 const TURNED_DEGREES: f64 = 0.1;
 
-/// Distance in pixels of the start points of Newton's method, if it finds no center from the cursor.
+/// Distance in pixels between the points from which Newton's method starts, if it finds no center from the cursor.
 const START_SPACING_PX: f64 = 24.0;
 
-/// Error of a drag's equation at M', the surface at the end of the drag, by the light's `locate` and the surface and
-/// shadow of the reference.
+/// Error of a drag's equation at M', the surface at the end of the drag. It is computed by the light's own `locate`,
+/// and by the surface and shadow of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EquationError {
     /// Residual of the drag's equation at M': radii for shadow and hotspot, radians for the others.
@@ -56,7 +56,7 @@ impl EquationError {
         }
     }
 
-    /// True if the error is less than half a pixel or a tenth of a degree.
+    /// True if the error is less than half a pixel or a tenth of a degree, at which the drag counts as converged.
     pub fn is_landed(&self, feature: Feature) -> bool {
         self.px_or_degrees
             < if matches!(feature, Feature::Shadow | Feature::Hotspot) { 0.5 } else { TURNED_DEGREES }

@@ -57,12 +57,12 @@ impl TrialKind {
         }
     }
 
-    /// Name of the moved part.
+    /// Returns the name of what the drag moves: the whole light, or control points.
     pub fn points_name(self) -> &'static str {
         if self.deforms { "deforming" } else { "rigid" }
     }
 
-    /// Name of the distance.
+    /// Returns the name of the drag's length: `small` or `large`.
     pub fn distance_name(self) -> &'static str {
         if self.is_large { "large" } else { "small" }
     }
@@ -72,12 +72,13 @@ impl TrialKind {
 #[derive(Clone, Debug)]
 pub struct Trial {
     pub kind: TrialKind,
-    /// The light before the drag.
+    /// Light before the drag.
     pub light: CheckedLight,
     pub drag: Drag,
     /// Tube coordinates of the start of the drag.
     pub from: TubePoint,
-    /// For a shadow: first hit of its light path, in scene space.
+    /// First point at which the light path meets a caster, in scene space, for the drag of a shadow. `None` for other
+    /// features.
     pub pivot_in_scene: Option<DVec3>,
 }
 
@@ -128,7 +129,7 @@ fn trial(stage: &TrialScene, kind: TrialKind, rng: &mut Rng) -> Option<Trial> {
     Some(Trial { kind, light: begin.light, drag, from: begin.place, pivot_in_scene: begin.pivot })
 }
 
-/// A light that has its feature at a pixel.
+/// Light, and a pixel at which it has the feature to drag.
 struct TrialStart {
     light: CheckedLight,
     pixel: DVec2,

@@ -13,7 +13,7 @@ use super::{Bench, FrameBenchOptions};
 use crate::peers::{FEWEST_FRAMES, Peer, PeerTiming, RUNS};
 use crate::{BenchError, Peers, Quantiles};
 
-/// Whole frames of one renderer and kind of light.
+/// Times of whole frames of one renderer under one kind of light.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ComparedRenderer {
@@ -32,7 +32,7 @@ pub struct ComparedRenderer {
     pub wall_ms: Quantiles,
     /// CPU milliseconds per frame of the process on all cores; `None` for other renderers.
     pub cpu_ms: Option<Quantiles>,
-    /// Wall time over that of `bent` by the measured backend, quantile by quantile.
+    /// Ratio of the wall time to that of `bent` by the measured backend, for each quantile.
     pub to_bent: Quantiles,
 }
 
@@ -127,7 +127,8 @@ impl OwnVariant {
     }
 }
 
-/// Steps of progress. All renderers take turns, in as many rounds as other renderers have runs.
+/// Returns the number of steps of progress. All renderers are measured once in each round, and there are as many rounds
+/// as other renderers have runs.
 pub(super) fn steps(options: &FrameBenchOptions) -> usize {
     RUNS * (1 + options.peers.map_or(0, Peers::count))
 }

@@ -14,15 +14,15 @@ use super::side::timed;
 use super::subject::{FrameRequest, FrameSubject, moved};
 use crate::BenchError;
 
-/// Change since the picture before.
+/// Edit that changes the picture before it into the measured one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub enum FrameEdit {
-    /// Everything changed: the view is new. Pipelines are compiled, and the scene is on the device.
+    /// First picture of a new view. Pipelines are compiled and the scene is on the device, but nothing else is cached.
     First,
     /// Position of the camera.
     Camera,
-    /// Position of the light.
+    /// Change of the light's position.
     LightMove,
     /// Position of the light's third control point.
     ControlPoint,
@@ -123,8 +123,8 @@ impl FrameEdit {
     }
 }
 
-/// Measures every edit in turn on each backend, and repeats: other work of the machine disturbs all of them alike.
-/// Returns one row per edit of the first backend, then those of the other.
+/// Measures every edit on each backend once, and repeats that, so that other work of the machine disturbs all of them
+/// alike. Returns one row per edit of the first backend, then those of the other.
 pub(super) fn measured(bench: &mut Bench, subject: &FrameSubject) -> Result<Vec<EditReport>, BenchError> {
     let rows = |side: &super::MeasuredBackend| {
         FrameEdit::ALL.map(|edit| EditMeasurements::new(side.backend(), edit))

@@ -31,7 +31,7 @@ pub struct PictureError {
 #[serde(rename_all = "camelCase")]
 pub struct BackendError {
     pub backend: &'static str,
-    /// Error of a picture a fourth as wide and high, under the bent light without its edits.
+    /// Error of a picture with a fourth of the width and height, under the bent light as it is before the edits.
     #[serde(flatten)]
     pub error: PictureError,
 }

@@ -32,7 +32,7 @@ const CONE: f64 = 26.0;
 /// Radius of the circle in which the light moves, in world units.
 const RADIUS: f64 = 0.05;
 
-/// Values to measure on each axis.
+/// Amounts of each quantity for which frames are measured.
 #[derive(Clone, Debug)]
 pub struct GrowthPlan {
     /// Numbers of triangles, inside the tube and outside of it.
@@ -68,7 +68,7 @@ pub struct GrowthPoint {
     /// Costs of the measured backend.
     #[serde(flatten)]
     pub grown: GrowthCosts,
-    /// Costs of wgpu, which takes turns with the measured backend; `None` if that is wgpu.
+    /// Costs of wgpu, measured in rotation with the measured backend. `None` if the measured backend is wgpu.
     pub by_wgpu: Option<GrowthCosts>,
 }
 

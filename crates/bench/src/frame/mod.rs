@@ -33,14 +33,14 @@ pub use growth::{GrowthAxis, GrowthCosts, GrowthPlan, GrowthPoint};
 pub(crate) use side::backends;
 pub use subject::FrameSubject;
 
-/// Options of the benchmark.
+/// Options of the benchmark of frame times.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameBenchOptions<'a> {
     /// Frames of each kind, at least 1.
     pub repeats: usize,
-    /// Number of lights in the crowd, of which one moves.
+    /// Number of lights in a crowd, of which one moves.
     pub crowd: usize,
-    /// Backend that draws; the device decides if `None`.
+    /// Backend that draws shadows and lights. `None` lets the device decide.
     pub backend: Option<Backend>,
     /// Other renderers to run for comparison.
     pub peers: Option<&'a Peers>,
@@ -48,7 +48,7 @@ pub struct FrameBenchOptions<'a> {
     pub growth: Option<&'a GrowthPlan>,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of frame times.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct FrameBenchReport {
@@ -73,9 +73,10 @@ pub struct FrameBenchReport {
     pub repeats: usize,
     /// Costs of each edit of one bent light, by this backend and then by wgpu if that is another.
     pub edits: Vec<EditReport>,
-    /// Errors of their pictures, in the same order.
+    /// Errors of the pictures that each backend draws, in the order of the backends in `edits`.
     pub errors: Vec<BackendError>,
-    /// Whole frames of different renderers and lights, in turns. All are compared with the first, `bent`.
+    /// Times of whole frames of different renderers and lights, which were measured in rotation. All are compared with
+    /// the first, `bent`.
     pub side_by_side: Vec<ComparedRenderer>,
     /// Growth of frame times; empty if it was not requested.
     pub growth: Vec<GrowthAxis>,

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use super::{BackendError, EditReport, FrameBenchReport, FrameEdit, GrowthPoint, PictureError, StageCosts};
 
-/// Formats edits by stages, renderers side by side, and growth.
+/// Formats the report as tables: the costs of edits by stages, the renderers side by side, and the growth of frame
+/// times.
 pub(super) fn of(report: &FrameBenchReport) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.

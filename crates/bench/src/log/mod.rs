@@ -14,38 +14,41 @@ use crate::circle::ms;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
-/// Requests in flight at once if the client does not wait for each answer.
+/// Number of requests in flight, if the client does not wait for each answer before the next request.
 pub const IN_FLIGHT: usize = 64;
 
 /// Number of edits that are sent one at a time.
 const ONE_AT_A_TIME: usize = 200;
 
-/// Number of openings of a session of each length. The fastest counts, since other work only adds time.
+/// Number of times that a session of each length is opened. The fastest time counts, because other work of the machine
+/// only adds time.
 const OPENINGS: usize = 3;
 
 /// Maximum number of log lengths at which opening is measured.
 const LENGTHS: usize = 7;
 
-/// Options of the benchmark.
+/// Options of the benchmark of the edit log.
 #[derive(Clone, Copy, Debug)]
 pub struct LogBenchOptions {
     /// Number of edits that the log grows by.
     pub edits: usize,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of the edit log.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct LogBenchReport {
     /// Description of the edits.
     pub what: &'static str,
-    /// Each edit is sent when the one before it is acknowledged, which is when it is on disk.
+    /// Rate of edits if each edit is sent after the one before was acknowledged. An edit is acknowledged when it is on
+    /// disk.
     pub acknowledged_one_at_a_time: EditRate,
-    /// Up to 64 edits are in flight.
+    /// Rate of edits with up to 64 requests in flight.
     pub acknowledged: EditRate,
-    /// Undo, with up to 64 requests in flight.
+    /// Rate of undos with up to 64 requests in flight.
     pub undone: EditRate,
-    /// `bendylights replay` of a file: applies every record and compares the hash of every checkpoint.
+    /// Rate of records in `bendylights replay` of a log file, which applies every record and compares the hash of every
+    /// checkpoint.
     pub replayed: EditRate,
     /// Opening times by the length of the log, ascending.
     pub opening: Vec<OpeningTime>,
@@ -136,7 +139,7 @@ fn lengths(edits: usize) -> Vec<usize> {
     lengths
 }
 
-/// Latencies of answered requests, and the time that they took together.
+/// Latencies of answered requests, and the seconds during which they were sent and answered.
 #[derive(Clone, Debug, Default)]
 struct RequestTimes {
     latencies_ms: Vec<f64>,

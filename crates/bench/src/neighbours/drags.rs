@@ -10,13 +10,15 @@ use super::setup::{add_light, document, edit, make_session, pin, rename};
 use super::victim;
 use crate::{BenchError, Client, Incoming};
 
-/// Segments and pins of the light whose drags are canceled: the most that a document allows.
+/// Segments of the light whose drags are cancelled. The next constant is the number of its pins. Both are the most that
+/// a document allows.
 const SEGMENTS: usize = 256;
 const PINS: usize = 256;
-/// Segments and pins of the light in the victim's session. Its pins count toward the limit of the document.
+/// Segments of the light in the victim's session. The next constant is the number of its pins, which count towards the
+/// document's limit.
 const SEGMENTS_IN_SESSION: usize = 64;
 const PINS_IN_SESSION: usize = 64;
-/// Time from the start of a drag to its cancellation: its solve has begun by then.
+/// Time after which a drag is cancelled. By then its solve has begun.
 const GIVEN_UP_AFTER: Duration = Duration::from_millis(50);
 
 /// Begins drags of features in a session of its own, and cancels each.

@@ -9,33 +9,35 @@ use super::usage::BusyThread;
 use crate::Quantiles;
 use crate::circle::ms;
 
-/// Minimum share of its frames that a victim keeps if the other client draws nothing.
+/// Minimum frame rate of the victim, as a share of its rate alone, if the other client draws nothing.
 pub const MIN_FRAME_SHARE: f64 = 0.9;
-/// Minimum share of its frames that a victim keeps if the other client draws as much as it can.
+/// Minimum frame rate of the victim, as a share of its rate alone, if the other client draws as much as it can.
 pub const MIN_SHARED_FRAME_SHARE: f64 = 0.45;
-/// Maximum of the longest gap between two frames over the 95th percentile without the other client.
+/// Maximum of the longest gap between two frames, as a multiple of the 95th percentile of gaps without the other
+/// client.
 pub const MAX_GAP_RATIO: f64 = 4.0;
-/// Maximum time of the victim's own drags of features over that without the other client.
+/// Maximum time of the victim's drags of features, as a multiple of their time without the other client.
 pub const MAX_OWN_DRAG_RATIO: f64 = 2.0;
 /// Maximum growth of the server's memory in MiB, after the other client has left and the rest period has passed.
 pub const MAX_MEMORY_GROWTH_MIB: f64 = 250.0;
-/// Maximum of the bytes written per edit with a new actor for each, over those with one actor.
+/// Maximum of the bytes written per edit if each edit has a new actor, as a multiple of those with one actor.
 pub const MAX_WRITE_RATIO: f64 = 2.0;
-/// Minimum share of its updates that a victim sends; otherwise the benchmark itself was too slow.
+/// Minimum share of its planned updates that the victim sends. With fewer the benchmark itself was too slow.
 const MIN_UPDATE_SHARE: f64 = 0.75;
 
 /// Events that a victim recorded.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Timeline {
-    /// Time at which each frame of its view arrived, and the session's live revision that it shows.
+    /// Time at which each frame of the victim's view arrived, and the session's live revision that the frame shows.
     pub frames: Vec<(Instant, u32)>,
-    /// Victim's update that each live revision shows; updates of other clients are left out.
+    /// Number of the victim's update that each live revision shows. Revisions with updates of other clients are left
+    /// out.
     pub update_of: BTreeMap<u32, u64>,
-    /// Time at which each of its updates was sent.
+    /// Time at which each of the victim's updates was sent.
     pub sent: Vec<Instant>,
-    /// Its drags of features, in the order in which they were sent.
+    /// Drags of features by the victim, in the order in which they were sent.
     pub timed_drags: Vec<TimedDrag>,
-    /// Reason that its connections ended before it left.
+    /// Reason that the victim's connections ended before it left. `None` if they did not.
     pub disconnect_reason: Option<String>,
 }
 
@@ -51,7 +53,7 @@ pub(super) struct TimedDrag {
 pub(super) struct MeasuredWindow {
     pub from: Instant,
     pub to: Instant,
-    /// Time until which gaps and answers that were open at the end were followed.
+    /// Time up to which gaps and answers were followed that were still open at `to`.
     pub followed_to: Instant,
 }
 
@@ -59,17 +61,17 @@ pub(super) struct MeasuredWindow {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct VictimPace {
-    /// Frames that show a new update of its drag.
+    /// Number of frames per second that show a new update of the victim's drag.
     pub frames_per_second: f64,
-    /// 95th percentile of the gaps between two of them.
+    /// 95th percentile of the gaps between two such frames.
     pub p95_gap_ms: f64,
-    /// Longest gap, even if it began or ended outside of the period.
+    /// Longest gap between two such frames, even if the gap began before the period or ended after it.
     pub longest_gap_ms: f64,
-    /// Updates that the victim sent.
+    /// Number of updates per second that the victim sent.
     pub updates_per_second: f64,
-    /// Number of its drags of features.
+    /// Number of drags of features by the victim.
     pub own_drags: usize,
-    /// Time from sending a drag to its answer, or to the end of the period if there was none.
+    /// Time from sending a drag of a feature to its answer, or to the end of the period if there was none.
     pub own_drag_ms: Quantiles,
 }
 
@@ -110,7 +112,7 @@ impl Timeline {
     }
 }
 
-/// Gaps between frames that overlap the period, up to the first frame after it.
+/// Returns the gaps between frames that overlap the period, up to the first frame after it.
 fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
     let MeasuredWindow { from, to, followed_to } = window;
     let first = shown.partition_point(|at| *at < from);
@@ -127,11 +129,11 @@ fn gaps(shown: &[Instant], window: MeasuredWindow) -> Vec<Duration> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MissedBound {
-    /// The victim keeps too few of its frames.
+    /// The victim's frame rate is too low.
     Share,
-    /// A gap is too long.
+    /// A gap between two frames is too long.
     Gap,
-    /// The victim's own drags of features take too long.
+    /// The victim's drags of features take too long.
     OwnDrag,
     /// The server keeps too much memory.
     Memory,
@@ -148,23 +150,24 @@ pub enum MissedBound {
     Other,
 }
 
-/// Measurements of a row that are judged.
+/// Measurements of a row that are compared with the bounds.
 pub(super) struct JudgedRow<'a> {
     pub uses_renderer: bool,
-    /// Without the other client.
+    /// Pace of the victim without the other client.
     pub alone: VictimPace,
-    /// With the other client.
+    /// Pace of the victim with the other client.
     pub with: VictimPace,
     pub grown_mib: f64,
     pub busy_threads: &'a [BusyThread],
-    /// Bytes written per edit with many actors, over those with one actor.
+    /// Bytes written per edit with many actors, as a multiple of those with one actor. `None` if the row does not
+    /// measure this.
     pub writes: Option<f64>,
     pub is_connected: bool,
     pub is_other_idle: bool,
 }
 
 impl JudgedRow<'_> {
-    /// Share of its frames that the victim kept.
+    /// Returns the victim's frame rate as a share of its rate without the other client.
     pub fn share(&self) -> f64 {
         ratio(self.with.frames_per_second, self.alone.frames_per_second)
     }
@@ -173,7 +176,7 @@ impl JudgedRow<'_> {
         ratio(self.with.longest_gap_ms, self.alone.p95_gap_ms)
     }
 
-    /// Median time of the victim's own drags of features over that without the other client.
+    /// Returns the median time of the victim's drags of features, as a multiple of their time without the other client.
     pub fn own_drag(&self) -> f64 {
         ratio(self.with.own_drag_ms.p50, self.alone.own_drag_ms.p50)
     }
@@ -213,9 +216,9 @@ mod tests {
 
     const FRAME: Duration = Duration::from_millis(20);
 
-    /// Victim that sends an update every 20 ms for the two seconds of the period and for a second before and after it,
-    /// and sees each update 5 ms later. `change` gets the number of a frame and returns its live revision, or `None` if
-    /// the frame does not arrive.
+    /// Simulates a victim that sends an update every 20 ms, for the two seconds of the period and for a second before
+    /// and after it, and sees each update 5 ms later. `change` gets the number of an update and returns the live
+    /// revision of its frame, or `None` if the frame does not arrive.
     fn victim(change: impl Fn(u64) -> Option<u32>) -> (Timeline, MeasuredWindow) {
         let began = Instant::now();
         let at = |update: u64| began + FRAME * update as u32;
@@ -231,7 +234,7 @@ mod tests {
         (timeline, MeasuredWindow { from: at(50), to: at(150), followed_to: at(160) })
     }
 
-    /// Every frame shows its own update.
+    /// Simulates a victim that sees each update in a frame of its own.
     #[expect(clippy::unnecessary_wraps, reason = "others leave frames out")]
     fn usual(update: u64) -> Option<u32> {
         Some(2 * update as u32)
@@ -264,7 +267,8 @@ mod tests {
         assert_eq!(measured(usual).missed(), []);
     }
 
-    /// Planted: frames at the usual rate, of another client's drag, or of updates that were shown before.
+    /// Deliberate faults that the judge must detect: frames arrive at the usual rate, but show another client's drag or
+    /// updates that were shown before.
     #[test]
     fn frames_that_show_nothing_of_the_victims_drag_do_not_count() {
         let of_another = measured(pace(|_| Some(1)));
@@ -291,7 +295,8 @@ mod tests {
         assert_eq!(shared.missed(), [MissedBound::Share]);
     }
 
-    /// Planted: no frames for a while, inside the measured period, at its end, and from before its start on.
+    /// Deliberate faults that the judge must detect: no frames arrive for a while, inside the measured period, at its
+    /// end, or from before its start on.
     #[test]
     fn gaps_are_found_wherever_they_lie() {
         for (gap, ms) in [(100..103, 80.0), (100..104, 100.0), (147..152, 120.0), (40..54, 80.0)] {
@@ -304,7 +309,8 @@ mod tests {
         assert!(stopped.longest_gap_ms > 400.0, "it is followed past the end: {stopped:?}");
     }
 
-    /// Planted: a benchmark that is too slow itself, answers that take long or never come, and each other bound.
+    /// Deliberate faults that the judge must detect: the benchmark itself is too slow, answers take long or never come,
+    /// and each other bound is missed alone.
     #[test]
     fn each_bound_is_missed_alone() {
         let (usual_timeline, window) = victim(usual);

@@ -12,10 +12,12 @@ use super::setup::{edit, make_session};
 use crate::BenchError;
 use crate::client::say_hello;
 
-/// Lights of a large document, the most that it allows, and control points of each.
+/// Number of lights in a large document, the most that a document may have. The next constant is the number of control
+/// points of each.
 const LIGHTS: usize = 250;
 const POINTS: usize = 258;
-/// Link paths of each light, and bytes of each path: with its control points a light has some 70 KB.
+/// Number of link paths of each light. The next constant is the length of each path in bytes. Together with its control
+/// points a light has some 70 KB.
 const PATHS: usize = 100;
 const PATH_BYTES: usize = 300;
 /// Number of requests, and of sockets, that read nothing.
@@ -24,7 +26,7 @@ const READERS: usize = CLIENTS;
 const BODIES: usize = 200;
 const BODY_BYTES: usize = 8 << 20;
 const SENDERS: usize = 4;
-/// Time for which they are held before they are closed.
+/// Time for which the bodies are held before their connections are closed.
 const HELD: Duration = Duration::from_secs(2);
 
 /// Opens sockets and requests for a document of 16 MiB, and reads nothing.

@@ -8,7 +8,8 @@ use super::setup::{make_session, rename};
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming};
 
-/// Number of messages that are sent at once. The answer to a ping after them shows that all are done.
+/// Number of messages that are sent at once, followed by a ping. The answer to the ping shows that all of them are
+/// done.
 const AT_ONCE: u64 = 64;
 /// Radians between updates of a drag.
 const TURN: f64 = 0.01;

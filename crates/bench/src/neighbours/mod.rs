@@ -36,15 +36,15 @@ use crate::{BenchError, Progress, ServerProcess};
 
 /// Duration of the victim's drag before anything is measured: its pictures have reached their final detail by then.
 const WARM_UP_TIME: Duration = Duration::from_secs(3);
-/// Duration of its drag before each period of measurement.
+/// Duration of the victim's drag before each period of measurement begins.
 const LEAD_IN_TIME: Duration = Duration::from_secs(1);
-/// Longest time that a server may take to become idle after a row was prepared.
+/// Longest time that the server may take to become idle after a row was prepared.
 const SETTLE_TIMEOUT: Duration = Duration::from_mins(1);
-/// Longest time for which a gap or an answer is followed that was open at the end of a period.
+/// Longest time for which a gap or an answer is followed that is still open at the end of a period.
 const FOLLOW_TIMEOUT: Duration = Duration::from_mins(1);
 const MIB: f64 = 1024.0 * 1024.0;
 
-/// Options of the benchmark.
+/// Options of the benchmark that measures how much one client loses to another.
 #[derive(Clone, Debug)]
 pub struct NeighbourOptions {
     /// Rows to measure, each with a server of its own.
@@ -53,7 +53,7 @@ pub struct NeighbourOptions {
     pub size: [u32; 2],
     /// Duration of each of the three periods: alone, with the other client, and alone again.
     pub time: Duration,
-    /// Time from the other client's departure until memory and threads are measured.
+    /// Time after the other client has left, before memory and threads are measured.
     pub rest: Duration,
     /// True if each socket of the other client has an actor of its own.
     pub many_actors: bool,
@@ -61,17 +61,17 @@ pub struct NeighbourOptions {
     pub backend: Option<Backend>,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark that measures how much one client loses to another.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct NeighbourReport {
-    /// Pixels of the victim's view.
+    /// Width of the victim's view in pixels.
     pub width: u32,
-    /// Pixels of the victim's view.
+    /// Height of the victim's view in pixels.
     pub height: u32,
-    /// Seconds of each period.
+    /// Length of each measured period in seconds.
     pub seconds: f64,
-    /// Seconds of rest after the period with the other client.
+    /// Seconds between the departure of the other client and the measurement of memory and threads.
     pub rest_s: f64,
     /// True if each socket of the other client had an actor of its own.
     pub many_actors: bool,
@@ -79,7 +79,7 @@ pub struct NeighbourReport {
     pub rows: Vec<RowReport>,
 }
 
-/// Loss of the victim to one kind of other client.
+/// Effect of one kind of other client on the victim.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct RowReport {
@@ -89,26 +89,26 @@ pub struct RowReport {
     /// True if no bound is missed.
     pub passes: bool,
     pub missed: Vec<MissedBound>,
-    /// Frame rate of the victim with the other client over that without it.
+    /// Frame rate of the victim with the other client, as a share of that without it.
     pub share: f64,
-    /// Minimum of `share`.
+    /// Minimum that `share` may have.
     pub least_share: f64,
-    /// Longest gap with the other client over the 95th percentile without it.
+    /// Longest gap with the other client, as a multiple of the 95th percentile of gaps without it.
     pub longest_gap_of_usual: f64,
-    /// Median time of the victim's own drags of features with the other client over that without it.
+    /// Median time of the victim's drags of features with the other client, as a multiple of that without it.
     pub own_drag_of_usual: f64,
-    /// Pace without the other client, before. Everything is compared with the faster of this and `alone_after`.
+    /// Pace of the victim before the other client comes. Bounds compare with the faster one of this and `alone_after`.
     pub alone: VictimPace,
-    /// Pace with the other client.
+    /// Pace of the victim with the other client.
     pub with: VictimPace,
-    /// Pace without the other client, after the rest.
+    /// Pace of the victim after the other client has left and the rest is over.
     pub alone_after: VictimPace,
     pub memory: MemoryReport,
-    /// Threads of the server that used the CPU after the rest.
+    /// Threads of the server that still used the CPU after the rest.
     pub busy_threads: Vec<BusyThread>,
-    /// CPU seconds of the server per second with the other client.
+    /// CPU seconds that the server used per second, with the other client.
     pub server_cpu_share: f64,
-    /// CPU seconds of the benchmark per second with the other client; includes the victim and the other client.
+    /// CPU seconds that the benchmark used per second, with the other client. Both clients run in the benchmark.
     pub bench_cpu_share: f64,
     pub other: OtherClientCounts,
     /// Bytes written per edit, if the row measures them.
@@ -119,26 +119,26 @@ pub struct RowReport {
     pub victim_broke: Option<String>,
 }
 
-/// MiB that the process of the server held.
+/// Memory in MiB that the server's process held.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct MemoryReport {
-    /// After the victim's first drag, before the other client came.
+    /// MiB after the victim's first drag, before the other client came.
     pub before_mib: f64,
-    /// Maximum since then.
+    /// Maximum of MiB since then.
     pub peak_mib: f64,
-    /// After the rest.
+    /// MiB after the rest.
     pub after_mib: f64,
 }
 
 impl NeighbourReport {
-    /// Names of the rows that miss a bound.
+    /// Returns the names of the rows that miss a bound.
     pub fn missed(&self) -> Vec<&'static str> {
         self.rows.iter().filter(|row| !row.passes).map(|row| row.row.name()).collect()
     }
 }
 
-/// Steps of a row, for progress.
+/// Names of the steps of a row, for progress.
 const STEPS: [&str; 6] = ["starts", "prepares", "alone", "with the other", "rests", "alone again"];
 
 /// Measures each row with a `program serve` on new data. Returns the report and the chart in SVG.
@@ -269,7 +269,7 @@ fn measure(
     })
 }
 
-/// Drags without the other client.
+/// Measures a period of the victim's drag without the other client.
 fn alone(victim: &Victim, time: Duration) -> MeasuredWindow {
     victim.start_dragging();
     thread::sleep(LEAD_IN_TIME);

@@ -13,18 +13,18 @@ use serde::Serialize;
 use super::row::NeighbourRow;
 use crate::{BenchError, Client, ServerAddress};
 
-/// Action of a row. It starts threads, which continue until the other client leaves, and returns.
+/// Action of the other client in a row. It starts threads that go on until the other client leaves, and returns.
 pub(super) type ClientAction = Box<dyn FnOnce(&OtherClient) -> Result<(), BenchError>>;
 
-/// Interval at which a thread checks if all is over.
+/// Interval at which a thread checks if the other client has to leave.
 pub(super) const POLL_INTERVAL: Duration = Duration::from_millis(100);
 /// Pause of a client after a refusal.
 const AFTER_REFUSAL: Duration = Duration::from_millis(50);
-/// Niceness of its threads: they have a lower priority than those with which the server draws.
+/// Niceness of the other client's threads. They have a lower priority than the threads with which the server draws.
 const NICE: i32 = 15;
-/// Bytes of an answer that are kept.
+/// Number of bytes of an answer that are kept. The rest is dropped.
 const KEPT_BYTES: usize = 4096;
-/// Number of connections above which closed ones are removed.
+/// Number of connections above which the closed ones are removed from the list.
 const PRUNE_CONNECTIONS_ABOVE: usize = 512;
 /// Clients in one session: the most that a server accepts.
 pub(super) const CLIENTS: usize = 64;
@@ -33,9 +33,9 @@ pub(super) const CLIENTS: usize = 64;
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct OtherClientCounts {
-    /// Actions and requests: drags, moves of views, views opened, requests, edits, bodies.
+    /// Number of actions and requests: drags, moves of views, views opened, requests, edits, bodies.
     pub done: u64,
-    /// Answers to them: frames, pictures, responses, edits.
+    /// Number of answers to these: frames, pictures, responses, edits.
     pub answered: u64,
     /// Refusals by the server, closed connections included.
     pub refused: u64,
@@ -63,7 +63,7 @@ struct Shared {
     answered: AtomicU64,
     refused: AtomicU64,
     refusal: Mutex<Option<String>>,
-    /// Connections that are closed when the client leaves, so that no thread waits for an answer.
+    /// Connections that are closed when the client leaves, so that no thread goes on waiting for an answer.
     connections: Mutex<Vec<TcpStream>>,
     threads: Mutex<Vec<JoinHandle<()>>>,
     writes: Mutex<Option<Writes>>,
@@ -74,13 +74,13 @@ struct Shared {
 #[serde(rename_all = "camelCase")]
 pub struct Writes {
     pub one_actor_bytes: f64,
-    /// With a new actor for each edit.
+    /// Bytes per edit if each edit has a new actor.
     pub many_actors_bytes: f64,
     /// `many_actors_bytes` over `one_actor_bytes`.
     pub ratio: f64,
 }
 
-/// Client that closes its connection on drop, though the other client has a handle of the connection too.
+/// Client whose connection is closed on drop, although the other client also has a handle of the connection.
 pub(super) struct TrackedClient {
     client: Client,
     tcp: TcpStream,
@@ -109,7 +109,7 @@ impl Drop for TrackedClient {
 /// Status and beginning of a response.
 pub(super) struct Answer {
     pub status: u16,
-    /// First bytes, head included.
+    /// First bytes of the response, including its head.
     start: String,
 }
 
@@ -134,12 +134,12 @@ impl OtherClient {
         Self { address, row, pid, span, many_actors, shared: Arc::default() }
     }
 
-    /// Actor of a socket by its number.
+    /// Returns the actor of a socket, by the socket's number.
     pub fn actor(&self, socket: usize) -> String {
         if self.many_actors { format!("other-{socket}") } else { "other".into() }
     }
 
-    /// Session of a socket by its number. A session has `CLIENTS` sockets.
+    /// Returns the session of a socket, by the socket's number. A session has `CLIENTS` sockets.
     pub fn session(&self, socket: usize) -> String {
         match socket / CLIENTS {
             0 => self.row.name().into(),
@@ -249,8 +249,8 @@ impl OtherClient {
         }
     }
 
-    /// Sends a request on a connection of its own. Keeps only the beginning of the answer, and stops reading when the
-    /// client leaves.
+    /// Sends a request over a new connection. Keeps only the beginning of the answer, and stops reading when the client
+    /// leaves.
     pub fn ask(&self, method: &str, path: &str, body: &[u8]) -> Result<(), BenchError> {
         self.count_done(1);
         let mut tcp = self.send_request(method, path, body)?;
@@ -269,7 +269,7 @@ impl OtherClient {
         Ok(tcp)
     }
 
-    /// Head of a request with a body of `body_bytes`.
+    /// Makes the head of a request with a body of `body_bytes` bytes.
     pub fn head(&self, method: &str, path: &str, body_bytes: usize) -> String {
         let ServerAddress { host, token } = &self.address;
         format!(

@@ -46,7 +46,7 @@ pub const ROWS: [NeighbourRow; 17] = [
 ];
 
 impl NeighbourRow {
-    /// Name on the command line and in reports.
+    /// Returns the name of the row on the command line and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Nobody => "nobody",
@@ -98,12 +98,12 @@ impl NeighbourRow {
         }
     }
 
-    /// True if its views are opened before anything is measured.
+    /// True if the other client's views are opened before anything is measured.
     pub(super) fn has_views_open(self) -> bool {
         matches!(self, Self::LargeViews | Self::RestingViews | Self::SlowLink)
     }
 
-    /// True if the other client draws much: the victim then shares the renderer with it.
+    /// True if the other client draws so much that the victim has to share the renderer with it.
     pub fn uses_renderer(self) -> bool {
         match self {
             Self::LargeViews

@@ -20,14 +20,14 @@ pub(super) struct LitPixel {
     pub at: [f64; 3],
 }
 
-/// A light of a session whose features can be dragged.
+/// Light of a session, with data for dragging its features.
 #[derive(Clone, Debug)]
 pub(super) struct Draggable {
     pub light: u64,
-    /// Number of its control points.
+    /// Number of the light's control points.
     points: usize,
     camera: Camera,
-    /// Pixels that it lights.
+    /// Pixels that the light reaches.
     pub lit: Vec<LitPixel>,
 }
 

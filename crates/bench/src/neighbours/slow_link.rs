@@ -9,11 +9,11 @@ use crate::{BenchError, ServerAddress};
 
 /// Bytes per second towards the client: 2 Mbit/s.
 const BYTES_PER_SECOND: f64 = 250_000.0;
-/// Bytes that pass at once: two Ethernet frames.
+/// Number of bytes that are forwarded at once: two Ethernet frames.
 const PIECE: usize = 3_000;
 
-/// Opens a proxy for one connection to `address`. The direction from `address` is slow. It lasts as long as the
-/// connection.
+/// Opens a proxy for one connection to `address`, and returns the proxy's address. The proxy forwards data from
+/// `address` slowly. It ends with the connection.
 pub(super) fn open(address: &ServerAddress) -> Result<ServerAddress, BenchError> {
     let listener = TcpListener::bind("127.0.0.1:0")?;
     let host = listener.local_addr()?.to_string();

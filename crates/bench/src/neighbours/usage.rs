@@ -8,9 +8,10 @@ use serde::Serialize;
 
 use crate::BenchError;
 
-/// Ticks per second in `/proc/PID/stat`: `USER_HZ` of Linux on every CPU that Rust builds for.
+/// Clock ticks per second in `/proc/PID/stat`: Linux has the same `USER_HZ` on every CPU that Rust supports.
 const TICKS_PER_SECOND: f64 = 100.0;
-/// Share of a core over a second above which a thread is busy: low, as dozens of threads may share few cores.
+/// Share of a core, over a second, above which a thread counts as busy. It is low, because dozens of threads may share
+/// few cores.
 const BUSY_SHARE: f64 = 0.015;
 /// Share of a core below which a process is at rest.
 const REST_SHARE: f64 = 0.1;
@@ -21,17 +22,17 @@ const REST_CHECK_SPAN: Duration = Duration::from_millis(500);
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Memory {
     pub rss_bytes: f64,
-    /// Peak since [`reset_peak`].
+    /// Peak of the memory since [`reset_peak`].
     pub peak_bytes: f64,
 }
 
-/// Thread that uses the CPU.
+/// Thread of the server that keeps using the CPU.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct BusyThread {
     /// Name that the server gives the thread.
     pub name: String,
-    /// Share of a core over a second.
+    /// Share of a core that the thread used during one second.
     pub share: f64,
 }
 

@@ -13,16 +13,16 @@ use crate::circle::ANIMATION_FRAME;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, ServerAddress};
 
-/// Its session and its actor. The other client joins this session in one row only.
+/// Session of the victim, which is also the name of its actor. The other client joins this session in one row only.
 pub(super) const SESSION: &str = "main";
 pub(super) const ACTOR: &str = "victim";
 /// Radians by which each update moves the control point along the circle.
 const STEP: f64 = 0.05;
-/// Pins of the light whose features it drags: with them a drag takes tens of milliseconds.
+/// Number of pins of the light whose features the victim drags. With them a drag takes tens of milliseconds.
 const PINS: usize = 3;
 /// Pause from the answer to a drag of a feature to the next drag.
 const FEATURE_DRAG_INTERVAL: Duration = Duration::from_millis(200);
-/// Timeout of each receive while it is at rest.
+/// Timeout of each receive while the victim rests.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 const RESTING: u8 = 0;
@@ -45,7 +45,7 @@ impl Shared {
     }
 }
 
-/// A victim that runs.
+/// Running victim.
 #[derive(Debug)]
 pub(super) struct Victim {
     shared: Arc<Shared>,
@@ -54,7 +54,7 @@ pub(super) struct Victim {
 }
 
 impl Victim {
-    /// Adds a light to its session, opens a view of `size` pixels over `link`, and rests.
+    /// Adds a light to the victim's session, opens a view of `size` pixels over `link`, and then lets the victim rest.
     pub fn start(address: &ServerAddress, link: &ServerAddress, size: [u32; 2]) -> Result<Self, BenchError> {
         let light = add_light(address, SESSION, ACTOR, None)?;
         let draggable = pin(address, SESSION, ACTOR, light, PINS)?;
@@ -123,7 +123,7 @@ fn open_view(client: &mut Client, [width, height]: [u32; 2], light: u64) -> Resu
     })
 }
 
-/// Thread that drags the control point.
+/// State of the thread that drags the control point.
 struct DragThread {
     client: Client,
     circle: DragCircle,
@@ -181,7 +181,7 @@ impl DragThread {
         format!("hand-{}", self.gestures)
     }
 
-    /// Receives for at most `timeout`. Acknowledges frames as they arrive, and does not decode them.
+    /// Receives one message or frame, for at most `timeout`. Acknowledges frames and does not decode them.
     fn take(&mut self, shared: &Shared, timeout: Duration) -> Result<(), BenchError> {
         match self.client.receive(timeout)? {
             Some(Incoming::Frame(header, _)) => {

@@ -14,13 +14,13 @@ use crate::{BenchError, Client, Incoming};
 /// Number of views that move, and their size in pixels: the largest that a server accepts.
 const LARGE_VIEWS: usize = 8;
 const LARGE_VIEW_SIZE: [u32; 2] = [3840, 2160];
-/// Number of sockets with a view whose frames are not acknowledged: the rest of 256 after the victim's two and those
-/// that drag.
+/// Number of sockets with a view whose frames are not acknowledged: those that remain of 256 after the victim's two and
+/// the sockets that drag.
 const SILENT_VIEWS: usize = 250;
-/// Number of sessions that they are in. One socket of each drags.
+/// Number of sessions in which these views are. One socket of each session drags.
 const SILENT_SESSIONS: usize = 4;
 const MEDIUM_VIEW_SIZE: [u32; 2] = [1280, 720];
-/// Number of views that rest, and of views that are opened and closed.
+/// Number of views that stay at rest, and of views that are opened and closed.
 const RESTING_VIEWS: usize = 30;
 /// Time after which a view moves again if no frame has arrived.
 const MOVES_EVERY: Duration = Duration::from_millis(50);
@@ -28,7 +28,7 @@ const MOVES_EVERY: Duration = Duration::from_millis(50);
 const OPENS_WITHIN: Duration = Duration::from_mins(2);
 /// Time for which views are open before they are closed again.
 const CLOSES_AFTER: Duration = Duration::from_secs(1);
-/// Radians by which a view turns for each frame, and number of updates after which it turns back.
+/// Radians by which a view turns for each frame. The next constant is the number of updates after which it turns back.
 const TURN: f64 = 0.01;
 const TURNS: u32 = 40;
 
@@ -76,7 +76,7 @@ fn move_view(
     Ok(())
 }
 
-/// The camera, turned to one side and back.
+/// Returns the camera, turned to one side and back again as `revision` grows.
 fn turned(camera: &Camera, revision: u32) -> Camera {
     let place = revision % (2 * TURNS);
     let steps = if place < TURNS { place } else { 2 * TURNS - place };
@@ -194,7 +194,7 @@ fn open_many(other: &OtherClient) -> Result<Vec<TrackedClient>, BenchError> {
     (0..RESTING_VIEWS).map(open).collect()
 }
 
-/// Waits until each view had a frame that `is_wanted` accepts, for at most `within`. Acknowledges the frames of all.
+/// Waits until each view has had a frame that `is_wanted` accepts, for at most `within`. Acknowledges all frames.
 fn wait_for_all(
     views: &mut [TrackedClient],
     within: Duration,

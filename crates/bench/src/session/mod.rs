@@ -18,7 +18,7 @@ use crate::frame::backends;
 use crate::peers::{FEWEST_FRAMES, Peer, Peers, RUNS};
 use crate::{BenchError, Client, Incoming, Progress, Quantiles, ServerProcess};
 
-/// Options of the benchmark.
+/// Options of the benchmark of a drag over the server.
 #[derive(Clone, Copy, Debug)]
 pub struct SessionBenchOptions<'a> {
     /// Scene that the server loads: `demo:NAME` or a glTF file.
@@ -37,7 +37,7 @@ pub struct SessionBenchOptions<'a> {
     pub peers: Option<&'a Peers>,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of a drag over the server.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct SessionBenchReport {
@@ -51,8 +51,8 @@ pub struct SessionBenchReport {
     pub height: u32,
     /// Updates sent in each drag, one per animation frame.
     pub updates: u64,
-    /// The drag by the measured backend, followed by the same drag by wgpu if that is another. Each has a server of its
-    /// own; the one of wgpu runs first.
+    /// Measurements of the drag by the measured backend, followed by the same drag by wgpu if the measured backend is
+    /// another. Each drag has a server of its own. The one of wgpu runs first.
     pub drags: Vec<BackendDrag>,
     /// The same drag by the measured backend, in views of two sizes, with and without other viewers.
     pub cases: Vec<SessionCase>,
@@ -69,7 +69,7 @@ pub struct BackendDrag {
     /// Frames decoded during the drag.
     pub frames: usize,
     pub frames_per_second: f64,
-    /// Time from sending an update to having decoded the first frame that shows it or a later one.
+    /// Time from sending an update until the first frame that shows it, or a later update, is decoded.
     pub edit_to_decoded_ms: Quantiles,
     /// Stages of the latency of the newest update of each frame.
     pub stages_ms: LatencyStages<Quantiles>,
@@ -79,7 +79,8 @@ pub struct BackendDrag {
     pub frame_bytes_p50: usize,
 }
 
-/// Frames of another renderer, of its own scene and size. They are read back, and neither encoded nor sent.
+/// Frame times of another renderer, with a scene and size of its own. Its frames are read back, but neither encoded nor
+/// sent.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct PeerFrames {

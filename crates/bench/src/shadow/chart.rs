@@ -10,7 +10,8 @@ use crate::chart::{self, Area, BLUE, ChartResult, FAINT, GREEN, ORANGE, RED, VIO
 /// One color per scene, in the order of the scenes.
 const COLORS: [RGBColor; 5] = [BLUE, RED, GREEN, ORANGE, VIOLET];
 
-/// A setting: its title, a test that a run has the defaults for all other settings, and a label of its value.
+/// Setting that the runs vary: its title, a test that a run has the defaults of all other settings, and a label for its
+/// value.
 struct Knob {
     title: &'static str,
     of: fn(&ShadowSettings, &ShadowSettings) -> bool,

@@ -34,7 +34,7 @@ const SHADOW: [FrameStage; 6] = [
     FrameStage::Counts,
 ];
 
-/// Options of the benchmark.
+/// Options of the benchmark of bent shadows.
 #[derive(Clone, Copy, Debug)]
 pub struct ShadowBenchOptions<'a> {
     /// Pixels.
@@ -45,7 +45,7 @@ pub struct ShadowBenchOptions<'a> {
     pub pictures: Option<&'a Path>,
 }
 
-/// Results of the benchmark.
+/// Results of the benchmark of bent shadows.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowBenchReport {
@@ -87,12 +87,12 @@ pub struct ShadowRun {
     pub stages: ShadowCosts,
     /// Error against the reference.
     pub error: Comparison,
-    /// The four settings above.
+    /// Settings with the four values above.
     #[serde(skip)]
     pub settings: ShadowSettings,
 }
 
-/// Minimum over several timings, in milliseconds.
+/// Times of a picture's stages in milliseconds, each the minimum of several timings.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct ShadowCosts {

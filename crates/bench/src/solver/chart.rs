@@ -16,7 +16,8 @@ const LETTER: i32 = 7;
 
 type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
-/// Draws a marker per method and precision, filled if nothing was wrong, and the Pareto front of each precision.
+/// Draws a marker for each method and precision, filled if the method gave no wrong answer. Also draws the Pareto front
+/// of each precision.
 pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
     let methods = &report.methods;
     chart::svg((1000, 640), "", |area| {
@@ -118,7 +119,7 @@ fn name(method: &MeasuredMethod) -> String {
     format!("{:?}{separator}{failures}", method.method)
 }
 
-/// Describes the number of wrong answers; empty if there are none.
+/// Formats the number of wrong answers of a method. The text is empty if there are none.
 fn failures(method: &MeasuredMethod) -> String {
     let accuracy = &method.accuracy;
     let wrong = accuracy.missed + accuracy.spurious + accuracy.inaccurate;

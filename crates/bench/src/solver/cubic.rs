@@ -27,7 +27,8 @@ impl<F: FloatWidth> Cubic<F> {
         }
     }
 
-    /// Selects the wanted roots: on the segment, at a minimum of the distance. NaN is kept.
+    /// Selects the roots that a solver should report: those on the segment at which the distance has a minimum. Keeps
+    /// NaN.
     pub fn wanted(&self, roots: impl IntoIterator<Item = F>) -> FoundRoots<F> {
         let slack = F::of(F::END_SLACK);
         let outside = |u: F| u < -slack || u > F::one() + slack;
@@ -42,7 +43,7 @@ impl<F: FloatWidth> Cubic<F> {
     }
 }
 
-/// Clamps to the segment. NaN stays NaN, which `min` and `max` would hide.
+/// Clamps a parameter to the segment. NaN stays NaN; `min` and `max` would replace it.
 pub fn clamp01<F: Float>(u: F) -> F {
     if u < F::zero() {
         F::zero()

@@ -43,6 +43,7 @@ pub enum Family {
     Anywhere,
 }
 
+/// All families, in the order of reports.
 pub const FAMILIES: [Family; 15] = [
     Family::Ordinary,
     Family::NearlyStraight,

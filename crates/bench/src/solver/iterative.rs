@@ -42,7 +42,8 @@ fn bracketed<F: Float>(cubic: &Cubic<F>, mut low: F, mut high: F) -> Option<F> {
     Some(u)
 }
 
-/// Start values of the iterations with fixed steps: both ends and the middle, so that neither of two roots is missed.
+/// Start values of methods with a fixed number of steps: both ends and the middle, so that neither of two roots is
+/// missed.
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Newton's method, six steps from each start.
@@ -59,7 +60,8 @@ pub fn halley<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     })
 }
 
-/// Results of `N` steps from each start, if on the segment; `None` if the last step was still large.
+/// Returns the result of `N` steps from each start, if it is on the segment. `None` for a start from which the last
+/// step was still large.
 fn from_each_start<F: Float, const N: usize>(step: impl Fn(F) -> F) -> RealRoots<F> {
     let settled = F::from(1e-3).expect("f32 has it");
     STARTS.map(|start| {

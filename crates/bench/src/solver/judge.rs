@@ -8,7 +8,7 @@ use super::histogram::Histogram;
 use super::truth::{ExactCubic, TrueRoot};
 use super::width::{FloatWidth, Precision};
 
-/// A root farther than this from every true one is a different root.
+/// Distance in u above which a reported parameter counts as a different root than the true one.
 const SAME_ROOT_DISTANCE: f64 = 1.0 / 64.0;
 
 /// Counts and errors of the answers to some cases.
@@ -16,18 +16,18 @@ const SAME_ROOT_DISTANCE: f64 = 1.0 / 64.0;
 pub struct AnswerTally {
     /// Number of cases.
     pub inputs: u64,
-    /// Errors in u of the wanted roots that were found.
+    /// Errors in u of the true roots on the segment that were found.
     pub error: Histogram,
-    /// The errors in units of `eps cond`, for cases that the light model bounds in u: see
-    /// [`ErrorBounds::is_well_conditioned`].
+    /// Errors of the found roots in units of `eps cond`, for the cases in which the light model bounds the error of u:
+    /// see [`ErrorBounds::is_well_conditioned`].
     pub error_eps_cond: Histogram,
-    /// Wanted roots that were not found.
+    /// Number of true roots on the segment that were not found.
     pub missed: u64,
-    /// Reported parameters at which there is no wanted root.
+    /// Number of reported parameters that are no root.
     pub spurious: u64,
-    /// Roots found with an error over the bounds of the light model, section 5.
+    /// Number of roots that were found with an error over the bounds of the light model, section 5.
     pub inaccurate: u64,
-    /// Reported parameters that are NaN.
+    /// Number of reported parameters that are NaN.
     pub nan: u64,
     /// First case with a wrong answer, for debugging.
     pub first_wrong: Option<WrongCase>,
@@ -40,7 +40,7 @@ pub struct WrongCase {
     pub family: Family,
     /// Number of the case in its family.
     pub index: u64,
-    /// Precision in which it was solved.
+    /// Precision in which the case was solved.
     pub precision: Precision,
 }
 
@@ -50,7 +50,7 @@ impl AnswerTally {
         self.missed + self.spurious + self.inaccurate
     }
 
-    /// Sum of several tallies.
+    /// Returns the sum of several tallies.
     pub fn sum<'a>(tallies: impl IntoIterator<Item = &'a Self>) -> Self {
         let mut sum = Self::default();
         tallies.into_iter().for_each(|tally| sum.add(tally));
@@ -138,7 +138,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
         }
     }
 
-    /// The case rounded to `F`.
+    /// Returns the case, rounded to `F`.
     pub fn case(&self) -> &SolverCase<F> {
         &self.case
     }
@@ -165,7 +165,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
         self.backward * F::PRECISION.eps() * ((r + q + self.length) * d + r * self.length)
     }
 
-    /// True if `u` is an answer for `root`.
+    /// True if `u` is an acceptable answer for the true root `root`.
     fn is_answer(&self, root: &TrueRoot, u: f64) -> bool {
         let [low, high] = root.piece;
         root.error(u) <= SAME_ROOT_DISTANCE
@@ -184,7 +184,7 @@ impl<F: FloatWidth> ErrorBounds<F> {
             && self.truth.value(TwoFloat::from(u)).abs() <= 2.0 * self.backward_bar(u)
     }
 
-    /// True if a wanted root lies at `u`, up to rounding.
+    /// True if a true root of the segment lies at `u`, up to rounding.
     fn is_root(&self, u: f64) -> bool {
         let near = self.truth.roots.iter().flatten().any(|root| root.error(u) <= SAME_ROOT_DISTANCE);
         let rising =
@@ -192,7 +192,8 @@ impl<F: FloatWidth> ErrorBounds<F> {
         near || (self.is_within_backward(u) && rising())
     }
 
-    /// True if rounding can remove a true root: it lies at an end of the segment, or almost meets another.
+    /// True if rounding can make a true root disappear, because it lies at an end of the segment or almost coincides
+    /// with another root.
     fn may_miss(&self, root: &TrueRoot) -> bool {
         root.piece.iter().any(|&end| self.is_double(end))
     }

@@ -33,6 +33,7 @@ pub enum Method {
     Quilez,
 }
 
+/// All methods, in the order of reports.
 pub const METHODS: [Method; 9] = [
     Method::Ours,
     Method::Naive,
@@ -73,7 +74,7 @@ fn ours<F: FloatWidth>(curve: &Curve<F>, q: F::Vec3) -> FoundRoots<F> {
     found
 }
 
-/// Inlined, so that each method compiles to one piece of code.
+/// Applies the method to the cubic of a curve and a point. Inlined, so that each method compiles to one piece of code.
 #[inline]
 fn from_cubic<F: FloatWidth>(
     curve: &Curve<F>,

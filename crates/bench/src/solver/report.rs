@@ -14,7 +14,7 @@ use crate::Quantiles;
 pub struct SolverBenchReport {
     /// Cases of each family.
     pub inputs_per_family: u64,
-    /// Verdict on the product's solver in both precisions: nothing may be wrong.
+    /// Verdict on the product's own solver in both precisions. Nothing may be wrong.
     pub ours: SolverVerdict,
     /// Every method in every precision.
     pub methods: Vec<MeasuredMethod>,
@@ -30,9 +30,9 @@ pub struct SolverBenchReport {
 pub struct SolverVerdict {
     /// Cases solved. A case in f32 and in f64 counts as two.
     pub solves: u64,
-    /// Roots missed, reported where there is none, or over the bounds.
+    /// Number of roots that were missed, that are no root, or whose error is over the bounds.
     pub wrong: u64,
-    /// Roots that are NaN.
+    /// Number of reported parameters that are NaN.
     pub nan: u64,
     /// First case with a wrong answer.
     pub first_wrong: Option<WrongCase>,
@@ -49,9 +49,9 @@ pub struct MeasuredMethod {
     /// True if no other method of this precision is both faster by the mean time and more accurate by the p99.9 of
     /// `errorEpsCond`.
     pub on_pareto_front: bool,
-    /// Over all families.
+    /// Errors and failures over all families.
     pub accuracy: Accuracy,
-    /// By family.
+    /// Run time and errors in each family.
     pub families: Vec<FamilyAccuracy>,
 }
 
@@ -73,15 +73,15 @@ pub struct Accuracy {
     pub inputs: u64,
     /// Errors in u of all roots that were found.
     pub error_u: Quantiles,
-    /// Errors in units of `eps cond`, for inputs that the light model bounds in u (section 5): at most 16.
+    /// Errors in units of `eps cond`, for cases in which the light model bounds the error of u (section 5): at most 16.
     pub error_eps_cond: Quantiles,
-    /// Wanted roots that were not found.
+    /// Number of roots on the segment that were not found.
     pub missed: u64,
-    /// Reported roots that are none.
+    /// Number of reported parameters that are no root.
     pub spurious: u64,
-    /// Roots with an error over the bounds.
+    /// Number of roots whose error is over the bounds.
     pub inaccurate: u64,
-    /// Reported roots that are NaN.
+    /// Number of reported parameters that are NaN.
     pub nan: u64,
     /// First case with a wrong answer.
     pub first_wrong: Option<WrongCase>,
@@ -99,7 +99,7 @@ pub struct Throughput {
 }
 
 impl SolverVerdict {
-    /// Verdict of a tally.
+    /// Makes the verdict from a tally.
     pub fn of(tally: &AnswerTally) -> Self {
         let AnswerTally { inputs, nan, first_wrong, .. } = *tally;
         Self { solves: inputs, wrong: tally.wrong(), nan, first_wrong }
@@ -107,7 +107,7 @@ impl SolverVerdict {
 }
 
 impl Accuracy {
-    /// Accuracy of a tally.
+    /// Makes the errors and failures from a tally.
     pub fn of(tally: &AnswerTally) -> Self {
         let AnswerTally { inputs, missed, spurious, inaccurate, nan, first_wrong, .. } = *tally;
         Self {
@@ -146,12 +146,13 @@ impl MeasuredMethod {
         }
     }
 
-    /// Error in the chart: the error in u that one root in a thousand exceeds, for a condition of 1.
+    /// Returns the error that the chart shows: the error in u that one root in a thousand exceeds, for a condition of
+    /// 1.
     pub fn error(&self) -> f64 {
         self.accuracy.error_eps_cond.p999 * self.precision.eps()
     }
 
-    /// Sets [`Self::on_pareto_front`] of each.
+    /// Sets [`Self::on_pareto_front`] of each method.
     pub fn find_front(methods: &mut [Self]) {
         let all: Vec<_> = methods.iter().map(|m| (m.precision, m.nanoseconds, m.error())).collect();
         for one in methods {

@@ -8,8 +8,8 @@ use glam::DVec3;
 use light::{Curve, Real};
 use twofloat::TwoFloat;
 
-/// Distance in u past the ends of a segment in which roots are searched. Such a root is only the explanation of an
-/// answer that a solver rounded to the end.
+/// Distance in u past the ends of a segment up to which roots are searched. A root past an end serves only to explain
+/// an answer that a solver rounded to the end.
 const BEYOND: f64 = 1.0 / 64.0;
 
 /// An increasing root of `f`.
@@ -22,12 +22,12 @@ pub struct TrueRoot {
 }
 
 impl TrueRoot {
-    /// Distance of `u` from the root.
+    /// Returns the distance in u between `u` and the root.
     pub fn error(&self, u: f64) -> f64 {
         (self.u - u).hi().abs()
     }
 
-    /// True if a solver must find the root.
+    /// True if a solver must find the root, because it is on the segment.
     pub fn is_wanted(&self) -> bool {
         self.u >= TwoFloat::from(0.0) && self.u <= TwoFloat::from(1.0)
     }

@@ -29,8 +29,9 @@ pub trait FloatWidth: Real + Float + Send + Sync + 'static {
     /// The bound `K` on the backward error (light model, section 5): the usual one, and the one for families whose `P'`
     /// almost vanishes.
     const BACKWARD_ERROR_BOUNDS: [f64; 2];
-    /// Distance past an end within which other methods' roots count as roots at the end: the amount by which rounding
-    /// moves an ordinary root, so that none is lost between two segments. The best of three values that were tried.
+    /// Distance past an end of the segment within which other methods' roots count as roots at the end. It is the
+    /// amount by which rounding moves an ordinary root, so that no root is lost between two segments. Of three values
+    /// that were tried, this one is best.
     const END_SLACK: f64;
 
     /// Rounds each number of a curve to this type.

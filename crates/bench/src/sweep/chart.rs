@@ -7,7 +7,7 @@ use crate::BenchError;
 use crate::chart::{self, BLUE, ORANGE, WRONG};
 
 const COLORS: [RGBColor; 2] = [ORANGE, BLUE];
-/// Smaller errors are drawn as this; a picture that is entirely dark has an error of 0.
+/// Error as which smaller ones are drawn. A picture that is entirely dark has an error of 0.
 const LEAST_ERROR: f64 = 1e-6;
 
 /// Draws one panel per shape: the time of each pose's picture and the error of its radiance. Red rings mark poses with

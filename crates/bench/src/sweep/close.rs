@@ -10,9 +10,9 @@ use super::stage::camera;
 
 /// Number of pixels tried to find such an edge.
 const TRIES: usize = 400;
-/// Distance in pixels between two points that may lie on different surfaces.
+/// Distance in pixels between two points of the picture that may show different surfaces.
 const APART: f64 = 3.0;
-/// Number of halvings of that distance.
+/// Number of times that this distance is halved to find the edge between the surfaces.
 const HALVINGS: u32 = 24;
 /// Cosine of the angle by which normals of different surfaces differ at least: 30 degrees.
 const SAME_COSINE: f64 = 0.866;
@@ -26,7 +26,7 @@ const DIRECTIONS: u32 = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ShadowCorner {
     target: DVec3,
-    /// Unit vector from the target to the camera from which it was seen; the line is free up to there.
+    /// Unit vector from the target to the camera that saw it. No surface lies between the two.
     to_eye: DVec3,
     /// Distances in world units: the one from which a pixel is about as wide as a texel, and the one from which the
     /// target was seen.

@@ -5,15 +5,17 @@ use rayon::prelude::*;
 use reference::{LightSample, Reference, ReferenceLight, ShadedPoint};
 use scene::View;
 
-/// Radius in texels within which the reference must be constant. A filter of 2 x 2 texels reaches half a texel to each
-/// side, and a drawn edge may be displaced by another half.
+/// Radius in texels around a pixel within which the reference must be constant for the pixel to be judged. A filter of
+/// 2 x 2 texels reaches half a texel to each side, and a drawn edge may be displaced by another half.
 const STABLE_TEXELS: f64 = 1.5;
 /// Number of tested directions, and the share of that radius at which they are tested. The tip of a shadow is detected
 /// between them if it opens by 15 degrees.
 const RINGS: [(u32, f64); 2] = [(24, 1.0), (12, 0.5)];
-/// Test of a wrong pixel: detects tips that open by one degree.
+/// Number of directions and share of the radius for a second test of a pixel that seems to be wrong. It detects tips of
+/// shadows that open by one degree.
 const CLOSE_RINGS: [(u32, f64); 5] = [(360, 1.0), (180, 0.8), (180, 0.6), (90, 0.4), (90, 0.2)];
-/// A rasterizer snaps corners to 1/256 pixel: within this distance in pixels it may see another surface.
+/// Distance in pixels within which a rasterizer may see another surface than the reference, because it snaps corners to
+/// 1/256 pixel.
 const RASTER_SNAP_PX: f64 = 0.02;
 /// Normals are packed to 2 x 16 bits: if light is this close to perpendicular to a normal, the picture may have it on
 /// the other side.
@@ -61,7 +63,7 @@ pub(super) fn judge(
     JudgedView { surfaces: pixels.len(), stable: pixels.into_iter().flatten().collect() }
 }
 
-/// Tests a wrong pixel at far more points. True if it is still stable.
+/// True if a pixel that seems to be wrong is still stable when it is tested at far more points.
 pub(super) fn is_surely_stable(
     reference: &Reference,
     source: &ReferenceLight,

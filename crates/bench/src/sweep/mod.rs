@@ -43,7 +43,7 @@ const WRONG: f32 = 1e-3;
 /// Minimum share of stable pixels among those that see a surface. A pose with less counts as failed.
 const MIN_STABLE_SHARE: f64 = 0.5;
 
-/// A light is used if it contains at least this share of the visible surfaces, tested at one of `LATTICE` pixels along
+/// Least share of the visible surfaces that a light must contain to be used, tested at one of `LATTICE` pixels along
 /// each axis. After `TRIES` lights the last is used.
 const MIN_SHARE_IN_LIGHT: f64 = 0.3;
 const LATTICE: u32 = 4;
@@ -53,7 +53,7 @@ const CLOSE_UP_SHARE: f64 = 0.5;
 /// Factors of the distance of a close-up, tried in order until enough pixels are stable.
 const CLOSE_UP_DISTANCE_FACTORS: [f64; 4] = [1.0, 2.0, 4.0, 8.0];
 
-/// A scene from a file to sweep over, in addition to the random ones.
+/// Scene from a file that is used in addition to the random ones.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// Name in reports.
@@ -119,7 +119,8 @@ pub struct SweepRow {
     pub poses: usize,
     /// Poses with fewer than half of the pixels with a surface stable: they are not judged.
     pub failed: usize,
-    /// Stable pixels, which are judged: they see a surface, and the reference is constant within 1.5 texels.
+    /// Number of stable pixels, which are judged. They see a surface, and the reference is constant within 1.5 texels
+    /// around.
     pub calm: usize,
     /// Stable pixels with a wrong shadow, after the reference tested 900 points around each.
     pub wrong: usize,
@@ -165,13 +166,14 @@ pub struct PoseResult {
     pub backend: &'static str,
     /// Stable pixels with a wrong shadow.
     pub wrong: usize,
-    /// Relative RMSE of radiance over the other stable pixels.
+    /// Relative RMSE of radiance over the stable pixels that have no wrong shadow.
     pub radiance_rmse: f64,
     /// Milliseconds of the picture, with a new light.
     pub frame_ms: f64,
 }
 
-/// Sweeps with both backends of the machine's device. Returns the report and the chart in SVG.
+/// Draws random poses of each shape of light with both backends, and compares the shadows with the reference. Returns
+/// the report and the chart in SVG.
 pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(SweepReport, String), BenchError> {
     let open = |backend| Ok(Arc::new(Gpu::open(MemoryBudget::default(), Some(backend))?));
     let gpus = BACKENDS.into_iter().map(open).collect::<Result<Vec<_>, BenchError>>()?;
@@ -182,7 +184,7 @@ pub fn run(options: &SweepOptions, progress: impl Fn(Progress)) -> Result<(Sweep
     Ok((report, chart))
 }
 
-/// Sweeps with the given renderers, in the order of [`BACKENDS`].
+/// Does the work of `run` with the given renderers, which are in the order of [`BACKENDS`].
 pub fn sweep(
     renderers: &mut [Renderer],
     adapter: &str,

@@ -79,7 +79,7 @@ fn a_light_that_is_dragged_as_a_whole_is_placed_anew() {
     let CommandResult { changes, document: after, outcome } =
         dragged(&before, &shadow(None, 45.0)).expect("it lands");
     let outcome = outcome.expect("a drag has an outcome");
-    assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (DragStatus::Converged, SOLVER));
+    assert_eq!((outcome.status, (outcome.solver.as_str(), outcome.version)), (DragStatus::Landed, SOLVER));
     assert!(outcome.residual_px <= 0.5 && outcome.pivot_world.is_some());
     let is_placement = |change: &Change| matches!(change, Change::LightParameter { parameter, .. } if *parameter == TRANSLATION.row() || *parameter == ROTATION.row());
     assert!(!changes.is_empty() && changes.iter().all(is_placement), "{changes:?}");
@@ -197,7 +197,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     done(&mut before, &Command::AddLight(Arc::clone(&DEMO.light)));
     done(&mut before, &add(PinKind::Shadow, LightId(2)));
     let free = dragged(&before, &shadow(None, 45.0)).expect("it lands");
-    assert_eq!(free.outcome.map(|outcome| outcome.status), Some(DragStatus::Converged));
+    assert_eq!(free.outcome.map(|outcome| outcome.status), Some(DragStatus::Landed));
 
     done(&mut before, &add(PinKind::Direction, LIGHT));
     let (id, _) = before.pins_of(LIGHT).next().expect("a pin");
@@ -215,7 +215,7 @@ fn pins_of_the_document_hold_and_are_named_by_their_ids() {
     assert!(turned(&held.document) < 0.1, "{}", turned(&held.document));
     let status = held.outcome.expect("an outcome").status;
     assert!(
-        status == DragStatus::Converged || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)),
+        status == DragStatus::Landed || status == DragStatus::Limited(DragLimit::Pin(id.0 as usize)),
         "{status:?}"
     );
 

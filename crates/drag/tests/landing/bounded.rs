@@ -85,10 +85,7 @@ fn past_its_bound_a_drag_is_limited_and_pins_hold() {
         let work = WorkBudget::with_limit(most, &|_| true);
         let landing = run(&scene, &trial, &work);
         println!("{share}/16: {:?}, {} px of {way} short", landing.status, landing.residual_px);
-        assert!(matches!(
-            landing.status,
-            DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Converged
-        ));
+        assert!(matches!(landing.status, DragStatus::Limited(DragLimit::TooMuchWork) | DragStatus::Landed));
         assert!(landing.residual_px <= way && hold(&trial, &landing), "{landing:?}");
         assert!(work.spent_steps() <= most + most / 8 + 2 * AT_ONCE, "{} of {most}", work.spent_steps());
         assert_eq!(

@@ -26,7 +26,7 @@ fn a_highlight_is_found_from_beside_it() {
     for scene in scenes() {
         for trial in trials(&scene, Feature::Highlight, 40) {
             let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-            if landing.status != DragStatus::Converged {
+            if landing.status != DragStatus::Landed {
                 continue;
             }
             landed += 1;

@@ -72,7 +72,7 @@ fn converged_drags_have_the_feature_under_the_cursor() {
                 all[kind] += 1;
                 *tally.entry(format!("{:?}", landing.status)).or_default() += 1;
                 assert!(CheckedLight::new(landing.light.clone()).is_ok(), "{what}");
-                if landing.status != DragStatus::Converged {
+                if landing.status != DragStatus::Landed {
                     continue;
                 }
                 landed[kind] += 1;
@@ -121,7 +121,7 @@ fn a_shadow_lands_on_what_throws_none() {
     let linked = scene.trial_of_the_demo(Links::new(Vec::new(), vec!["table".into()]));
     for trial in [from, linked] {
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
-        assert_eq!(landing.status, DragStatus::Converged, "{landing:?}");
+        assert_eq!(landing.status, DragStatus::Landed, "{landing:?}");
         assert!(landing.residual_px < 0.5);
     }
 }
@@ -145,7 +145,7 @@ fn straight_lights_land_too() {
         for feature in [Feature::Highlight, Feature::Diffuse] {
             let drag = Drag { feature, points: None, ..asked.clone() };
             let landing = crate::drag(&scene.bvh, &view, &light, &drag);
-            assert_eq!(landing.status, DragStatus::Converged, "{landing:?}");
+            assert_eq!(landing.status, DragStatus::Landed, "{landing:?}");
             // The light's own sample at M' arrives along the mirror direction or the normal.
             let moved = ReferenceLight::new(&CheckedLight::new(landing.light).expect("valid"));
             let reference = Reference::new(std::sync::Arc::clone(&scene.bvh.posed));
@@ -213,7 +213,7 @@ fn nothing_lands_on_what_a_light_leaves_out() {
             Drag { feature: Feature::Hotspot, from: DVec2::new(430.5, 175.5), ..trial.drag.clone() };
         drag(&scene.bvh, &trial.view, &light, &hotspot).status
     };
-    assert_eq!(landing_with(None), DragStatus::Converged);
+    assert_eq!(landing_with(None), DragStatus::Landed);
     let without_table = Links::new(Vec::new(), vec!["table".into()]);
     assert_eq!(landing_with(without_table), DragStatus::Refused(drag::DragRefusal::NothingAtEnd));
 }

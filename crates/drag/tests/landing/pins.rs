@@ -121,14 +121,14 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                 let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
                 let free = drag(&scene.bvh, &trial.view, &trial.light, &free);
                 match landing.status {
-                    DragStatus::Converged => landed += 1,
+                    DragStatus::Landed => landed += 1,
                     DragStatus::Limited(DragLimit::Pin(index)) => {
                         assert!(trial.drag.pins[index].is_hard, "{}", what());
                         by_pin += 1;
                     }
                     // Another limit acts without pins too.
                     _ => {
-                        assert_ne!(free.status, DragStatus::Converged, "{}", what());
+                        assert_ne!(free.status, DragStatus::Landed, "{}", what());
                         alike += 1;
                     }
                 }
@@ -214,7 +214,7 @@ fn the_source_stays_outside() {
         let landing = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
         assert!(!goes_through(source(&landing)), "{landing:?}");
         let says =
-            matches!(landing.status, DragStatus::Converged | DragStatus::Limited(DragLimit::SourceInside));
+            matches!(landing.status, DragStatus::Landed | DragStatus::Limited(DragLimit::SourceInside));
         kept += usize::from(says);
         println!("{:?} {}", landing.status, landing.residual_px);
     }
@@ -257,7 +257,7 @@ fn a_pinned_caster_keeps_its_look_while_its_shadow_moves() {
     let free = drag(&scene.bvh, &trial.view, &trial.light, &trial.drag);
     let pinned = Drag { pins, ..trial.drag.clone() };
     let pinned = drag(&scene.bvh, &trial.view, &trial.light, &pinned);
-    assert_eq!((free.status, pinned.status), (DragStatus::Converged, DragStatus::Converged));
+    assert_eq!((free.status, pinned.status), (DragStatus::Landed, DragStatus::Landed));
     let (without, with) = (differs(&free.light), differs(&pinned.light));
     // The smallest linear difference of a step of sRGB, in the dark, is 1 / 12.92 / 255.
     assert!(with < 1.0 / 12.92 / 255.0, "{with}");

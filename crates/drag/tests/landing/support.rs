@@ -71,7 +71,7 @@ impl TestScene {
     }
 
     pub fn converges(&self, trial: &Trial) -> bool {
-        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == DragStatus::Converged
+        drag(&self.bvh, &trial.view, &trial.light, &trial.drag).status == DragStatus::Landed
     }
 
     /// Finds a pixel whose surface is outside the light.

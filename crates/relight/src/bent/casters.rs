@@ -8,9 +8,9 @@ use crate::{AlphaTests, CasterScene};
 /// Shadow casters near a light.
 #[derive(Clone, Copy, Debug)]
 pub struct BentCasters<'a> {
-    /// Scene space, in blocks of 64.
+    /// Positions of vertices in scene space, in blocks of 64.
     pub positions: &'a [[f32; 3]],
-    /// Three per triangle. Triangles without an alpha test come first.
+    /// Indices of vertices, three per triangle. Triangles without an alpha test come first.
     pub indices: &'a [u32],
     /// Number of triangles without an alpha test.
     pub opaque_triangles: u32,
@@ -30,12 +30,12 @@ pub struct BentCasters<'a> {
 pub struct BentMap<'a> {
     /// Tube space of the light.
     pub space: TubeSpace,
-    /// In ascending t.
+    /// Slabs of the light's tube, in ascending t.
     pub slabs: &'a [MapSlab],
     /// Least and greatest corner of a box around all slabs, in tube space.
     pub bounds: [Vec3; 2],
     pub faces: &'a [BentFace],
-    /// Radius over the depth of the map's cube; `None` for one face.
+    /// Radius of the tube divided by the depth of the map's cube; `None` for a map with one face.
     pub cube_slope: Option<f32>,
     /// Largest number of texels per unit of v and w.
     pub texels_per_vw: f32,
@@ -46,9 +46,9 @@ pub struct BentMap<'a> {
 /// Face of a bent map.
 #[derive(Clone, Copy, Debug)]
 pub struct BentFace {
-    /// Clip coordinates (x, y, w) from (V, W, R).
+    /// Matrix to clip coordinates (x, y, w) from (V, W, R).
     pub clip_from_mapped: Mat3,
-    /// y / depth of a row of texels: the first, plus the second for each row; 1 on the front face.
+    /// Quotient y / depth at a row of texels: the first number, plus the second for each row. 1 on the front face.
     pub row_divisor: [f32; 2],
     /// Stored depth per unit of t.
     pub depth_per_t: f32,

@@ -6,18 +6,18 @@ use light::{Curve, Lanes, Mask};
 use super::casters::{BentFace, BentMap};
 use super::slab::TubePosition;
 
-/// Open surface without an alpha test. Of a closed surface light meets only the front.
+/// Kind of an open surface without an alpha test. On a closed surface light meets only the front.
 pub(super) const OPEN: u32 = u32::MAX;
-/// Closed surface whose triangles face inwards. `OPEN - 1` is one whose triangles face outwards.
+/// Kind of a closed surface whose triangles face inwards. `OPEN - 1` is the kind of one whose triangles face outwards.
 pub(super) const INSIDE_OUT: u32 = u32::MAX - 2;
 /// Largest shift of a corner by rasterization, in the finest texels: to a grid of 1/16 texel, the coarsest that Vulkan
 /// allows, of texels that are up to four times as wide in the other direction. The grid of this crate is finer, but
 /// both backends must drop the same triangles.
 const SNAP_TEXELS: f64 = 0.25;
-/// Four roundings of a position of size 1, the length of the light.
+/// Bound of the rounding error of a position of size 1, the length of the light: four roundings.
 const POSITION_ROUNDING: f64 = 1.0 / 4_194_304.0;
 
-/// Edge: its ends in tube space, and their tube coordinates.
+/// Edge of a triangle: its ends in tube space, and their tube coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Edge<F: Lanes> {
     pub qa: F::Vec3,
@@ -27,8 +27,8 @@ pub(super) struct Edge<F: Lanes> {
 }
 
 impl<F: Lanes> Edge<F> {
-    /// True if the bend of the slab does not show in the edge: it is short, or nearly orthogonal to the light. `bounds`
-    /// are the slab's.
+    /// True if the edge is certainly straight in the map, because it is short or nearly orthogonal to the light.
+    /// `bounds` are the edge bounds of the slab.
     #[inline(always)]
     pub fn is_safe(&self, bounds: [F; 4]) -> F::Mask {
         let dt = (self.b.t - self.a.t).abs();
@@ -38,8 +38,8 @@ impl<F: Lanes> Edge<F> {
     }
 }
 
-/// Number of texels per unit of v and w at a point. The texels of a cube are as wide as angles, so fewer far from its
-/// axis.
+/// Returns the number of texels per unit of v and w at a point. Texels of a cube have the same angular width, so there
+/// are fewer per unit far from its axis.
 #[inline(always)]
 fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
     let texels = F::of(f64::from(map.texels_per_vw));
@@ -49,8 +49,8 @@ fn texels_at<F: Lanes>(map: &BentMap, v: F, w: F) -> F {
     }
 }
 
-/// True if light meets the back of a triangle of a closed surface, whose front then shadows it. False where the
-/// rounding of corners might turn the triangle round. `turned` is 1 for an inside-out surface, else -1.
+/// True if light meets the back of a triangle of a closed surface. Another part of the surface then shadows it. False
+/// where the rounding of corners might turn the triangle round. `turned` is 1 for an inside-out surface, else -1.
 #[inline(always)]
 pub(super) fn faces_away<F: Lanes>(map: &BentMap, [a, b, c]: [&TubePosition<F>; 3], turned: F) -> F::Mask {
     let has_width = a.r.least(b.r.least(c.r)).gt(F::of(0.0));
@@ -70,8 +70,8 @@ fn length2<F: Lanes>([x, y]: [F; 2]) -> F {
 }
 
 /// True if a triangle's image lies beyond one side of the drawn part of each face. `bow` is the largest deviation of
-/// (V, W, R) from the straight edges, as a length in tube space. Inside, a quadratic triangle deviates by at most 4/3
-/// of the deviation at the middles of its edges; a factor of 2 leaves room for more.
+/// (V, W, R) from the straight edges, as a length in tube space. The inside of a quadratic triangle deviates by at most
+/// 4/3 of the deviation at the middles of its edges; a factor of 2 leaves room for more.
 #[inline(always)]
 pub(super) fn off_map<F: Lanes>(map: &BentMap, corners: [&TubePosition<F>; 3], bow: F) -> F::Mask {
     let mut off = F::Mask::of(true);
@@ -113,26 +113,27 @@ fn clip_coordinate<F: Lanes>(row: glam::Vec3, at: &TubePosition<F>) -> F {
     F::of(f64::from(row.x)) * at.v + F::of(f64::from(row.y)) * at.w + F::of(f64::from(row.z)) * at.r
 }
 
-/// Largest deviation of a clip coordinate.
+/// Returns the largest deviation of a clip coordinate, from the deviation `bow` of (V, W, R).
 #[inline(always)]
 fn across<F: Lanes>(row: glam::Vec3, bow: F) -> F {
     bow * F::of(f64::from(row.abs().element_sum()))
 }
 
-/// True if all three points lie past one of the two sides.
+/// True if all three points lie beyond one of the two sides.
 #[inline(always)]
 fn beyond<F: Lanes>(x: [F; 3], outer: [F; 3], margin: F) -> F::Mask {
     let (a, b, c) = (outer[0] + margin, outer[1] + margin, outer[2] + margin);
     (x[0].gt(a) & x[1].gt(b) & x[2].gt(c)) | (x[0].lt(-a) & x[1].lt(-b) & x[2].lt(-c))
 }
 
-/// Deviation of (V, W, R) from a straight edge, as a length in tube space.
+/// Returns the deviation of (V, W, R) from a straight edge, as a length in tube space.
 #[inline(always)]
 pub(super) fn edge_error<F: Lanes>(mapped: &TubePosition<F>, straight: &TubePosition<F>) -> F {
     length2([mapped.v - straight.v, mapped.w - straight.w]) + (mapped.r - straight.r).abs()
 }
 
-/// Speed of a light path at (v, w) on a cube, as a multiple of the center's; else 1.
+/// Returns the speed of the light path at (v, w) as a multiple of the center's speed, on a cube. It is 1 on a map with
+/// one face.
 #[inline(always)]
 fn stretch_at<F: Lanes>(map: &BentMap, curve: &Curve<F>, v: F, w: F) -> F {
     if map.cube_slope.is_none() {

@@ -17,15 +17,15 @@ pub(super) struct MapTexel {
     /// Change of (v, w) from texel to texel, to the right and downwards.
     pub right: Pair,
     pub down: Pair,
-    /// Depth of a face per unit of t: on a straight cone the distance along the face's own axis. And its change from
-    /// texel to texel downwards.
+    /// Depth on the face per unit of t. On a straight cone it is the distance along the face's own axis. The next field
+    /// is its change from one texel to the next one below.
     pub gain: F32s,
     pub gain_down: F32s,
-    /// Depth that a stored 1 stands for.
+    /// Depth that corresponds to a stored value of 1.
     pub far: F32s,
 }
 
-/// Computes the texel of (V, W) where the tube has this `radius`, on a map of `side` texels.
+/// Computes the texel that contains (V, W) where the tube has this `radius`, on a map of `side` texels.
 #[inline(always)]
 pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, radius: F32s) -> MapTexel {
     let (zero, one) = (F32s::splat(0.0), F32s::splat(1.0));
@@ -77,7 +77,7 @@ pub(super) fn map_texel(map: &BentMapParams, side: f32, [v_len, w_len]: Pair, ra
     }
 }
 
-/// Returns a step on a side of +-V unchanged, and on a side of +-W with v and w exchanged.
+/// Returns a step on a side of +-V unchanged, and a step on a side of +-W with v and w exchanged.
 #[inline(always)]
 fn turned_back(along_v: Masks, [a, b]: Pair) -> Pair {
     [F32s::select(along_v, a, b), F32s::select(along_v, b, a)]

@@ -25,12 +25,12 @@ const VERTICES_PER_BLOCK: usize = 64;
 const LEAVES_PER_CHUNK: usize = 32;
 /// Triangles that a worker clips and splits at once.
 const SPLITS_PER_CHUNK: usize = 64;
-/// Vertex in no slab.
+/// Slab index of a vertex that is in no slab.
 const NO_SLAB: u32 = u32::MAX;
-/// Vertex in slabs of distant parts of the tube, which overlap there.
+/// Slab index of a vertex that is in several slabs of distant parts of the tube.
 const SEVERAL_SLABS: u32 = u32::MAX - 1;
 
-/// Memory for drawing bent maps, kept from one map to the next.
+/// Work memory for drawing bent maps, reused from one map to the next.
 #[derive(Debug, Default)]
 pub struct BentMapBuilder {
     slabs: Vec<SlabLanes>,
@@ -41,7 +41,7 @@ pub struct BentMapBuilder {
 }
 
 impl BentMapBuilder {
-    /// Maps each vertex near the light once.
+    /// Computes the tube coordinates of each vertex near the light, once.
     pub fn map_vertices(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, .. } = self;
         slabs.clear();
@@ -63,7 +63,8 @@ impl BentMapBuilder {
         });
     }
 
-    /// Sorts the triangles near the light into those to drop, to draw as they are, to clip and to split.
+    /// Sorts the triangles near the light: those to drop, those to draw without splitting, those to clip and those to
+    /// split.
     pub fn map_triangles(&mut self, workers: &Workers, map: &BentMap, casters: &BentCasters) {
         let Self { slabs, vertices, listed, .. } = self;
         let turns = casters.leaves.len().div_ceil(LEAVES_PER_CHUNK);
@@ -77,8 +78,8 @@ impl BentMapBuilder {
         });
     }
 
-    /// Clips triangles in several slabs, and splits triangles that are not straight. Returns the number of triangles
-    /// that it examined.
+    /// Clips triangles that are in several slabs, and splits triangles whose edges are not straight in the map. Returns
+    /// the number of its inputs: pairs of a triangle and a slab, and patches.
     pub fn split(
         &mut self,
         workers: &Workers,
@@ -114,7 +115,7 @@ impl BentMapBuilder {
         Ok(count as u64)
     }
 
-    /// Draws the mapped triangles onto each face, and returns their number.
+    /// Draws the sorted, clipped and split triangles onto each face, and returns their number.
     pub fn draw(
         &mut self,
         workers: &Workers,
@@ -187,7 +188,7 @@ impl SimdTask for MapVertices<'_> {
     }
 }
 
-/// Returns the first slab that holds each point.
+/// Returns the index of the first slab that holds each point.
 #[inline(always)]
 fn slabs_of(map: &BentMap, slabs: &[SlabLanes], q: Vec3s) -> U32s {
     let [low, high] = map.bounds.map(|corner| Vec3s::splat(corner.to_array()));

@@ -24,18 +24,18 @@ pub use casters::{BentCasters, BentFace, BentMap};
 pub use map::BentMapBuilder;
 pub use slab::{MapSlab, TubeSpace};
 
-/// Largest color and intensity with a finite product.
+/// Largest color and largest intensity. Their product stays finite.
 const MAX_INTENSITY: f32 = 1e15;
-/// Largest irradiance that stays finite through the BRDF. It limits the emission and its attenuation separately.
+/// Largest emission, and largest attenuation of it, for which the irradiance stays finite through the BRDF.
 const MAX_EMISSION: f32 = 1e15;
 
 /// BendyLight, or a part of one, as it is drawn.
 #[derive(Debug)]
 pub struct RelitBent {
     tube: Tube<F32s>,
-    /// Columns of the matrix, and the translation.
+    /// Matrix from scene space to tube space: three columns and the translation.
     tube_from_scene: [Vec3s; 4],
-    /// Columns of the matrix.
+    /// Columns of the rotation from tube space to the world.
     world_from_tube: [Vec3s; 3],
     world_per_tube: f32,
     map: BentMapParams,
@@ -167,7 +167,7 @@ impl RelitBent {
     }
 }
 
-/// Copies each number of a light into all lanes.
+/// Makes a tube that has each number of `tube` in all lanes.
 pub(crate) fn splat_tube(tube: &Tube<f64>) -> Tube<F32s> {
     let of_tube = Tube::<f32>::from(tube);
     let bound = |x: f32| F32s::splat(x.clamp(-MAX_INTENSITY, MAX_INTENSITY));
@@ -192,7 +192,7 @@ fn in_lanes_vec(v: Vec3) -> Vec3s {
     Vec3s::splat(v.to_array())
 }
 
-/// Copies each number of a curve into all lanes.
+/// Makes a curve that has each number of `curve` in all lanes.
 pub(crate) fn splat_curve(curve: &Curve<f32>) -> Curve<F32s> {
     let bounds = &curve.bounds;
     Curve {

@@ -4,7 +4,7 @@ use light::{Lanes, Mask, Tube};
 
 use crate::lanes::{F32s, Masks, Vec3s};
 
-/// Root of each point with the smallest |r| / R.
+/// Root with the smallest |r| / R of each point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearest {
     /// Lanes whose points lie in the tube.

@@ -90,8 +90,8 @@ impl SlabLanes {
         inside & across.least(along_normal).ge(F32s::splat(0.0))
     }
 
-    /// Computes the tube coordinates of points in the slab. The signs at the ends are known, so that rounding at a
-    /// clipping plane cannot lose the root.
+    /// Computes the tube coordinates of points in the slab. The signs at the ends are taken as known, so that rounding
+    /// at a clipping plane does not lose the root.
     #[inline(always)]
     pub fn to_tube_position(&self, space: &TubeSpace, q: Vec3s) -> TubePosition<F32s> {
         let (zero, curve) = (F32s::splat(0.0), &self.curve);
@@ -134,14 +134,14 @@ impl TubePosition<F32s> {
 }
 
 impl TubePosition<f32> {
-    /// Homogeneous position and value of a vertex for the rasterizer.
+    /// Returns the homogeneous position and the value of a vertex for the rasterizer.
     #[inline(always)]
     pub fn corner(self) -> [f32; 4] {
         [self.v, self.w, self.r, self.t]
     }
 }
 
-/// Puts points into lanes, and repeats the last one in the lanes that remain. `points` must not be empty.
+/// Puts points into lanes. If there are fewer than lanes, repeats the last point. `points` must not be empty.
 #[inline(always)]
 pub(super) fn lanes_from_points(points: &[Vec3]) -> Vec3s {
     let mut lanes = Vec3s::splat([0.0; 3]);

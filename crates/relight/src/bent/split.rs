@@ -1,6 +1,6 @@
 //! Clipping of triangles to slabs, and splitting until their edges are nearly straight in the map, like
-//! `bent_map_clip.wgsl` and `bent_map_split.wgsl`. The split of an edge depends on that edge alone, so neighbours agree
-//! and no cracks open.
+//! `bent_map_clip.wgsl` and `bent_map_split.wgsl`. The decision to split an edge depends on that edge alone, so
+//! adjacent triangles split it alike and no cracks appear.
 
 use super::casters::{BentCasters, BentMap};
 use super::edges::{Edge, INSIDE_OUT, OPEN, edge_error, exceeds_tolerance, faces_away, off_map};
@@ -12,7 +12,7 @@ use glam::Vec3;
 
 /// Most levels of splitting. Patches of the last level are drawn as they are.
 const MAX_LEVELS: usize = 10;
-/// Three corners, and one more for each of the six planes.
+/// Most corners of a clipped triangle: three, and one more for each of the slab's six planes.
 const MAX_CORNERS: usize = 9;
 
 /// Triangles that result from clipping and splitting.
@@ -31,7 +31,7 @@ pub(super) struct ToClip {
     pub caster: u32,
 }
 
-/// Triangle in a slab.
+/// Triangle, or part of one, that lies in one slab of the tube.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Patch {
     /// Corners in tube space.
@@ -43,7 +43,7 @@ pub(super) struct Patch {
     pub caster: u32,
 }
 
-/// Middle of an edge, with the decision to split it there.
+/// Middle of a patch's edge, with the decision whether the edge is split there.
 #[derive(Clone, Copy, Debug)]
 struct Middle {
     needs_split: bool,
@@ -53,16 +53,18 @@ struct Middle {
     mapped: TubePosition<f32>,
 }
 
-/// Memory for one chunk of work.
+/// Memory for measuring the edges of one slab's patches, reused for the next slab.
 #[derive(Default)]
 struct SplitMemory {
     points: Vec<Vec3>,
     mapped: Vec<TubePosition<f32>>,
-    /// Index of the first point of each patch's edges; `None` for safe edges, which need no points.
+    /// Index in `points` of the first point of each patch's edges. `None` for an edge that is certainly straight and
+    /// needs no points.
     edges: Vec<[Option<usize>; 3]>,
 }
 
-/// Clips `to_clip`, and splits the result and `patches`, both sorted by slab. Adds the triangles to draw.
+/// Clips the triangles `to_clip`, and splits the results and `patches`. Both lists are sorted by slab. Adds the
+/// resulting triangles to `into`.
 #[inline(always)]
 pub(super) fn split(
     (map, slabs): (&BentMap, &[SlabLanes]),
@@ -92,7 +94,7 @@ pub(super) fn split(
     }
 }
 
-/// Maps points of one slab, sixteen at a time.
+/// Computes the tube coordinates of points in one slab, sixteen at a time.
 #[inline(always)]
 fn map_points((map, slab): (&BentMap, &SlabLanes), points: &[Vec3], mapped: &mut Vec<TubePosition<f32>>) {
     mapped.clear();
@@ -141,7 +143,7 @@ fn clip(
     }
 }
 
-/// Clips a triangle by planes. Returns its corners and their number.
+/// Clips a triangle by six planes. Returns its corners and their number.
 #[inline(always)]
 fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS], usize) {
     let mut polygon = [Vec3::ZERO; MAX_CORNERS];
@@ -179,7 +181,8 @@ fn clipped(planes: &[[f32; 4]; 6], triangle: [Vec3; 3]) -> ([Vec3; MAX_CORNERS],
     (polygon, count)
 }
 
-/// Lists and maps the points that decide if the edges of `patches`, all of one slab, are straight.
+/// Computes the tube coordinates of points on the edges of `patches`, all of one slab. From these points follows if an
+/// edge is straight.
 #[inline(always)]
 fn measure((map, slab): (&BentMap, &SlabLanes), patches: &[Patch], memory: &mut SplitMemory) {
     memory.points.clear();
@@ -259,8 +262,8 @@ fn alpha_tested_triangle(map: &BentMap, casters: &BentCasters, patch: &Patch) ->
     AlphaTestedTriangle { corners, uv_alpha, test: tests.test_of(patch.caster) as u32 }
 }
 
-/// Drops a patch that lies off the map, draws one that is straight or of the last level, and splits others at the
-/// middles of their bent edges.
+/// Drops a patch that lies off the map, draws a patch that is straight or of the last level, and splits any other patch
+/// at the middles of its bent edges.
 #[inline(always)]
 fn divide(
     map: &BentMap,

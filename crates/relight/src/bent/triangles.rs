@@ -23,17 +23,17 @@ pub(super) struct Vertex {
     pub mapped: TubePosition<f32>,
 }
 
-/// Sorted triangles of a chunk of leaves.
+/// Triangles of a chunk of leaves, sorted by what has to be done before they can be drawn.
 #[derive(Debug, Default)]
 pub(super) struct SortedTriangles {
-    /// Triangles to draw as they are.
+    /// Triangles that can be drawn without clipping or splitting.
     pub unsplit: Vec<RasterTriangle>,
     pub patches: Vec<Patch>,
     pub to_clip: Vec<ToClip>,
 }
 
 impl SortedTriangles {
-    /// Sorts the triangles of `leaves`, and discards the former content.
+    /// Sorts the triangles of `leaves` into these lists, and discards their former contents.
     pub fn sort(
         &mut self,
         (map, slabs): (&BentMap, &[SlabLanes]),
@@ -74,17 +74,17 @@ impl SimdTask for SortTriangles<'_> {
     }
 }
 
-/// Corners of sixteen triangles: in tube space, mapped, and the slabs that hold them.
+/// Corners of sixteen triangles: positions in tube space, tube coordinates, and the slab that holds each corner.
 struct Corners {
     q: [Vec3s; 3],
     mapped: [TubePosition<F32s>; 3],
     slab: [U32s; 3],
-    /// Edge bounds of the first corner's slab.
+    /// Bounds for straight edges in the slab of the first corner.
     bounds: [F32s; 4],
 }
 
 impl SortTriangles<'_> {
-    /// Sorts up to sixteen triangles of a leaf.
+    /// Sorts `count` triangles of a leaf, at most sixteen, from `first` on. `shell` is the kind of the leaf's surface.
     #[inline(always)]
     fn sort_sixteen(&mut self, first: u32, count: usize, shell: u32) {
         let corners = self.corners(first, count);
@@ -128,7 +128,7 @@ impl SortTriangles<'_> {
         corners
     }
 
-    /// Returns the kind of a triangle's surface, or its index among the triangles with an alpha test.
+    /// Returns the index of a triangle among those with an alpha test, or the kind of its surface if it has none.
     #[inline(always)]
     fn caster_of(&self, triangle: u32, shell: u32) -> u32 {
         let opaque = self.casters.opaque_triangles;
@@ -199,7 +199,7 @@ impl SortTriangles<'_> {
     }
 }
 
-/// Returns the lanes below a limit.
+/// Returns the lanes whose number is less than a limit.
 #[inline(always)]
 fn below(numbers: U32s, limit: usize) -> Masks {
     let mut below = Masks::of(false);
@@ -209,7 +209,7 @@ fn below(numbers: U32s, limit: usize) -> Masks {
     below
 }
 
-/// Returns the lanes whose triangles have a box that touches another.
+/// Returns the lanes whose triangles have bounding boxes that touch the given box.
 #[inline(always)]
 fn near_all([low, high]: [Vec3; 2], [a, b, c]: &[Vec3s; 3]) -> Masks {
     let x = axis_near([low.x, high.x], [a.x, b.x, c.x]);
@@ -222,7 +222,7 @@ fn axis_near([low, high]: [f32; 2], [a, b, c]: [F32s; 3]) -> Masks {
     a.most(b).most(c).ge(F32s::splat(low)) & a.least(b).least(c).le(F32s::splat(high))
 }
 
-/// Returns the lanes whose triangles lie beyond none of the slab's planes.
+/// Returns the lanes whose triangles do not lie completely outside one of the slab's planes.
 #[inline(always)]
 fn may_touch(slab: &SlabLanes, [a, b, c]: &[Vec3s; 3]) -> Masks {
     let mut may = Masks::of(true);

@@ -13,43 +13,47 @@ use crate::visibility::{
     Facing, LitTexels, Receiver, facing, filter_visibility, gathered, needs_exact_trace, resolve_visibility,
 };
 
-/// Run of the receiver's plane along the light from texel to texel above which the scene decides if the map cannot, in
-/// texel widths.
+/// Run of the receiver's plane, in texel widths, above which light counts as grazing, and ray tests against the scene
+/// decide where the map cannot. The run is the distance along the light by which the plane changes from one texel to
+/// the next.
 const GRAZING_TEXELS: f32 = 1.0;
-/// Run above which the scene decides whatever the map says, in texel widths.
+/// Run, in texel widths, above which ray tests against the scene decide in any case.
 const EDGE_ON: f32 = 256.0;
-/// Largest run that adds to the tolerance of the map, in texel widths.
+/// Largest run, in texel widths, that increases the tolerance of the map.
 const MAX_RUN_TEXELS: f32 = 4.0;
-/// Largest run that adds to the tolerance for casters that deviate from the surface, in texel widths.
+/// Largest run, in texel widths, that increases the tolerance for casters which deviate from the surface.
 const MAX_CASTER_RUN_TEXELS: f32 = 32.0;
-/// Run of a plane seen edge on, in texel widths.
+/// Run that is assumed for a plane seen edge on, in texel widths.
 const EDGE_ON_RUN_TEXELS: f32 = 4096.0;
-/// Distance along the light within which the scene decides on casters where light grazes, in texel widths.
+/// Distance along the light, in texel widths, within which ray tests against the scene decide about casters if light
+/// grazes.
 const REACH_TEXELS: f32 = 48.0;
-/// Distance along the light within which the scene decides on casters elsewhere, in texel widths.
+/// Distance along the light, in texel widths, within which ray tests against the scene decide about casters if light
+/// does not graze.
 const NEAR_REACH_TEXELS: f32 = 8.0;
-/// Steps from the receiver to the farthest of the texels around. The scene also decides on casters within the run of
-/// the plane over so many steps.
+/// Number of texel steps from the receiver to the farthest texel that the filter reads. Ray tests also decide about
+/// casters within the plane's run over this many steps.
 const STEPS_AROUND: f32 = 1.5;
-/// Longest first piece of a traced path, in texel widths. Each further piece is as long as all that are nearer to the
-/// surface, since a chord deviates less the nearer it is. The chord of the first deviates by some hundredths of a
-/// texel.
+/// Longest first piece of a traced path, in texel widths. Each further piece is as long as all pieces that are nearer
+/// to the surface together, because a chord deviates less the nearer it is to the surface. The chord of the first piece
+/// deviates by some hundredths of a texel.
 const FIRST_PIECE: f32 = 16.0;
-/// Most pieces of a traced path. With all of them the first piece may be longer.
+/// Most pieces of a traced path. If this many do not suffice, the first piece is longer.
 const MAX_PIECES: usize = 12;
 
-/// Position of a receiver on the map, and its own plane there.
+/// Position of receivers on the map, and the planes that they lie in.
 struct BentReceiver {
     face: U32s,
     texel: Pair,
-    /// Depth as the face stores it, and its change along the receiver's plane from texel to texel.
+    /// Depth of the receiver in the unit of the face, and its change along the receiver's plane from one texel to the
+    /// next.
     depth: F32s,
     step: Pair,
-    /// Distances behind the map's depth up to which the receiver is lit: by the map alone, and if the scene decides on
-    /// near casters.
+    /// Distance behind the stored depth up to which a receiver is lit. `tolerance` is the distance if the map alone
+    /// decides. `reach` is the greater distance if ray tests against the scene decide about the casters in between.
     tolerance: F32s,
     reach: F32s,
-    /// Depth that a stored 1 stands for.
+    /// Depth that corresponds to a stored value of 1.
     far: F32s,
 }
 
@@ -85,11 +89,11 @@ impl Receiver for BentReceiver {
     }
 }
 
-/// Derivatives and frame of a light path at a root.
+/// Derivatives of a light path at a root, and the frame of the cross-section there.
 struct PathFrame {
     v_hat: Vec3s,
     w_hat: Vec3s,
-    /// Half the first and half the second derivative of position.
+    /// Half the first derivative of the curve's position by u. The next field is half the second derivative.
     d: Vec3s,
     a: Vec3s,
     u_hat_derivative: Vec3s,
@@ -101,7 +105,7 @@ struct PathFrame {
     center_speed: F32s,
 }
 
-/// Tube coordinates of a point next to a root's, which may be outside the tube.
+/// Tube coordinates of a point near a root, relative to the root. The point may be outside the tube.
 struct OffsetPoint {
     dt: F32s,
     vw_len: Pair,
@@ -134,8 +138,8 @@ impl RelitBent {
         }
     }
 
-    /// Computes the coordinates of a point next to a root, to second order in the short `lift`. `sigma` is `|P'| - r .
-    /// u_hat'`.
+    /// Computes the tube coordinates of a point at the short distance `lift` from a root, to second order. `sigma` is
+    /// `|P'| - r . u_hat'`.
     #[inline(always)]
     fn offset_point(
         &self,
@@ -170,9 +174,9 @@ impl RelitBent {
 
     /// Computes the share of the light that no caster blocks, for the `asked` lanes.
     ///
-    /// The receiver's own plane has a t at each texel's center, and that t is compared with the texel, so that a plane
-    /// cannot shadow itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and
-    /// n.e = 0 gives `dt = -R (n_v dv + n_w dw) / n.T`.
+    /// The receiver's own plane has a t at each texel's center, and that t is compared with the texel, so that no plane
+    /// shadows itself: a step e in the plane is `R (dv v_hat + dw w_hat) + T dt` with T the path's tangent, and n.e = 0
+    /// gives `dt = -R (n_v dv + n_w dw) / n.T`.
     #[inline(always)]
     pub(super) fn visibility(
         &self,
@@ -228,8 +232,8 @@ impl RelitBent {
         F32s::select(asked, visibility, zero)
     }
 
-    /// Makes the receiver of a plane with this `normal` in tube space. Returns a texel's width as a depth too, and the
-    /// lanes that light grazes.
+    /// Makes the receivers for planes with the unit vector `normal` in tube space. Also returns the width of a texel as
+    /// a depth, and the lanes in which light grazes.
     #[inline(always)]
     fn receiver(
         &self,
@@ -298,8 +302,8 @@ impl RelitBent {
         points
     }
 
-    /// True if a caster lies on the last part of the path of constant (v, w) to a surface: from `t - back` to `t`,
-    /// traced in `pieces` chords.
+    /// True if a caster lies on the end of the path of constant (v, w) to a surface: from `t - back` to `t`, traced in
+    /// `pieces` chords.
     fn is_path_occluded(
         &self,
         scene: &CasterScene,
@@ -333,8 +337,8 @@ impl RelitBent {
     }
 }
 
-/// Speed of a light path at (v, w) by which the map's error along the light is measured. On a wide cone it differs much
-/// from the center's.
+/// Returns the speed of the light path at (v, w) that relates the map's error along the light to t. On a wide cone it
+/// differs much from the speed at the center.
 #[inline(always)]
 fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s {
     if place.slope.is_none() {
@@ -343,7 +347,7 @@ fn map_speed(place: &BentMapParams, path: &PathFrame, v: F32s, w: F32s) -> F32s 
     length2([path.center_speed, path.radius_derivative * length2([v, w])])
 }
 
-/// Width of the steps of (v, w) from texel to texel, orthogonal to the path.
+/// Returns the distance in the scene, orthogonal to the path, that a step of (v, w) from one texel to the next covers.
 #[inline(always)]
 fn texel_width(place: &BentMapParams, texel: &MapTexel, (radius, path): (F32s, &PathFrame)) -> F32s {
     if place.slope.is_none() {

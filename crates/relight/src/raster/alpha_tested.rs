@@ -23,11 +23,11 @@ struct AlphaTestedLarge {
     test: usize,
 }
 
-/// Some alpha-tested triangles of a face, set up.
+/// Piece of a face's alpha-tested triangles after set-up, sorted by the bands that they touch.
 #[derive(Debug, Default)]
 pub(super) struct AlphaTestedPiece {
     triangles: Vec<AlphaTestedLarge>,
-    /// Indices into `triangles`, for each band.
+    /// Indices in `triangles` of the triangles in each band.
     in_bands: Vec<Vec<u32>>,
 }
 
@@ -63,7 +63,7 @@ impl AlphaTestedPiece {
         }
     }
 
-    /// Number of triangles in a band.
+    /// Returns the number of triangles in a band.
     pub fn count_in(&self, band: usize) -> usize {
         self.in_bands[band].len()
     }
@@ -107,7 +107,7 @@ impl AlphaTestedLarge {
         }
     }
 
-    /// True if there is a hole at a texel's center.
+    /// True if the triangle has a hole at a texel's center.
     #[inline(always)]
     fn is_hole(&self, tests: AlphaTests, column: usize, row: usize) -> bool {
         let (d, over_w) = self.large.at(&self.over_w, column, row);

@@ -4,7 +4,7 @@
 /// Corner in clip coordinates (x, y, w), with its value and further interpolated numbers.
 pub(super) type ClipCorner<const N: usize> = [f32; N];
 
-/// Most corners of a triangle after five cuts.
+/// Most corners of a triangle after clipping by five planes.
 const MAX_CORNERS: usize = 8;
 
 /// Corners of a convex polygon, in order.

@@ -10,13 +10,13 @@ use super::Band;
 use super::rule::DepthTest;
 use super::wide::{Floats, Ints, LANES};
 
-/// Corner of a triangle on the face.
+/// Corner of a triangle on a face.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
     /// Offset to the right and down from the center of the first texel, in 1/256 of a texel; at most 2^22 in each
     /// direction.
     pub at: [i32; 2],
-    /// N and D of [`DepthTest`].
+    /// Value at the corner of N of [`DepthTest`]. The next field is D.
     pub n: f32,
     pub d: f32,
 }
@@ -40,16 +40,16 @@ pub(super) struct LargeTriangle {
 /// functions of the second and the third corner.
 pub(super) type Plane = [f64; 3];
 
-/// Covered texels of a row, with N and D along it.
+/// Covered texels of a triangle in one row, with N and D along them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Run {
-    /// First column, and number of columns.
+    /// First covered column. The next field is the number of columns.
     pub first: usize,
     pub count: usize,
-    /// N and D at the first column.
+    /// Value of N at the first column. The next field is D.
     pub n: f32,
     pub d: f32,
-    /// Steps of N and D from each column to the next.
+    /// Change of N from one column to the next. The next field is that of D.
     pub n_step: f32,
     pub d_step: f32,
 }
@@ -105,7 +105,7 @@ impl LargeTriangle {
         Some((large, others.map(plane)))
     }
 
-    /// Number of texels of the bounding box in a band.
+    /// Returns the number of texels of the bounding box in a band.
     pub fn texels_in(&self, band: &Band) -> usize {
         let first = (self.rows[0] as usize).max(band.first);
         let end = (self.rows[1] as usize + 1).min(band.end);
@@ -159,7 +159,7 @@ impl LargeTriangle {
 }
 
 impl Run {
-    /// Returns the coverage of the sixteen texels from `done` texels after the first on, and N and D there.
+    /// Returns the coverage of sixteen texels, from `done` texels after the first, and N and D there.
     #[inline(always)]
     pub fn lanes_from(&self, done: usize, count: Ints) -> (Ints, Floats, Floats) {
         let along = count + Ints::splat(done as i32);
@@ -171,7 +171,7 @@ impl Run {
     }
 }
 
-/// Evaluates a plane, with `one` and `two` the edge functions of the second and the third corner.
+/// Evaluates a plane. `one` and `two` are the edge functions of the second and the third corner.
 #[inline(always)]
 fn evaluate_plane(plane: &Plane, one: f64, two: f64) -> f64 {
     plane[0] + plane[1] * one + plane[2] * two

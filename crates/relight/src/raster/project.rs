@@ -13,9 +13,10 @@ use super::{DepthRule, MapFace, RasterTriangle};
 
 /// Texels from the middle of a face to the end of the guard band, at which triangles are clipped.
 const GUARD_TEXELS: f32 = 8192.0;
-/// Least w of a drawn position. A smaller one is as good as at the source; a quotient by a larger one stays within f32.
+/// Least w of a drawn position. A position with a smaller w is as good as at the source. Quotients by a w that is not
+/// smaller stay within f32.
 const MIN_W: f32 = 1e-30;
-/// Offset that puts the nearest integer of a float of at most 2^22 into its last bits.
+/// Offset for rounding a float of at most 2^22: the sum has the nearest integer in its last bits.
 const ROUND: f32 = 12_582_912.0;
 
 /// Transform from positions to a face's texels and to the interpolated numbers.
@@ -73,7 +74,7 @@ impl Projection {
     }
 }
 
-/// Sixteen corners.
+/// Corners of sixteen triangles, projected onto a face.
 #[derive(Clone, Copy)]
 pub(super) struct Corners {
     pub clip: [Floats; 4],
@@ -82,8 +83,8 @@ pub(super) struct Corners {
     pub d: Floats,
 }
 
-/// Transposes triangles into X, Y, Z and the value of each corner. Compilers make something slower of it if it is
-/// inlined among other code.
+/// Transposes triangles into X, Y, Z and the value of each corner. It is not inlined, because compilers make slower
+/// code of it among other code.
 #[inline(never)]
 pub(super) fn transpose_corners(group: &[RasterTriangle; LANES]) -> [[Floats; 4]; 3] {
     let mut places = [[Floats::ZERO; 4]; 3];
@@ -130,7 +131,7 @@ fn rounded(x: Floats) -> Ints {
     (x + Floats::splat(ROUND)).bits() - Ints::splat(ROUND.to_bits().cast_signed())
 }
 
-/// Condition that holds for corners that need no clipping.
+/// Returns a condition that holds in lanes whose corners need no clipping.
 #[inline(always)]
 pub(super) fn is_inside(corners: &Corners, projection: &Projection) -> Ints {
     let [x, y, w, _] = corners.clip;

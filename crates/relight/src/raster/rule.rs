@@ -11,10 +11,10 @@ use super::wide::{Floats, Ints};
 /// They interpolate two numbers that are linear on the face: N, which set-up computes from a corner's value, and D = 1
 /// / w.
 pub(super) trait DepthTest: Copy + Send + Sync {
-    /// Depth of an empty map.
+    /// Depth of a texel that no triangle covers.
     const CLEARED: f32;
 
-    /// Factor of D in a row of texels.
+    /// Factor by which D is multiplied in a row of texels.
     fn row_factor(self, row: usize) -> f32;
 
     /// Computes the new depths of texels that stored `old`, after a triangle that covers the lanes of `covered`.

@@ -14,13 +14,13 @@ use super::small::{MAX_SMALL_TEXELS, SmallTriangle};
 use super::wide::{Floats, Ints, LANE_INDICES, LANES};
 use super::{BAND, RasterTriangle};
 
-/// Some triangles of a face, set up.
+/// Piece of a face's opaque triangles after set-up, sorted by the bands that they touch.
 #[derive(Debug, Default)]
 pub(super) struct OpaquePiece {
     pub large: Vec<LargeTriangle>,
-    /// Small triangles of each band.
+    /// Small triangles in each band.
     pub small_by_band: Vec<Vec<SmallTriangle>>,
-    /// Indices into `large`, for each band.
+    /// Indices in `large` of the triangles in each band.
     pub large_by_band: Vec<Vec<u32>>,
 }
 
@@ -82,8 +82,8 @@ impl OpaquePiece {
     }
 }
 
-/// Returns the first and the last texel center on the face between three coordinates, and a condition that holds if
-/// they span few enough texels for a small triangle.
+/// Returns the first and the last texel center between the least and the greatest of three coordinates, limited to the
+/// face. Also returns a condition that holds in lanes in which these coordinates are close enough for a small triangle.
 #[inline(always)]
 fn span(p: Ints, q: Ints, r: Ints, side: usize) -> ([Ints; 2], Ints) {
     let [least, most] = [p.least(q).least(r), p.greatest(q).greatest(r)];
@@ -134,8 +134,8 @@ fn set_up_group(
     }
 }
 
-/// Sets up triangles with the texel centers `columns` and `rows`, and returns a condition that holds if they may cover
-/// some.
+/// Sets up sixteen triangles as small ones. `columns` and `rows` are the first and last texel centers in their bounding
+/// boxes. Also returns a condition that holds in lanes whose triangle may cover a texel.
 #[inline(always)]
 fn small_ones(
     corners: &[Corners; 3],
@@ -166,8 +166,8 @@ fn small_ones(
     (smalls, (area - Ints::splat(1)) | more.select(more, has_first))
 }
 
-/// Edge functions like those of `SmallTriangle`. `rest` is the value at the first texel without division by 256, less
-/// 256 times the value with it.
+/// Edge functions like those of `SmallTriangle`. `rest` is the value at the first texel center before the division by
+/// 256, less 256 times the value after it.
 #[derive(Clone, Copy)]
 struct Edges {
     e: Ints,
@@ -176,7 +176,7 @@ struct Edges {
     rest: Floats,
 }
 
-/// Sets up the edges between two corners. `area` is the doubled signed area of each triangle.
+/// Sets up the edge functions of the edges between two corners. `area` is the doubled signed area of each triangle.
 #[inline(always)]
 fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges {
     let (a, b) = (from[1] - to[1], to[0] - from[0]);
@@ -190,7 +190,7 @@ fn edges(from: [Ints; 2], to: [Ints; 2], area: Ints, origin: [Ints; 2]) -> Edges
     Edges { e, a, b, rest: (start - e * Ints::splat(256)).floats() }
 }
 
-/// Makes a plane like N and D of `SmallTriangle`, from the values at the corners.
+/// Makes the coefficients of N or D of a `SmallTriangle` from its values at the three corners.
 #[inline(always)]
 fn plane(x: Floats, second: Floats, third: Floats, per_area: Floats, rests: [Floats; 2]) -> [Floats; 3] {
     let (one, two) = ((second - x) * per_area, (third - x) * per_area);

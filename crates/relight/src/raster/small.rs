@@ -31,7 +31,7 @@ pub(super) struct SmallTriangle<Int = i32, Float = f32> {
 }
 
 impl SmallTriangle<Ints, Floats> {
-    /// Triangle of one lane.
+    /// Returns the triangle in one lane.
     #[inline(always)]
     pub fn lane(&self, k: usize) -> SmallTriangle {
         let Self { columns, rows, e, a, b, n, d } = self;

@@ -35,11 +35,11 @@ pub struct AlphaTestedCasters<'a> {
     /// Scene of the triangles.
     pub scene: &'a CasterScene<'a>,
     pub runs: &'a [AlphaTestedRun],
-    /// Tests that the runs name.
+    /// Tests to which the indices in the runs refer.
     pub tests: AlphaTests<'a>,
 }
 
-/// Triangles with the same alpha test.
+/// Consecutive triangles with the same alpha test.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct AlphaTestedRun {
     /// Range of the scene's triangles.

@@ -89,16 +89,18 @@ impl RelitShape for RelitDirectional {
     }
 }
 
-/// Position of a receiver on the map, and the heights of its own plane around it. Lengths along the light are depths of
-/// the map.
+/// Position of receivers on the map, and the planes that they lie in. Lengths along the light are in units of the map's
+/// depth.
 struct DirectionalReceiver {
     texel: [F32s; 2],
     depth: F32s,
-    /// Rise of the plane from texel to texel, followed over at most `most`.
+    /// Rise of a receiver's plane from one texel to the next, to the right and downwards. The plane's rise over all
+    /// texels is limited to `most`.
     step: [F32s; 2],
     most: F32s,
-    /// Heights of a caster above the plane up to which the receiver is lit: by the map alone, and if the scene decides
-    /// on near casters.
+    /// Height above a receiver's plane up to which a stored caster does not shadow the receiver. `tolerance` is the
+    /// height if the map alone decides. `reach` is the greater height if ray tests against the scene decide about the
+    /// casters in between.
     tolerance: F32s,
     reach: F32s,
 }
@@ -129,7 +131,7 @@ impl Receiver for DirectionalReceiver {
 
 impl RelitDirectional {
     /// Computes the share of the light that no caster blocks, for the `asked` lanes. The receiver's own plane has a
-    /// height at each texel's center, and that height is compared with the texel, so that a plane cannot shadow itself.
+    /// height at each texel's center, and that height is compared with the texel, so that no plane shadows itself.
     #[inline(always)]
     fn visibility(
         &self,

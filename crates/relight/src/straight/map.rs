@@ -104,14 +104,14 @@ impl StraightMap<'_> {
     }
 }
 
-/// Largest shift of a corner where a face is drawn: as a slope, or for parallel rays in world units.
+/// Returns the largest shift of a corner by rasterization on a face: as a slope, or for parallel rays in world units.
 fn snap(face: &StraightFace, side: usize) -> f32 {
     let place_from_clip = face.clip_from_map.inverse();
     let half = place_from_clip.x_axis.length_squared().max(place_from_clip.y_axis.length_squared()).sqrt();
     half * 2.0 / side as f32 * SNAP_TEXELS
 }
 
-/// Lists the triangles of a face's leaves that show.
+/// Task that lists the visible triangles in a face's leaves.
 struct List<'a> {
     near: Option<f32>,
     snap: f32,
@@ -147,7 +147,7 @@ impl SimdTask for List<'_> {
     }
 }
 
-/// True if light meets the back of a triangle, by more than a shift of its corners might turn round.
+/// True if light meets the back of a triangle, and does so by more than shifts of the triangle's corners could change.
 #[inline(always)]
 fn faces_away(triangle: &RasterTriangle, sign: f32, [slack, rounding]: [f32; 2]) -> bool {
     let [a, b, c] = [xyz(&triangle[0]), xyz(&triangle[1]), xyz(&triangle[2])];

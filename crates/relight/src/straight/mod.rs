@@ -20,14 +20,16 @@ pub use map::StraightMapBuilder;
 pub use omni::{OmniMapParams, RelitOmni};
 pub use spot::{RelitSpot, SpotMapParams};
 
-/// Run of the receiver's plane along the light from texel to texel above which the scene decides if the map cannot, in
-/// texel widths.
+/// Run of the receiver's plane, in texel widths, above which light counts as grazing, and ray tests against the scene
+/// decide where the map cannot. The run is the distance along the light by which the plane changes from one texel to
+/// the next.
 const GRAZING_TEXELS: f32 = 1.0;
-/// Distance along the light in texel widths, beyond which the plane is followed only as far as the texels around need.
+/// Distance along the light, in texel widths, up to which the receiver's plane is followed. Beyond it the plane is
+/// followed only as far as the texels around the receiver need.
 const REACH_TEXELS: f32 = 48.0;
-/// Some ulps of a map's largest depth, 1: the error of depths that are linear across a triangle.
+/// Rounding error of depths that are linear across a triangle: some ulps of the largest depth of a map, 1.
 const DEPTH_ROUNDING: f32 = 1.0 / 4_194_304.0;
-/// Largest attenuation that stays finite through the BRDF. At the source it would be infinite.
+/// Largest attenuation factor that stays finite through the BRDF. At the source itself the factor would be infinite.
 const MAX_SHARE: f32 = 1e15;
 
 /// Transform from scene space to light space: the scene's axes rotated, about the light or the scene's origin.
@@ -71,14 +73,14 @@ struct Located {
     inside: Masks,
     v: F32s,
     w: F32s,
-    /// Length of the light path, in world units; 0 if the light does not depend on it.
+    /// Length of the light path, in world units; 0 for a light whose irradiance does not depend on it.
     s: F32s,
     /// Unit vector towards the direction from which light comes, in scene space.
     to_light: Vec3s,
 }
 
 impl Located {
-    /// Computes the light with this profile at the surfaces.
+    /// Computes direction, irradiance and visibility of a light with this profile at the surfaces.
     #[inline(always)]
     fn sample(&self, filter: &LightProfile, visibility: F32s) -> LightSampleLanes {
         let most = F32s::splat(MAX_SHARE);
@@ -94,15 +96,16 @@ impl Located {
     }
 }
 
-/// Tolerance for a neighbouring facet that rises out of the receiver's plane by 0.25 rad and does not count as an
-/// occluder: a quarter of a texel's `width`, longer along grazing light. `cosine`, with either sign, is that of the
-/// angle between the light and the plane's normal.
+/// Returns the distance by which a neighbouring facet may rise out of the receiver's plane without counting as an
+/// occluder: the rise of a facet that is tilted by 0.25 rad, which is a quarter of a texel's `width`, and more where
+/// light grazes. `cosine`, with either sign, is the cosine of the angle between the light and the plane's normal.
 #[inline(always)]
 fn rise_of_facets(width: F32s, cosine: F32s) -> F32s {
     F32s::splat(0.25) * width / (cosine * cosine).most(F32s::splat(0.06))
 }
 
-/// Relative error of 1 / depth from the receiver's own caster, which may deviate by `error` from the surface.
+/// Returns the relative error of 1 / depth that arises because the receiver's own caster may deviate by `error` from
+/// the surface.
 ///
 /// The source is `height` over the receiver's plane and `way_length` away. Moved by `error` along its normal, the plane
 /// has a 1 / depth that is larger by the share `error / (height - error)`, at most by its own size. Light grazes at a
@@ -115,11 +118,11 @@ fn depth_error(height: F32s, way_length: F32s, error: f32) -> F32s {
     F32s::select(room.gt(F32s::splat(0.0)), error / room, F32s::splat(0.0))
 }
 
-/// Share of the light path over which the receiver's plane is followed. Seen edge on, a plane runs off to the source or
-/// to infinity within a texel.
+/// Returns the share of the light path over which the receiver's plane is followed. Seen edge on, a plane extends to
+/// the source or to infinity within one texel.
 ///
-/// The share is `reach`, at most half, or more as the texels around need, but never the first tenth of the path. `run`
-/// is the run of the plane from texel to texel, as a share too.
+/// The share is `reach`, but at most half. It is more if the texels around the receiver need it, but never includes the
+/// first tenth of the path. `run` is the run of the plane from texel to texel, as a share of the path too.
 #[inline(always)]
 fn followed_share(reach: F32s, run: F32s) -> F32s {
     let around = F32s::splat(1.5) * run;
@@ -127,7 +130,7 @@ fn followed_share(reach: F32s, run: F32s) -> F32s {
     reach.least(F32s::splat(0.5)).most(to_texels_around)
 }
 
-/// Result for surfaces that are all outside the light.
+/// Returns samples of surfaces that are all outside the light.
 #[inline(always)]
 fn no_light() -> LightSampleLanes {
     let zero = Vec3s::splat([0.0; 3]);

@@ -26,7 +26,7 @@ pub struct RelitOmni {
 /// Shadow map of an omni light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OmniMapParams {
-    /// Near plane of the faces. A depth is this over the distance ahead.
+    /// Distance of the near plane of each face. A depth in the map is this distance divided by the distance ahead.
     pub near: f32,
     /// Largest deviation of the casters from the surface, in world units.
     pub mesh_error: f32,

@@ -27,7 +27,7 @@ pub struct RelitSpot {
 /// Shadow map of a spotlight. It has one face, or those of a cube about the light's axis: front, +x, -x, +y and -y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpotMapParams {
-    /// Near plane of the faces. A depth is this over the distance ahead.
+    /// Distance of the near plane of each face. A depth in the map is this distance divided by the distance ahead.
     pub near: f32,
     /// Largest deviation of the casters from the surface, in world units.
     pub mesh_error: f32,

@@ -15,7 +15,7 @@ use crate::{Gpu, shaders};
 #[cfg(test)]
 mod tests;
 
-/// The pipeline, shared by all scenes and lights.
+/// Pipeline that draws mapped alpha-tested triangles onto a bent shadow map. All scenes and lights share it.
 #[derive(Debug)]
 pub(super) struct AlphaTestedDraw(RenderPipeline);
 

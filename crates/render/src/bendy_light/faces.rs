@@ -18,7 +18,7 @@ const LARGEST_SLOPE: f64 = 1.732_050_807_568_877;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Faces {
-    /// Radius divided by the depth of the cube; `None` for one face.
+    /// Tube radius divided by the depth of the map's cube; `None` for a map with one face.
     slope: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ impl Faces {
         self.slope.is_some()
     }
 
-    /// Slope of the cube. 1 for a single face, where x and y are v and w.
+    /// Returns the slope of the cube. It is 1 for a single face, where x and y are v and w.
     pub fn slope(self) -> f64 {
         self.slope.unwrap_or(1.0)
     }

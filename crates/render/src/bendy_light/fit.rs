@@ -22,16 +22,16 @@ const MARGIN_TEXELS: f64 = 2.0;
 const SMALLEST_SHARE: f64 = 1.0 / 128.0;
 const SMALLEST_RATIO: f64 = 0.25;
 
-/// Least and greatest value.
+/// Interval of numbers: the least and the greatest.
 type Range = [f64; 2];
 
-/// Part of a light that may contain casters.
+/// Part of a light that its shadow map shows: the part that may contain casters.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BendyFit {
     pub faces: Faces,
     /// x / depth and y / depth on each face; `None` for a face without casters.
     pub bounds: [Option<[Range; 2]>; MAX_FACES],
-    /// Range along the light; `None` if the light contains no caster.
+    /// Range of t that may contain casters; `None` if the light contains no caster.
     pub t: Option<Range>,
     /// Sides of the casters' bounds that may cast shadows.
     pub open_sides: OpenSides,
@@ -40,7 +40,7 @@ pub(super) struct BendyFit {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct DrawnFace {
     pub center: [f64; 2],
-    /// Half the size.
+    /// Half the size of the drawn part.
     pub half: [f64; 2],
 }
 
@@ -70,7 +70,7 @@ impl BendyFit {
         fit
     }
 
-    /// A fit to the whole light up to `t_max`, with all casters.
+    /// Makes a fit to the whole light up to `t_max`, with all casters.
     pub fn whole(faces: Faces, clusters: &Clusters, t_max: f64) -> Self {
         let open_sides = clusters.open_sides(|_| true);
         Self { faces, bounds: [None; MAX_FACES], t: Some([0.0, t_max]), open_sides }
@@ -154,12 +154,12 @@ fn pieces(tube: &Tube<f64>, t_max: f64, scene_origin: DVec3) -> Vec<TubePiece> {
         .collect()
 }
 
-/// True if light may enter through a side. False if light only leaves through it.
+/// True if light may enter the scene's bounds through a side. False if light only leaves through it.
 fn may_enter(pieces: &[TubePiece], tube: &Tube<f64>, side: &OpenSide, scene_origin: DVec3) -> bool {
     !pieces.iter().all(|piece| piece.only_leaves_through(tube, side, scene_origin))
 }
 
-/// x / depth and y / depth within `limits`; `None` if the intersection is empty.
+/// Returns the ranges of x / depth and y / depth within `limits`. `None` if one is empty.
 fn slopes(aside: [Range; 2], depth: Range, limits: [Range; 2]) -> Option<[Range; 2]> {
     // Depth on a face is at least the distance from the axis divided by the face's limit.
     let nearest = aside
@@ -355,7 +355,7 @@ impl TubePiece {
     }
 }
 
-/// Least absolute value of a range.
+/// Returns the least absolute value in a range.
 fn distance([low, high]: Range) -> f64 {
     low.max(-high).max(0.0)
 }
@@ -386,7 +386,7 @@ fn turned(v: Range, w: Range, angle: f64) -> (Range, Range) {
     (moved(v), moved(w))
 }
 
-/// Part of a range within `most` of 0.
+/// Returns the part of a range that is within `most` of 0.
 fn within([low, high]: Range, most: f64) -> Range {
     [low.max(-most), high.min(most)]
 }

@@ -24,7 +24,7 @@ pub(crate) const ALL: &[StructLayout] = &[
 ];
 
 gpu_struct! {
-    /// See `curve.wgsl`.
+    /// Quadratic piece of a tube in `curve.wgsl`: `light::Curve` in f32.
     Curve {
         b0: [f32; 3],
         r0: f32,
@@ -50,7 +50,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `tube.wgsl`.
+    /// Segment of a BendyLight in `tube.wgsl`: its curve, and the control values of color and intensity.
     Segment {
         curve: Curve,
         color_0: [f32; 3],
@@ -65,7 +65,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `tube.wgsl`.
+    /// Uniform of a BendyLight in `tube.wgsl`, with the parameters of its shadow map.
     BendyLight {
         tube_from_scene: Mat4,
         world_from_tube: Mat3,
@@ -88,7 +88,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `locate.wgsl`.
+    /// Root of a point in a tube, as `locate.wgsl` writes it.
     LocatedRoot {
         segment: u32,
         u: f32,
@@ -102,7 +102,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `bent_map.wgsl`.
+    /// Uniform of the compute passes that map casters into a tube, in `bent_map.wgsl`.
     BentMap {
         tube_from_scene: Mat4,
         up: [f32; 3],
@@ -127,7 +127,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `bent_map.wgsl`.
+    /// Slab of a tube in `bent_map.wgsl`: a piece of its curve, between planes.
     Slab {
         curve: Curve,
         planes: [[f32; 4]; 6],
@@ -136,7 +136,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `bent_map.wgsl`. Begins with the arguments of the indirect draws.
+    /// Counts of mapped triangles in `bent_map.wgsl`, which the compute passes increase. They begin with the arguments
+    /// of the indirect draws.
     BentCounts {
         whole_index_count: u32,
         whole_instance_count: u32,
@@ -157,7 +158,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `bent_map.wgsl`.
+    /// Part of a triangle in one slab, in `bent_map.wgsl`: its corners in tube space and in tube coordinates.
     Patch {
         a: [f32; 3],
         slab: u32,
@@ -171,11 +172,12 @@ gpu_struct! {
     }
 }
 
-/// Number of passes that feed each other items: clipping, ten levels of splitting, and a last one that only draws.
+/// Number of compute passes, each of which works on the items that the one before wrote: clipping, ten levels of
+/// splitting, and a last one that only draws.
 pub(crate) const LEVELS: usize = 12;
 
 gpu_struct! {
-    /// See `bent_shadow.wgsl`.
+    /// Uniform for drawing mapped triangles onto one face of a bent shadow map, in `bent_shadow.wgsl`.
     BentShadow {
         clip_from_mapped: Mat3,
         row: [f32; 2],
@@ -185,7 +187,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// See `wireframe.wgsl`.
+    /// Uniform for drawing mapped triangles as a wireframe, in `wireframe.wgsl`.
     Wireframe {
         clip_per_vw: [f32; 2],
         t_start: f32,

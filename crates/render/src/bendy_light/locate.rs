@@ -35,7 +35,7 @@ pub fn locate(
     })
 }
 
-/// Two per segment and one on the extension.
+/// Returns the largest number of roots of a point: two per segment, and one on the extension.
 fn roots_a_point(tube: &Tube<f64>) -> usize {
     2 * tube.n + usize::from(tube.end_mode() == EndMode::Extend)
 }
@@ -103,8 +103,8 @@ fn unwritten() -> RenderError {
     RenderError::Gpu("some points were not evaluated".into())
 }
 
-/// Converts the roots of one point to the values that users and files have. The root with the smallest `|r| / R`
-/// counts.
+/// Converts the roots of one point to tube coordinates in world units. Of several roots, the one with the smallest `|r|
+/// / R` becomes the location of the point.
 fn location(tube: &Tube<f64>, roots: &[LocatedRoot]) -> TubeLocation {
     let offset2 = |r: &LocatedRoot| r.v_len * r.v_len + r.w_len * r.w_len;
     let rho2 = |a: &LocatedRoot, b: &LocatedRoot| offset2(a) * b.radius * b.radius;

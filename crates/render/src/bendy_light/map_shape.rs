@@ -8,7 +8,7 @@ use super::fit::{BendyFit, DrawnFace};
 use super::gpu_structs::{BentShadow, Mat3};
 use crate::clusters::OpenSides;
 
-/// A light's map: its faces, fitted to the scene, with the same number of texels a side.
+/// Shape of a light's bent shadow map: its faces, fitted to the scene, and their number of texels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct MapShape {
     fit: BendyFit,
@@ -17,7 +17,8 @@ pub(crate) struct MapShape {
 }
 
 impl MapShape {
-    /// A map of casters that deviate from the surface by at most `mesh_error`, in world units.
+    /// Makes a map with `side` texels a side. `mesh_error` is the largest distance of its casters from the surface, in
+    /// world units.
     pub(super) fn new(fit: BendyFit, side: u32, mesh_error: f64) -> Self {
         Self { fit, side, mesh_error }
     }
@@ -52,7 +53,7 @@ impl MapShape {
         })
     }
 
-    /// Value of t at depth 0. It is 0 on the sides of a cube, where depths are not differences of t.
+    /// Returns the t that has depth 0. It is 0 for a cube, on whose sides depths are not differences of t.
     pub fn t_base(&self) -> f64 {
         if self.is_cube() { 0.0 } else { self.t_range().map_or(0.0, |[first, _]| first) }
     }
@@ -104,12 +105,12 @@ impl MapShape {
         self.fit.bounds[face].is_some()
     }
 
-    /// Sides of the casters' bounds that may cast shadows.
+    /// Returns the sides of the casters' bounds through which light enters, and whose casters the map contains.
     pub fn open_sides(&self) -> OpenSides {
         self.fit.open_sides
     }
 
-    /// Uniform for drawing a face.
+    /// Makes the uniform for drawing a face.
     pub(super) fn shadow_uniforms(&self, face: usize) -> BentShadow {
         let DrawnFace { center, half } = self.drawn(face);
         let (row, most) = if face == 0 {
@@ -125,7 +126,7 @@ impl MapShape {
         }
     }
 
-    /// Width of a texel in world units at the greatest t of a caster.
+    /// Returns the width of a texel in world units at the greatest t of any caster.
     pub fn last_texel_in_world(&self, tube: &Tube<f64>) -> f64 {
         let t = self.t_last().max(0.0);
         let segment = (t as usize).min(tube.segments.len() - 1);

@@ -118,14 +118,14 @@ fn gpu_curve(curve: &Curve<f32>, t_start: f32, t_span: f32) -> gpu_structs::Curv
     }
 }
 
-/// Values compiled into the shaders that evaluate a light; see the constants of `tube.wgsl`.
+/// Values of a BendyLight that are compiled into the shaders that evaluate it; see the constants of `tube.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Baked {
     segments: usize,
     end_mode: EndMode,
     frame: FrameMode,
     direction: DirectionMode,
-    /// True if the length of the light path matters.
+    /// True if the light's irradiance depends on the length of the light path.
     path_length: bool,
     /// True if the shadow map has the faces of a cube.
     cube: bool,
@@ -150,7 +150,7 @@ impl Baked {
         }
     }
 
-    /// Samples with each value of each field at least once.
+    /// Returns sets of values in which each field has each of its values at least once.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
         let [light_profile, unshadowed, section, cut] = BakedFilter::samples();

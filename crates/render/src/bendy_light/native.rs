@@ -16,8 +16,8 @@ use crate::linked::LinkedCasters;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings};
 
-/// Draws the map of `light` into `map`'s own size, with the casters that `linked` leaves, or with the `coarse` ones if
-/// they are accurate enough. Returns the shape of the map.
+/// Draws the shadow map of `light` into `map`, at the size of `map`. The casters are those that `linked` selects, or
+/// the `coarse` ones if they are accurate enough. Returns the shape of the map.
 pub(crate) fn draw_map(
     (gpu, work): (&Gpu, &mut relight::BentMapBuilder),
     (light, tube): (&CheckedLight, &Tube<f64>),
@@ -96,7 +96,7 @@ fn face_of(map: &MapShape, face: usize) -> BentFace {
     }
 }
 
-/// The placed light, with the shape of its map.
+/// Makes the light in the form that `relight` draws, with the shape of its map.
 pub(crate) fn placed(
     tube: &Tube<f64>,
     scene: &GpuScene,

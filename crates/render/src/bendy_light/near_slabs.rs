@@ -13,7 +13,8 @@ use crate::shadow_settings::Culling;
 /// Enlarges the source by this share of the light's size, for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Lists for `map_vertices` and `map_triangles`, with an entry for each workgroup.
+/// Leaves and blocks of casters near some slabs. They are the input of `map_triangles` and `map_vertices`, one entry
+/// for each workgroup.
 #[derive(Debug, Default)]
 pub(super) struct CastersNearSlabs {
     /// First triangle of a leaf. Its number of triangles is in the low 16 bits, its [`TriangleComponent`] above.
@@ -23,8 +24,8 @@ pub(super) struct CastersNearSlabs {
     pub triangles: u32,
 }
 
-/// A slab. `normal . p + offset` is the distance inside each plane, in units of the light's size, for a position in
-/// scene space.
+/// Planes around a slab. `normal . p + offset` is the distance of a position p in scene space to the inside of a plane,
+/// in units of the light's size.
 struct Planes([(DVec3, f64); 6]);
 
 impl CastersNearSlabs {

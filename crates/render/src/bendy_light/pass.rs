@@ -28,7 +28,7 @@ use crate::{Gpu, RenderError, ShadowSettings, shaders};
 /// Group 2 of a BendyLight's lighting pass; see `tube.wgsl` and `bendy.wgsl`.
 const BINDINGS: [BindingType; 4] = [UNIFORM, UNIFORM, RAW_TEXTURE_LAYERS, NON_FILTERING];
 
-/// The pipelines, shared by all scenes and lights.
+/// Pipelines for BendyLights: their shadow maps, their lighting and the wireframe. All scenes and lights share them.
 #[derive(Debug)]
 pub(crate) struct BendyPass {
     shadow: BentShadowPass,
@@ -39,21 +39,21 @@ pub(crate) struct BendyPass {
     sampler: Sampler,
 }
 
-/// Data of one BendyLight that is cached between pictures.
+/// Cached shadow map and uniforms of one BendyLight.
 #[derive(Debug)]
 pub(crate) struct BendySlot {
     target: MapTarget,
     /// Key of the map, and its shape; the shape is `None` if the light casts no shadows.
     map: Option<(MapKey, Option<MapShape>)>,
-    /// The placed light, with the revisions of scene and light that it was made from.
+    /// Cached bind groups of the light, with the scene revision and the light's digest that they were made from.
     placed: Option<(u64, LightDigest, GpuBendy)>,
 }
 
 #[derive(Clone, Debug)]
 pub(crate) struct GpuBendy {
-    /// Values that select the lighting pass.
+    /// Compiled-in values, which select the lighting pass.
     pub baked: Baked,
-    /// Group 2 of that pass.
+    /// Group 2 of the light's lighting pass.
     pub group: BindGroup,
 }
 
@@ -110,7 +110,7 @@ fn map_shape(
 }
 
 impl BendyPass {
-    /// `camera_groups` are the layouts of the view and the surface.
+    /// Compiles the pipelines. `camera_groups` are the layouts of the view and the surface.
     pub fn new(gpu: &Gpu, camera_groups: [&BindGroupLayout; 2], links: &BindGroupLayout) -> Self {
         let ([view, surface], own) = (camera_groups, gpu.bind_group_layout("bendy", &BINDINGS));
         Self {

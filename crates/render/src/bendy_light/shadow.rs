@@ -29,10 +29,10 @@ use crate::shadow_settings::Culling;
 use crate::stages::FrameStage;
 use crate::{Gpu, RenderError, ShadowSettings, readback, shaders};
 
-/// Most workgroups in one dimension on every device.
+/// Most workgroups that a dispatch may have in one dimension on every device.
 const MAX_GROUPS: u32 = 65_535;
 
-/// The pipelines, shared by all scenes and lights.
+/// Pipelines that map casters into a tube and draw them onto its shadow map. All scenes and lights share them.
 #[derive(Debug)]
 pub(crate) struct BentShadowPass {
     vertices: ComputePipeline,
@@ -41,7 +41,7 @@ pub(crate) struct BentShadowPass {
     split: ComputePipeline,
     next: ComputePipeline,
     draw: RenderPipeline,
-    /// Compiled at first use, by a scene with an alpha test.
+    /// Pipeline for alpha-tested triangles, compiled when a scene has some.
     alpha_tested: OnceLock<AlphaTestedDraw>,
 }
 
@@ -57,7 +57,7 @@ pub(crate) struct MapRequest<'a> {
 
 pub(crate) enum DrawTarget<'a> {
     Map(&'a MapTarget),
-    /// A picture of the map's triangles.
+    /// Picture that shows the map's triangles as a wireframe.
     Wireframe(WireframeTarget<'a>),
 }
 
@@ -84,7 +84,8 @@ impl BentShadowPass {
         }
     }
 
-    /// Draws a map. A turn takes as many slabs as a uniform holds.
+    /// Draws a shadow map. Slabs are drawn in batches, each as large as a uniform holds. If a batch did not fit into
+    /// the buffers, all batches are drawn again with larger ones.
     pub fn render(
         &self,
         gpu: &Gpu,
@@ -110,8 +111,8 @@ impl BentShadowPass {
         }
     }
 
-    /// Maps and draws the casters in some slabs; the first turn clears the map. Returns false if it is known that they
-    /// did not fit. The capacity has grown then.
+    /// Maps and draws the casters in a batch of slabs. If `first` is true, clears the map before. Returns false if the
+    /// casters are known not to have fitted; the capacity has then grown.
     fn render_slabs(
         &self,
         gpu: &Gpu,
@@ -273,7 +274,7 @@ struct ComputeStep<'a> {
     stage: FrameStage,
     pipeline: &'a ComputePipeline,
     group: &'a BindGroup,
-    /// Number of workgroups; `None` if earlier passes count them on the GPU.
+    /// Number of workgroups. `None` if an earlier pass counts them on the GPU.
     workgroups: Option<usize>,
 }
 
@@ -315,7 +316,7 @@ fn turn_uniforms(
     }
 }
 
-/// The light's fields in a turn's uniform.
+/// Makes the part of a batch's uniform that depends on the light and on its slabs.
 pub(super) fn bent_map_uniforms(
     tube: &Tube<f64>,
     scene_origin: DVec3,
@@ -337,7 +338,8 @@ fn entire<'a>(buffers: &[&'a Buffer]) -> Vec<BindingResource<'a>> {
     buffers.iter().map(|buffer| buffer.as_entire_binding()).collect()
 }
 
-/// Group 0 of a compute pass: resources of all passes from binding 0, those of this pass from binding 2.
+/// Makes group 0 of a compute pass: resources that all passes use from binding 0 on, and those of this pass from
+/// binding 2 on.
 fn bind(
     gpu: &Gpu,
     pipeline: &ComputePipeline,

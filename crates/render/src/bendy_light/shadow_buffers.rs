@@ -13,38 +13,39 @@ use crate::memory::Evictable;
 use crate::stages::{FrameStage, WorkCounters};
 use crate::{Gpu, RenderError, readback};
 
-/// Work buffers of a scene's maps, which are drawn one after another.
+/// Work buffers for drawing bent shadow maps in a scene. Maps are drawn one after another with the same buffers.
 #[derive(Debug)]
 pub(crate) struct BentMapBuffers {
     pub capacity: Capacity,
     pub(super) buffers: Option<Evictable<Buffers>>,
-    /// Counts of maps whose fit is not yet checked; `None` if checks are immediate.
+    /// Counts of batches that are not yet checked for whether they fitted. `None` if checks are not postponed.
     deferred: Option<Vec<MapCounts>>,
 }
 
 #[derive(Debug)]
 pub(super) struct MapCounts {
-    /// A copy of the turn's [`BentCounts`].
+    /// Copy of the [`BentCounts`] of a batch of slabs.
     pub counts: Buffer,
-    /// Number of processed triangles.
+    /// Number of triangles that the batch processed.
     pub triangles: u32,
-    /// Texels of the map if this is its first turn, else 0.
+    /// Number of texels of the map if this is its first batch, else 0.
     pub texels: u64,
 }
 
-/// Number of items that fit.
+/// Number of items of each kind that fit into the work buffers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Capacity {
-    /// (triangle, slab) pairs.
+    /// Number of (triangle, slab) pairs to clip.
     pub work: u32,
-    /// Patches of one level.
+    /// Number of patches that one level of splitting can read or write.
     pub patches: u32,
-    /// Vertices of clipped and split triangles.
+    /// Number of vertices of clipped and split triangles without an alpha test. The next field is the number of those
+    /// with one.
     pub split_vertices: u32,
     pub masked_vertices: u32,
 }
 
-/// Numbers that determine the buffer sizes.
+/// Numbers of casters and the capacity, which determine the sizes of the buffers.
 #[derive(Clone, Copy, Debug)]
 struct Size {
     vertices: u32,
@@ -53,17 +54,17 @@ struct Size {
     capacity: Capacity,
 }
 
-/// The buffers of one map, kept for the next.
+/// Buffers for drawing one map, which are reused for the next.
 #[derive(Debug)]
 pub(super) struct Buffers {
     size: Size,
     pub slabs: Buffer,
     pub uniform: Buffer,
-    /// One per face of any map.
+    /// Uniforms of the faces, one for each face that a map may have.
     pub faces: [Buffer; MAX_FACES],
     pub mapped: Buffer,
     pub vertex_slab: Buffer,
-    /// Leaves and blocks near the slabs; see [`CastersNearSlabs`].
+    /// Blocks of vertices near the slabs. The next buffer has the leaves of triangles; see [`CastersNearSlabs`].
     pub blocks: Buffer,
     pub leaves: Buffer,
     pub whole_indices: Buffer,
@@ -71,7 +72,7 @@ pub(super) struct Buffers {
     pub patches: [Buffer; 2],
     pub split_vertices: Buffer,
     pub masked_vertices: Buffer,
-    /// Positions of those vertices in their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
+    /// Positions of the vertices in `masked_vertices` within their triangles: `MaskedPlace` of `bent_map_split.wgsl`.
     pub masked_places: Buffer,
     pub counts: Buffer,
     pub workgroups: Buffer,
@@ -115,8 +116,8 @@ impl BentMapBuffers {
         Ok(())
     }
 
-    /// Checks or defers a turn's counts. Returns false if it is known that the turn did not fit. The capacity has grown
-    /// then.
+    /// Checks if a batch has fitted, or adds its counts to those to check later. Returns false if the batch is known
+    /// not to have fitted; the capacity has then grown.
     pub(super) fn check_fit(&mut self, gpu: &Gpu, made: MapCounts) -> Result<bool, RenderError> {
         if let Some(put_off) = &mut self.deferred {
             put_off.push(made);
@@ -144,7 +145,7 @@ impl MapCounts {
 }
 
 impl Capacity {
-    /// Capacity for the counted items, in powers of two; unchanged if they fitted.
+    /// Returns a capacity that holds the counted items, in powers of two. Returns the same capacity if they fitted.
     pub(super) fn grown_for(self, counts: &BentCounts) -> Self {
         let grow = |room: u32, count: u32| if count > room { count.next_power_of_two() } else { room };
         let patches = counts.items[1..].iter().copied().max().unwrap_or(0);
@@ -261,7 +262,7 @@ impl Buffers {
         all.into_iter().chain(lists).map(Buffer::size).sum()
     }
 
-    /// True if a map of these casters can be drawn in these buffers.
+    /// True if a map of these casters can be drawn with these buffers.
     pub fn fit(&self, casters: &Casters, room: Capacity) -> bool {
         let (has, needs) = (self.size, Self::size_for(casters, room));
         let enough =

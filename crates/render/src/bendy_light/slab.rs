@@ -7,7 +7,7 @@ use relight::MapSlab;
 
 use super::{gpu_curve, gpu_structs};
 
-/// Slabs in one uniform; `bent_map.wgsl` has the same number. A light with more slabs is mapped in turns.
+/// Slabs in one uniform; `bent_map.wgsl` has the same number. A light with more slabs is mapped in batches.
 pub(crate) const SLABS_PER_UNIFORM: usize = 240;
 /// Overlap with adjacent slabs, as a share of a slab. It exceeds rounding, 1e-6. It is small because past a joint the
 /// curve belongs to another segment: there the error of t is up to the square of the overlap.
@@ -18,7 +18,7 @@ const SAMPLING_MARGIN: f64 = 2.0;
 /// is then at most 1.09 times that for uniform u. The worst case is `exp(-MAX_LOG_SLOPE |s - 1/2|)`: the mean of its
 /// square, weighted by a tent as deviations of the middle are, over the square of its mean.
 const MAX_LOG_SLOPE: f64 = 0.5;
-/// Larger than any radius and 1, but not infinity, which WGSL lacks.
+/// Bounds under which no edge counts as straight: larger than 1 and than any radius. WGSL has no infinity.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
 /// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is relative

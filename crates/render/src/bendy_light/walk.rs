@@ -4,8 +4,8 @@
 use glam::DVec3;
 use light::Tube;
 
-/// Steps of the polyline that approximates a path. The error of a chord on a path of curvature k is `k (length /
-/// steps)^2 / 8`: 1e-7 of the light's length here.
+/// Number of straight steps of the polyline that approximates a path. The error of a chord on a path of curvature k is
+/// `k (length / steps)^2 / 8`: 1e-7 of the light's length here.
 const STEPS: usize = 1500;
 
 /// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
@@ -34,7 +34,8 @@ fn hit(a: DVec3, b: DVec3, [p, q, r]: [DVec3; 3]) -> Option<f64> {
     (beta >= 0.0 && gamma >= 0.0 && beta + gamma <= 1.0).then_some(share)
 }
 
-/// True if light on the path (v, w) reaches `t`, past triangles in tube space that exclude the receiver.
+/// True if light on the path (v, w) arrives at `t` without meeting one of the triangles, which are in tube space and do
+/// not include the receiver.
 pub fn reaches(tube: &Tube<f64>, triangles: &[[DVec3; 3]], t: f64, v: f64, w: f64) -> bool {
     let mut before = point_at(tube, 0.0, v, w);
     (1..=STEPS).all(|k| {

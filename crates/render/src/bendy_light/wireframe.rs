@@ -11,7 +11,7 @@ use super::shadow_buffers::Buffers;
 use crate::pipeline::{DEPTH_FORMAT, color_attachment};
 use crate::{Gpu, lighting, shaders};
 
-/// The pipelines, shared by all scenes and lights.
+/// Pipelines that draw a bent shadow map's triangles as a wireframe. All scenes and lights share them.
 #[derive(Debug)]
 pub(crate) struct WireframePass {
     whole: RenderPipeline,
@@ -25,7 +25,7 @@ pub(crate) struct WireframeTarget<'a> {
     pub depth: &'a TextureView,
     /// In pixels.
     pub size: [u32; 2],
-    /// The light's t at t = 0 of the drawn part, and its change per t of the part.
+    /// Value of the light's own t where the drawn part begins, and change of the light's t per t of the part.
     pub t_of_light: [f64; 2],
 }
 

@@ -18,13 +18,15 @@ impl Renderer {
         &mut self.shadow_maps.coarse
     }
 
-    /// Corrupts the native backend's maps of BendyLights; the next picture shows the fault.
+    /// Corrupts the native backend's shadow maps of BendyLights, for tests: `fault` changes each map. The next picture
+    /// shows the error.
     pub(crate) fn corrupt_native_maps(&mut self, fault: impl FnMut(&mut relight::DepthMap, &MapShape)) {
         self.shadow_maps.corrupt_native_maps(fault);
         self.viewers.invalidate();
     }
 
-    /// The device and the scene on it. Faults must be planted before the first picture.
+    /// Returns the device, and the scene on it. A test that makes a deliberate fault has to do so before the first
+    /// picture.
     pub(crate) fn gpu_scene(&mut self) -> (&Gpu, &mut GpuScene) {
         (&self.gpu, &mut self.scene)
     }

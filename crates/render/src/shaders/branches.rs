@@ -7,7 +7,7 @@ use wgpu::naga::{AddressSpace, Block, Expression, Function, Handle, Module, Stat
 
 use super::compiled::all;
 
-/// Source of a value; of several, the last in this order counts.
+/// Source of a value in a shader. A value that depends on several sources has the last one in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Origin {
     Constants,
@@ -16,7 +16,7 @@ enum Origin {
     Invocation,
 }
 
-/// A function with the origins of its arguments at one call.
+/// Function, with the sources of its arguments at one call.
 struct Call<'a> {
     module: &'a Module,
     function: &'a Function,
@@ -54,7 +54,7 @@ impl Call<'_> {
         }
     }
 
-    /// True if an `if` depends on uniforms alone, or ends a loop by a comparison with a uniform.
+    /// True if an `if` depends on uniforms alone, or ends a loop by comparison with a uniform.
     fn hangs_on_uniforms(&self, condition: Handle<Expression>, accept: &Block, reject: &Block) -> bool {
         let breaks = |block: &Block| block.iter().any(|statement| matches!(statement, Statement::Break));
         let ends_loop = breaks(accept) || breaks(reject);
@@ -65,7 +65,7 @@ impl Call<'_> {
         self.origin(condition) == Origin::Uniforms || (ends_loop && bound.contains(&Origin::Uniforms))
     }
 
-    /// Names of the functions with such a condition, among this one and all that it calls.
+    /// Collects the names of this function and of all functions it calls that contain such an `if`.
     fn findings(&self, block: &Block, found: &mut Vec<String>) {
         for statement in block {
             match statement {

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 use super::answer::json_text;
 
-/// JSON that is made once.
+/// JSON that is serialized once and sent unchanged to every request.
 pub struct ConstantJson {
     text: Bytes,
     tag: HeaderValue,
@@ -20,7 +20,7 @@ impl ConstantJson {
         Self { tag: tag(&AssetHash::of(text.as_bytes()).hex()), text: text.into() }
     }
 
-    /// Answers a request with these headers.
+    /// Answers a request with the JSON, or with 304 if the request's headers say that the client has it.
     pub fn answer(&self, asked: &HeaderMap) -> Response {
         let kind = [(header::CONTENT_TYPE, "application/json")];
         tagged(asked, self.tag.clone(), (kind, self.text.clone()).into_response())

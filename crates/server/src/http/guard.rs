@@ -99,7 +99,7 @@ async fn session_name(head: &mut Parts, state: &Arc<AppState>) -> String {
     SessionName::from_request_parts(head, state).await.map_or(String::new(), |SessionName(name)| name)
 }
 
-/// Keeps a large answer on the account until the client has taken it, within a time limit.
+/// Counts a large answer as bytes in flight until the client has taken it, within a time limit.
 async fn reserve_answer_bytes(
     answer: Response,
     room: impl FnOnce(usize) -> Result<ByteReservation, ServerError>,
@@ -138,7 +138,7 @@ pub async fn throttle(
     answer
 }
 
-/// Answers a known path with a method that it does not take. The router adds the header `Allow`.
+/// Answers a request for a known path with a method that the path does not support. The router adds the header `Allow`.
 pub async fn wrong_method(method: Method, uri: Uri) -> ServerError {
     ServerError::MethodNotAllowed { path: excerpt(uri.path()), method: excerpt(method.as_str()) }
 }

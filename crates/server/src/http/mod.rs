@@ -40,7 +40,7 @@ static SCENES: LazyLock<ConstantJson> = LazyLock::new(|| ConstantJson::json(&ses
 static PARAMETERS: LazyLock<ConstantJson> =
     LazyLock::new(|| ConstantJson::json(&protocol::parameter_table()));
 
-/// All routes.
+/// Makes the router with all routes.
 pub fn router(state: Arc<AppState>) -> Router {
     let needs_token = Router::new()
         .route("/sessions", get(session_list::list).post(sessions::create))
@@ -81,7 +81,7 @@ pub fn router(state: Arc<AppState>) -> Router {
         .with_state(state)
 }
 
-/// `GET /socket`.
+/// Handles `GET /socket`: joins the connection to a session as a WebSocket.
 async fn open_socket(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -103,7 +103,7 @@ async fn open_socket(
     Ok(answer)
 }
 
-/// `GET /readyz`.
+/// Handles `GET /readyz`: gives an error until the server can serve pictures.
 async fn ready(State(state): State<Arc<AppState>>) -> HandlerResult {
     if state.backend.draining.is_cancelled() {
         return Err(ServerError::Draining);
@@ -115,7 +115,7 @@ async fn ready(State(state): State<Arc<AppState>>) -> HandlerResult {
     }
 }
 
-/// `GET /metrics`.
+/// Handles `GET /metrics`: all metrics in Prometheus' text format.
 async fn metrics(State(state): State<Arc<AppState>>) -> Response {
     let kind = "application/openmetrics-text; version=1.0.0; charset=utf-8";
     ([(header::CONTENT_TYPE, kind)], state.backend.metrics.to_text()).into_response()

@@ -11,19 +11,19 @@ use zip::{CompressionMethod, result::ZipResult};
 
 /// A drawn picture of a request.
 pub struct DrawnPictures {
-    /// Camera, quantity and light.
+    /// View that was drawn: camera, AOV and light.
     pub view: View,
     pub lights: Vec<LightInstance>,
-    /// Name of its light in files, if there are pictures of several lights.
+    /// Name of the picture's light in files, if there are pictures of several lights.
     pub light: Option<String>,
     pub pixels: Pixels,
 }
 
-/// Files in progress.
+/// Picture files that are being made for one request.
 pub struct PictureFiles {
     background: Background,
     exr: Option<ExrFile>,
-    /// PNGs by name, if wanted.
+    /// PNG files by name, if PNG was requested.
     pngs: Option<Vec<(String, Vec<u8>)>>,
 }
 
@@ -38,12 +38,12 @@ impl PictureFiles {
         }
     }
 
-    /// Data that the files need for a quantity.
+    /// Returns the form in which the files need the pixels of an AOV.
     pub fn needs(&self, aov: Aov) -> FileNeeds {
         FileNeeds::of(aov, self.pngs.is_some().then_some(self.background), self.exr.is_some())
     }
 
-    /// Adds a picture. Takes a while.
+    /// Adds a picture. Converting and compressing it takes a while.
     pub fn add(mut self, drawn: &DrawnPictures) -> Result<Self, RenderError> {
         let DrawnPictures { view, lights, light, pixels } = drawn;
         if let (Some(exr), Some(picture)) = (&mut self.exr, pixels.values()) {
@@ -57,7 +57,8 @@ impl PictureFiles {
         Ok(self)
     }
 
-    /// Returns the media type and the bytes of the answer: the file, or a ZIP of several. Takes a while.
+    /// Returns the media type and the bytes of the answer: the file, or a ZIP of several files. Compressing a large
+    /// picture takes a while.
     pub fn finish(self, view: &View, origin: &PictureOrigin) -> Result<(&'static str, Vec<u8>), RenderError> {
         let exr = self.exr.map(|exr| exr.into_bytes(view, origin)).transpose()?;
         let mut pngs = self.pngs.unwrap_or_default();

@@ -51,8 +51,8 @@ fn is_json(kind: &str) -> bool {
     kind == "application/json" || (kind.starts_with("application/") && kind.ends_with("+json"))
 }
 
-/// Reads the whole body of a request, with its reservation on the account. A length in the head is reserved before any
-/// of the body is read. A body of unknown length is reserved as it arrives.
+/// Reads the whole body of a request, with its reservation in the budget of bytes in flight. A length in the head is
+/// reserved before any of the body is read. A body of unknown length is reserved as it arrives.
 pub async fn read_body(
     body: Body,
     in_flight: &ByteBudget,
@@ -83,12 +83,13 @@ pub async fn read_body(
 struct BodyRead {
     bytes: Vec<u8>,
     reservation: BodyReservation,
-    /// The account was full. The rest is read and dropped, since a client that still sends may not see the answer.
+    /// Error of a body that did not fit into the budget of bytes in flight. The rest of the body is read and dropped,
+    /// because a client that is still sending may not see the answer.
     refused: Option<ServerError>,
 }
 
 impl BodyRead {
-    /// Reserves a body of that many bytes on the account.
+    /// Reserves room for a body of `bytes` bytes in the budget of bytes in flight.
     fn make_room(&mut self, bytes: usize) {
         let room = if bytes > SMALL_BYTES { self.reservation.grow_to(BODY_COST * bytes) } else { Ok(()) };
         match room {

@@ -35,21 +35,21 @@ use crate::trace::PictureTrace;
 /// Header that tells what a picture lacks.
 const NOTE_HEADER: HeaderName = HeaderName::from_static("x-bendylights-note");
 
-/// The resolved pictures of a request, not drawn yet.
+/// Pictures of a request, with their names resolved, before they are drawn.
 struct ResolvedRender {
     document: Document,
     scene: DecodedScene,
-    /// View of all pictures, except for quantity and light.
+    /// View of all pictures, except for AOV and light.
     view: View,
     /// Lights that shine.
     lights: Vec<LightInstance>,
     /// The pictures to draw.
     pictures: Vec<WantedPicture>,
-    /// Origin in the header of an EXR.
+    /// Origin of the pictures, for the header of an EXR.
     origin: PictureOrigin,
 }
 
-/// Answers with the requested pictures. They wait behind views.
+/// Handles `GET /sessions/S/render`: draws the requested pictures. Views are drawn before them.
 pub async fn render(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,
@@ -142,7 +142,7 @@ pub async fn render(
     Ok(response)
 }
 
-/// Draws a quantity. Returns its pixels and its line of the trace, which still lacks the time of encoding.
+/// Draws the picture of one AOV. Returns its pixels and its line for the trace, which still lacks the time of encoding.
 async fn draw(
     state: &AppState,
     session: &str,
@@ -227,7 +227,7 @@ fn resolve_render(
     Ok(ResolvedRender { document, scene, view, lights, pictures, origin })
 }
 
-/// Defects of the pictures: the notes of their scene, and a sentence for each light that they leave out.
+/// Returns the defects of the pictures: notes on the scene, and a sentence for each light that the pictures leave out.
 fn notes(asked: &ResolvedRender) -> Vec<HeaderValue> {
     let ResolvedRender { document, scene, .. } = asked;
     let left_out =
@@ -238,7 +238,7 @@ fn notes(asked: &ResolvedRender) -> Vec<HeaderValue> {
     sentences.filter_map(|sentence| HeaderValue::from_str(&plain(sentence)).ok()).collect()
 }
 
-/// The first camera, or one that frames the whole scene in a picture of that aspect ratio.
+/// Returns the first camera, or one that frames the whole scene in a picture of that aspect ratio.
 pub fn default_camera(document: &Document, scene: &DecodedScene, aspect: f64) -> Camera {
     let first = document.cameras().values().next().cloned();
     first.unwrap_or_else(|| framing_camera(&scene.posed.subject_bounds(), aspect))

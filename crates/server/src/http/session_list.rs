@@ -25,7 +25,7 @@ struct ListQuery {
     name: Option<String>,
 }
 
-/// `GET /sessions`. Opens no session and reads no log.
+/// Handles `GET /sessions`: lists the sessions. Opens no session and reads no log.
 pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> HandlerResult {
     let ListQuery { archived, name } = read_query(&uri)?;
     let with_archived = archived.unwrap_or(name.is_some());
@@ -46,7 +46,7 @@ pub async fn list(State(state): State<Arc<AppState>>, uri: Uri) -> HandlerResult
     Ok(json(&SessionList { sessions: listed.map(entry).collect() }))
 }
 
-/// The list's entry of a session with those clients.
+/// Makes the entry of a session in the list, with its connected clients.
 fn entry(session: SessionSummary, clients: &[Actor]) -> SessionEntry {
     let SessionSummary { name, title, epoch, seq, is_archived, made_ms, changed } = session;
     let mut known = BTreeSet::new();
@@ -64,7 +64,7 @@ fn entry(session: SessionSummary, clients: &[Actor]) -> SessionEntry {
     }
 }
 
-/// `PATCH /sessions/S`.
+/// Handles `PATCH /sessions/S`: changes the title, or archives or restores the session.
 pub async fn change(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,
@@ -80,7 +80,7 @@ pub async fn change(
     Ok(json(&entry(summary, here)))
 }
 
-/// `POST /sessions/S/duplicate`.
+/// Handles `POST /sessions/S/duplicate`: copies the session with its whole log.
 pub async fn duplicate(
     State(state): State<Arc<AppState>>,
     SessionName(original): SessionName,
@@ -92,7 +92,7 @@ pub async fn duplicate(
     Ok(created(&entry(made, &[])))
 }
 
-/// `DELETE /sessions/S`.
+/// Handles `DELETE /sessions/S`: deletes an archived session.
 pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> HandlerResult {
     let asked = name.clone();
     let summary = state.backend.storage.read(move |store| store.summary(&asked)).await?;
@@ -104,7 +104,7 @@ pub async fn delete(State(state): State<Arc<AppState>>, SessionName(name): Sessi
     Ok(StatusCode::NO_CONTENT.into_response())
 }
 
-/// `GET /scenes`.
+/// Handles `GET /scenes`: lists the demo scenes.
 pub fn scenes() -> DemoScenes {
     let demo = |(name, shows): &(&str, &str)| DemoScene {
         scene: format!("{DEMO}{name}"),

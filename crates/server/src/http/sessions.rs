@@ -33,7 +33,7 @@ use crate::scenes::{DecodedScene, SceneCache};
 use crate::state::AppState;
 use crate::storage::Storage;
 
-/// `POST /sessions`.
+/// Handles `POST /sessions`: creates a session.
 pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body: Bytes) -> HandlerResult {
     let NewSession { name, title, scene, actor: who } = read_json(&headers, &body)?;
     let who = who.map_or_else(|| Ok(program()), actor)?;
@@ -68,7 +68,7 @@ pub async fn create(State(state): State<Arc<AppState>>, headers: HeaderMap, body
     Ok(created(&SessionState { name, epoch, seq, hash: hash.to_string(), document, notes }))
 }
 
-/// `GET /sessions/S`. All askers share the document's text.
+/// Handles `GET /sessions/S`: the session's state with its document. All requests share the document's text.
 pub async fn show(
     State(state): State<Arc<AppState>>,
     Extension(connection): Extension<Connection>,
@@ -103,7 +103,7 @@ pub async fn show(
     Ok((headers, Body::from_stream(iter(pieces.map(Ok::<_, ServerError>)))).into_response())
 }
 
-/// `GET /sessions/S/nodes`.
+/// Handles `GET /sessions/S/nodes`: lists the nodes of the session's scene.
 pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): SessionName) -> HandlerResult {
     let snapshot = state.rooms.find(&name).await?.request(RoomMessage::Snapshot).await?;
     let posed = snapshot.scene.posed;
@@ -113,7 +113,7 @@ pub async fn nodes(State(state): State<Arc<AppState>>, SessionName(name): Sessio
     Ok(json(&SceneNodes { paths, left_out }))
 }
 
-/// `POST /sessions/S/edits`.
+/// Handles `POST /sessions/S/edits`: carries out edits, undos and redos of a program.
 pub async fn edit(
     State(state): State<Arc<AppState>>,
     Extension(credential): Extension<Credential>,
@@ -229,7 +229,7 @@ struct LogQuery {
     limit: Option<usize>,
 }
 
-/// `GET /sessions/S/log`, sent while it is read.
+/// Handles `GET /sessions/S/log`: the log file, sent while it is read.
 pub async fn log(
     State(state): State<Arc<AppState>>,
     SessionName(name): SessionName,

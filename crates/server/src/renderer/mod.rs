@@ -51,7 +51,7 @@ pub struct RenderLease {
 }
 
 impl RenderLease {
-    /// The viewer's slot in the renderer.
+    /// Returns the slot in which the renderer caches the data of this view or still.
     pub fn slot(&self) -> ViewSlot {
         ViewSlot(self.number)
     }
@@ -73,17 +73,17 @@ pub struct PictureRequest {
     /// Client that is charged for it.
     pub payer: Payer,
     pub scene: Arc<PosedScene>,
-    /// Camera, size and settings.
+    /// View to draw: camera, size and settings.
     pub view: View,
     pub lights: Vec<LightInstance>,
     pub output: PictureFormat,
     pub urgency: Urgency,
-    /// Position in the queue. Among equally urgent pictures of a client the oldest is first.
+    /// Position in the queue. Of equally urgent pictures of a client, the renderer draws the oldest first.
     pub ticket: PictureTicket,
 }
 
-/// Position of a picture in the queue. Until the picture is begun, the asker can cancel it and request a newer one in
-/// its position. So a picture that is begun is never stale.
+/// Position of a picture in the queue. Until drawing begins, the owner of the ticket can cancel the picture and request
+/// a newer one that takes over its position. So drawing never begins with an outdated picture.
 #[derive(Clone, Debug)]
 pub struct PictureTicket {
     queued_at: Instant,
@@ -91,18 +91,18 @@ pub struct PictureTicket {
 }
 
 impl PictureTicket {
-    /// A ticket that has waited since `queued_at`.
+    /// Makes a ticket with the position of a picture that was queued at `queued_at`.
     pub fn since(queued_at: Instant) -> Self {
         Self { queued_at, is_claimed: Arc::default() }
     }
 
-    /// Cancels the ticket and returns the start of its wait. Returns `None` if the picture has been begun and will be
-    /// drawn.
+    /// Cancels the picture and returns the time at which it was queued. Returns `None` if drawing has begun, and the
+    /// picture will be drawn.
     pub fn cancel(&self) -> Option<Instant> {
         self.claim().then_some(self.queued_at)
     }
 
-    /// Claims the ticket for beginning or for cancelling the picture. Returns false if it was claimed before.
+    /// Claims the ticket, either to begin drawing or to cancel. Returns false if it was claimed before.
     fn claim(&self) -> bool {
         !self.is_claimed.swap(true, Ordering::Relaxed)
     }
@@ -115,11 +115,11 @@ pub struct DrawnPicture {
     pub pixels: Pixels,
     /// Start of drawing.
     pub started: Instant,
-    /// Time spent drawing it, without other pictures drawn in between.
+    /// Time spent on drawing the picture, without the time of other pictures in between.
     pub render_time: Duration,
     /// True if a shadow map was drawn for it.
     pub drew_map: bool,
-    /// Passes of all its turns.
+    /// Passes that ran for the picture.
     pub passes: Vec<PassRun>,
 }
 
@@ -159,9 +159,9 @@ type PictureReply = oneshot::Sender<Result<DrawnPicture, RenderError>>;
 #[derive(Debug)]
 enum Job {
     Draw(Box<PictureRequest>, PictureReply),
-    /// Charges a client for other processor time spent on its pictures.
+    /// Charges a client for processor time that its pictures took outside of drawing.
     Charge(Payer, Duration),
-    /// A lease was dropped, or the thread should end.
+    /// Wakes the render thread, because a lease was dropped or the thread has to end.
     Wake,
 }
 
@@ -204,14 +204,14 @@ impl RenderQueue {
         }
     }
 
-    /// Draws a picture. Dropping the future cancels it.
+    /// Draws a picture and returns its pixels. Dropping the future cancels the picture.
     pub async fn draw(&self, request: PictureRequest) -> Result<DrawnPicture, ServerError> {
         let (done, drawn) = oneshot::channel();
         self.jobs.send(Job::Draw(Box::new(request), done)).await.map_err(|_| ServerError::Internal)?;
         Ok(drawn.await.map_err(|_| ServerError::Internal)??)
     }
 
-    /// Charges a client for the time of one core spent on a drawn picture. If the queue is full, charges nothing.
+    /// Charges a client for time that one core spent on a drawn picture. Charges nothing if the queue is full.
     pub fn charge(&self, payer: &Payer, took: Duration) {
         let _ = self.jobs.try_send(Job::Charge(payer.clone(), took));
     }

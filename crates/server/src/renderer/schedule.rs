@@ -1,10 +1,12 @@
-//! Choice of the next turn and its length. Knows no device and no clock.
+//! Choice of the picture that is drawn next, and of the length of its slice of drawing time (a turn in names). Knows no
+//! device and no clock.
 //!
-//! Among equally urgent pictures the least charged client is next (`crate::charges`), and of that client the picture
-//! that has waited longest. Views that a user moves come first. While a user moves one, views of those who only watch
-//! get a share of the time. While anything moves at all, views at rest and stills get one too. Unused shares are owed.
-//! Once a class is owed enough for a turn, it gets the turn before more urgent pictures. Views at rest precede stills
-//! in the same way. There are no shares while nothing more urgent is drawn.
+//! Among equally urgent pictures the one of the least charged client is next (`crate::charges`). Of several pictures of
+//! that client, the one that has waited longest is next. Views that a user moves come first. While a user moves a view,
+//! the views of clients that only watch get a share of the time. While anything moves at all, views at rest and stills
+//! get a share too. The schedule adds up the unused share of each class as owed time. Once a class is owed a whole
+//! slice, it gets a slice before more urgent pictures do. Likewise views at rest come before stills, which get a share
+//! while views at rest wait. A class has no limit while nothing more urgent is drawn.
 
 use std::time::{Duration, Instant};
 
@@ -22,12 +24,12 @@ pub enum Urgency {
     Watched,
     /// A view at rest.
     Settling,
-    /// A still. Nobody sees it unfinished.
+    /// Picture for an HTTP request. Nobody sees it unfinished.
     Still,
 }
 
 impl Urgency {
-    /// All classes, the most urgent first.
+    /// All urgencies, the most urgent first.
     pub const ALL: [Self; 4] = [Self::Moving, Self::Watched, Self::Settling, Self::Still];
 
     /// Name in `/metrics`.
@@ -46,58 +48,62 @@ impl Urgency {
     }
 }
 
-/// A picture that waits.
+/// Picture in the queue of the render thread.
 #[derive(Clone, Copy, Debug)]
 pub struct QueuedPicture {
     pub urgency: Urgency,
-    /// Charges of its client so far.
+    /// Seconds of drawing that the picture's client has been charged so far.
     pub charged: ChargedSeconds,
-    /// End of its latest turn, or the start of its wait.
+    /// End of the picture's latest slice of drawing time, or the time at which it was queued.
     pub last_turn_at: Instant,
-    /// Start of its wait, with or without turns since.
+    /// Time at which the picture was queued, with or without slices of drawing time since.
     pub queued_at: Instant,
 }
 
-/// Decision of the schedule.
+/// Next action of the render thread.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ScheduledTurn {
-    /// Draw the picture of this index for about that time.
+    /// Draw the waiting picture with this index for about this time.
     Draw(usize, Duration),
-    /// Draw no waiting picture before that time has passed. A new one may be drawn.
+    /// Draw nothing until this time has passed or a new picture arrives.
     Wait(Duration),
     Idle,
 }
 
-/// The classes with an account, most urgent first, with their shares of the time.
+/// Urgencies whose drawing time is limited while something more urgent is drawn, the most urgent first, each with its
+/// share of the time.
 const SHARES: [(Urgency, f64); 3] = [
     (Urgency::Watched, WATCHED_TIME_SHARE),
     (Urgency::Settling, SETTLING_TIME_SHARE),
     (Urgency::Still, SETTLING_TIME_SHARE),
 ];
 
-/// State of the schedule between turns.
+/// State of the schedule between two slices of drawing time.
 #[derive(Clone, Debug)]
 pub struct Schedule {
-    /// Times at which a user last moved something in their own view, and at which anything last moved.
+    /// Time at which a picture of a view that its own viewer moves last waited or was drawn. The next field is the same
+    /// for any moving view.
     last_interactive: Option<Instant>,
     last_moving: Option<Instant>,
-    /// Seconds owed to watched views, views at rest and stills. Negative if a class had more than its share.
+    /// Seconds of drawing time owed to each class of `SHARES`: watched views, views at rest and stills. Negative if
+    /// the class had more than its share.
     owed_seconds: [f64; SHARES.len()],
-    /// Time up to which `owed_seconds` is computed.
+    /// Time up to which shares are added to `owed_seconds`.
     accrued_until: Option<Instant>,
-    /// Class that got the current turn. Its account pays, whatever is drawn in the turn.
+    /// Class that got the current slice. The slice is deducted from what this class is owed, even if a picture of
+    /// another class is drawn in it.
     turn_class: Option<Urgency>,
 }
 
 impl Schedule {
-    /// Starts with empty accounts.
+    /// Makes a schedule that owes no class anything.
     pub fn new() -> Self {
         let (last_interactive, last_moving, owed_seconds, accrued_until) =
             (None, None, [0.0; SHARES.len()], None);
         Self { last_interactive, last_moving, owed_seconds, accrued_until, turn_class: None }
     }
 
-    /// Chooses the next turn.
+    /// Chooses the picture to draw next and the length of its slice.
     pub fn next(&mut self, now: Instant, waiting: &[QueuedPicture]) -> ScheduledTurn {
         let waits = |urgency| waiting.iter().any(|task| task.urgency == urgency);
         if waits(Urgency::Moving) {
@@ -122,7 +128,7 @@ impl Schedule {
         turn
     }
 
-    /// Chooses the next turn if these classes are `limited` to their shares.
+    /// Chooses the next slice, if the marked classes of `SHARES` are limited to their shares.
     fn choose(
         &self,
         waiting: &[QueuedPicture],
@@ -157,8 +163,8 @@ impl Schedule {
         ScheduledTurn::Wait(Duration::from_secs_f64(least).clamp(Duration::from_millis(1), MOVING_FOR))
     }
 
-    /// Notes a turn from `began` to `ended`. The drawn picture can be of another class than the one that got the turn,
-    /// since the thread of a scene first finishes the picture in progress.
+    /// Notes a slice that was used from `began` to `ended` for a picture of `urgency`. The class that the slice was
+    /// given to may be another one, because the thread of a scene first finishes the picture that it has begun.
     pub fn record_turn(&mut self, urgency: Urgency, [began, ended]: [Instant; 2]) {
         let took = ended.saturating_duration_since(began);
         if urgency == Urgency::Moving {
@@ -172,7 +178,8 @@ impl Schedule {
         }
     }
 
-    /// Adds the shares of the time since the last call. An account holds at most one turn, so no class saves up.
+    /// Adds each class's share of the time since the last call to the seconds owed to it. A class is owed at most one
+    /// slice, so it cannot save up time.
     fn accrue_shares(
         &mut self,
         now: Instant,
@@ -194,7 +201,7 @@ impl Schedule {
     }
 }
 
-/// Index of the account of a class. `None` for views that a user moves, which need none.
+/// Returns the index of a class in `SHARES`. `None` for views that a user moves, whose time is not limited.
 fn account_index(urgency: Urgency) -> Option<usize> {
     SHARES.iter().position(|(class, _)| *class == urgency)
 }

@@ -19,7 +19,7 @@ use crate::charges::{Charges, Payer};
 use crate::limits::{MAX_PICTURES, MAX_TURN, SHARED_FOR};
 use crate::metrics::Metrics;
 
-/// A request in progress.
+/// Requested picture that waits or is being drawn.
 #[derive(Debug)]
 struct PictureTask {
     id: u64,
@@ -27,12 +27,12 @@ struct PictureTask {
     reply: PictureReply,
     started: Option<Instant>,
     took: Duration,
-    /// End of its latest turn, or the start of its wait.
+    /// End of the picture's latest slice of drawing time, or the time at which it was queued.
     last_turn_at: Instant,
     turns: u32,
-    /// True if the device was lost while drawing it.
+    /// True if the device was lost while this picture was drawn.
     lost_device: bool,
-    /// Progress so far. `None` before it is begun, and while its worker has it.
+    /// Progress of the picture. `None` before drawing begins, and while the worker has it.
     drawing: Option<Box<PictureProgress>>,
 }
 
@@ -44,23 +44,23 @@ pub(super) struct RenderLoop {
     memory: MemoryBudget,
     /// Backend of shadows and lights. `None` chooses it by the device.
     backend: Option<Backend>,
-    /// The latest one to draw is last.
+    /// Threads that draw, one per session and scene. The one that drew last is at the end.
     workers: Vec<DrawWorker>,
     turn_end: TurnDeadline,
     inbox: mpsc::Receiver<Job>,
-    /// True once nothing should be drawn any more.
+    /// True once the thread has to end.
     ended: Arc<AtomicBool>,
     waiting: Vec<PictureTask>,
     last_task: u64,
     schedule: Schedule,
-    /// Charges of each client for drawing.
+    /// Seconds of drawing charged to each client.
     charges: Charges,
-    /// Clients that drew moving pictures lately, with the time of the latest.
+    /// Clients that drew moving pictures lately, each with the time of its latest one.
     moving_payers: BTreeMap<Payer, Instant>,
-    /// Share of one core in the time of all cores.
+    /// Factor from seconds of one core to seconds of all cores: 1 over the number of cores.
     core_share: f64,
     metrics: Arc<Metrics>,
-    /// Runtime that waits for jobs and for time.
+    /// Runtime on which the thread waits for jobs, with a timeout.
     clock: Runtime,
 }
 
@@ -92,7 +92,7 @@ impl RenderLoop {
         })
     }
 
-    /// Draws with every pipeline once.
+    /// Draws once with every pipeline, which compiles it.
     pub fn warm_up(&self) -> Readiness {
         let started = Instant::now();
         match self.base.compile_pipelines(|| !self.ended.load(Ordering::Relaxed)) {
@@ -131,7 +131,7 @@ impl RenderLoop {
         }
     }
 
-    /// Indices of the tasks that wait for a turn, and their form for the schedule.
+    /// Returns the indices of the tasks that wait for drawing time, and the data about each that the schedule needs.
     fn queued_tasks(&self) -> (Vec<usize>, Vec<QueuedPicture>) {
         let aside: Vec<&DrawWorker> =
             self.workers.iter().filter(|worker| worker.is_in_background()).collect();
@@ -155,7 +155,7 @@ impl RenderLoop {
         seen.unzip()
     }
 
-    /// Waits for a job. Returns false if no more can come.
+    /// Waits for a job, for at most `time`. Returns false if no more jobs can come.
     fn wait_for_job(&mut self, time: Duration) -> bool {
         let inbox = &mut self.inbox;
         match self.clock.block_on(async { timeout(time, inbox.recv()).await }) {
@@ -191,7 +191,7 @@ impl RenderLoop {
         }
     }
 
-    /// Frees data of dropped leases.
+    /// Frees the data of dropped leases.
     fn release_unused(&mut self) {
         self.waiting.retain(|task| !task.reply.is_closed());
         let before = self.workers.len();
@@ -220,8 +220,8 @@ impl RenderLoop {
             .set(of(Urgency::Still).map(|task| i64::from(task.turns)).min().unwrap_or(0));
     }
 
-    /// Gives a picture its turn and sends it once it is finished. A cancelled picture is not begun. If the worker of
-    /// its scene is in the middle of another picture, that one continues.
+    /// Draws the waiting picture `index` for about `turn`, and sends it if it is finished. A cancelled picture is not
+    /// begun. If the worker of the picture's scene has paused in another picture, that one is continued instead.
     fn run_turn(&mut self, index: usize, turn: Duration) {
         let request = Arc::clone(&self.waiting[index].request);
         let mut worker = match self.worker(&request) {
@@ -327,7 +327,7 @@ impl RenderLoop {
         self.base.free_dropped_memory();
     }
 
-    /// Opens the device again. Everything on it is lost, so pictures in progress begin again.
+    /// Opens the device again after it was lost. Its data is lost too, so pictures in progress start again.
     fn reopen(&mut self, why: &str) {
         tracing::error!("the graphics device was lost ({why}) and is opened again");
         self.workers.clear();
@@ -344,7 +344,7 @@ impl RenderLoop {
         }
     }
 
-    /// Takes the worker of a request's session and scene from the list, or makes it.
+    /// Takes the worker of the request's session and scene out of the list, or makes it.
     fn worker(&mut self, request: &PictureRequest) -> Result<DrawWorker, RenderError> {
         let PictureRequest { session, viewer, scene, .. } = request;
         let known = self.workers.iter().position(|worker| worker.is_for(session, scene));
@@ -386,8 +386,8 @@ impl RenderLoop {
     }
 }
 
-/// True if another picture can be taken. Cancelled ones make room. Otherwise a change to many views would keep
-/// everybody's next picture waiting behind pictures that nobody wants, some at each turn.
+/// True if the queue has room for another picture. Removes cancelled pictures to make room. Otherwise, after a change
+/// to many views, each client's next picture would wait behind cancelled pictures of all views.
 fn has_room<T>(waiting: &mut Vec<T>, is_given_up: impl Fn(&T) -> bool) -> bool {
     if waiting.len() >= MAX_PICTURES {
         waiting.retain(|task| !is_given_up(task));
@@ -412,7 +412,7 @@ fn open(
 mod tests {
     use super::*;
 
-    /// The planted fault: only turns make room.
+    /// Deliberate fault that the test must detect: a picture leaves the queue only when it is drawn.
     #[test]
     fn what_was_given_up_makes_room() {
         let mut waiting: Vec<usize> = (0..MAX_PICTURES).collect();

@@ -1,5 +1,6 @@
-//! A worker: a thread that draws a session's view of a scene in turns. Long work can pause in the middle of a piece
-//! while another session is drawn. Only one thread draws at a time.
+//! A worker: a thread that draws the pictures of one session and scene, each for a slice of drawing time (a turn in
+//! names) at a time. A worker can pause in the middle of long work while another worker draws. Only one worker draws at
+//! a time.
 
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -17,12 +18,13 @@ use super::{Job, PictureFormat, PictureRequest, RenderLease, Urgency};
 use crate::background;
 use crate::limits::{LARGE_PICTURE_PIXELS, MAX_MOVING_TURNS};
 
-/// Orders that can wait for a worker: one to draw, and those to forget viewers, which wait behind it.
+/// Capacity of a worker's order queue: one order to draw, and orders to drop the data of viewers, which wait behind it.
 const ORDER_QUEUE: usize = 16;
-/// Reports that can wait: the latest and the last.
+/// Capacity of a worker's report queue: the report of the current slice, and the one that the thread has ended.
 const REPORT_QUEUE: usize = 2;
 
-/// End of the current turn, shared by all drawing threads. Before the first turn it never comes.
+/// End of the current slice of drawing time, shared by all drawing threads. Before the first slice it is infinitely
+/// late.
 #[derive(Clone, Debug)]
 pub(super) struct TurnDeadline {
     start: Instant,
@@ -30,19 +32,19 @@ pub(super) struct TurnDeadline {
     deadline_ns: Arc<AtomicU64>,
 }
 
-/// Course of a picture through its turns.
+/// Way in which a picture is divided into slices of drawing time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum TurnPlan {
-    /// In layers of its lights, to its end in one turn.
+    /// Layer by layer, one for each light, to the end of the picture in one slice.
     Whole,
-    /// In layers of its lights, until the turn is over.
+    /// Layer by layer, one for each light, until the slice is over.
     Layers,
-    /// Tile by tile, until the turn is over.
+    /// Tile by tile, until the slice is over.
     Tiles,
 }
 
 impl TurnPlan {
-    /// Plan of a new picture. `is_shared` is true while other clients draw moving pictures too.
+    /// Chooses the plan of a new picture. `is_shared` is true while other clients draw moving pictures too.
     pub fn of(request: &PictureRequest, is_shared: bool, renderer: &Renderer) -> Self {
         let PictureRequest { view, lights, urgency, .. } = request;
         let is_large = view.width * view.height > LARGE_PICTURE_PIXELS;
@@ -55,7 +57,7 @@ impl TurnPlan {
         }
     }
 
-    /// Plan of the picture's next turn, after that many turns.
+    /// Returns the plan of the picture's next slice, after `turns` slices.
     pub fn after(self, turns: u32, is_shared: bool) -> Self {
         match self {
             Self::Layers if !is_shared || turns >= MAX_MOVING_TURNS => Self::Whole,
@@ -64,54 +66,56 @@ impl TurnPlan {
     }
 }
 
-/// Progress of a picture and results of its turns.
+/// Progress of a picture that is being drawn.
 #[derive(Debug)]
 pub(super) struct PictureProgress {
     pub request: Arc<PictureRequest>,
     pub plan: TurnPlan,
-    /// Set if it is drawn in tiles.
+    /// Picture in progress, if it is drawn in tiles.
     pub picture: Option<TiledPicture>,
-    /// Passes so far.
+    /// Passes that have run for the picture.
     pub passes: Vec<PassRun>,
-    /// True if a shadow map was drawn for it.
+    /// True if a shadow map was drawn for the picture.
     pub drew_map: bool,
 }
 
 enum WorkerOrder {
-    /// Draw for about that time.
+    /// Draw a picture for about this time.
     Draw(Box<PictureProgress>, Duration),
-    /// Continue in the middle of a piece if true, cancel it if false.
+    /// True: continue the paused picture. False: cancel it.
     Resume(bool),
     /// Drop the data of a viewer.
     Forget(ViewSlot),
 }
 
-/// A worker's message at the end of its turn.
+/// Message of a worker at the end of a slice of drawing time.
 pub(super) enum TurnReport {
-    /// It pauses in the middle of a piece.
+    /// The worker has paused in the middle of a piece of work.
     Paused,
-    /// It does work that needs no turn. See [`DrawWorker::is_in_background`].
+    /// The worker goes on with work that does not use the device, beside other workers. See
+    /// [`DrawWorker::is_in_background`].
     InBackground,
-    /// The turn is over. The pixels are there if the picture is finished.
+    /// The slice is over. The pixels are there if the picture is finished.
     Ended(Box<PictureProgress>, Result<Option<Pixels>, RenderError>),
-    /// The thread has ended, and its data is gone.
+    /// The worker's thread has ended, and its data is lost.
     Lost,
 }
 
-/// A scene on the device, shared by sessions. Empty until one of them has uploaded it.
+/// Scene on the device, shared by sessions. Empty until a session has uploaded it.
 pub(super) type SharedScene = Arc<OnceLock<SceneOnDevice>>;
 
-/// A session's view of a scene: shadow maps and render targets, on a thread.
+/// Handle to the thread that draws one scene for one session. The thread owns the session's shadow maps and render
+/// targets.
 pub(super) struct DrawWorker {
     pub scene: Arc<PosedScene>,
     pub shared: SharedScene,
-    /// The worker is dropped after its session.
+    /// Lease of the session. The render loop drops the worker after the session has dropped its lease.
     pub session: Weak<RenderLease>,
-    /// Numbers and leases of the views and stills that it drew.
+    /// Numbers and leases of the views and stills that the worker drew.
     pub viewers: Vec<(u64, Weak<RenderLease>)>,
-    /// The task in the middle of which it pauses.
+    /// Id of the task in the middle of which the worker has paused.
     pub paused: Option<u64>,
-    /// True while it works on that task without a turn.
+    /// True while the worker goes on with the paused task outside of its slice.
     is_in_background: Arc<AtomicBool>,
     orders: SyncSender<WorkerOrder>,
     reports: Receiver<TurnReport>,
@@ -119,7 +123,7 @@ pub(super) struct DrawWorker {
 }
 
 thread_local! {
-    /// Channels of a worker's thread, with which it gives up its turn and waits for the next.
+    /// Channels of a worker's thread. Through them it reports a pause and waits for its next slice of drawing time.
     static CHANNELS: RefCell<Option<WorkerChannels>> = const { RefCell::new(None) };
 }
 
@@ -146,7 +150,7 @@ impl TurnDeadline {
         Self { start: Instant::now(), deadline_ns: Arc::new(AtomicU64::new(u64::MAX)) }
     }
 
-    /// Starts a turn of that length.
+    /// Starts a slice of length `turn`.
     fn set(&self, turn: Duration) {
         let at = self.start.elapsed().saturating_add(turn);
         self.deadline_ns.store(u64::try_from(at.as_nanos()).unwrap_or(u64::MAX), Ordering::Relaxed);
@@ -156,14 +160,14 @@ impl TurnDeadline {
         self.start.elapsed().as_nanos() >= u128::from(self.deadline_ns.load(Ordering::Relaxed))
     }
 
-    /// Yield policy for the devices of workers.
+    /// Returns the policy by which the devices of workers yield at the end of a slice.
     pub fn yield_policy(&self) -> YieldPolicy {
         let end = self.clone();
         YieldPolicy::new(move || end.is_over(), yield_turn, run_in_background)
     }
 }
 
-/// Gives up the turn and waits for the next one. Returns false if the picture is cancelled.
+/// Reports a pause and waits for the next slice of drawing time. Returns false if the picture is cancelled.
 fn yield_turn() -> bool {
     CHANNELS.with_borrow(|baton| {
         // Other threads have no turns.
@@ -173,7 +177,7 @@ fn yield_turn() -> bool {
     })
 }
 
-/// Gives up the turn, does `work` as background work, and waits for the next turn. Returns false if the picture is
+/// Ends the slice, runs `work` as background work, and waits for the next slice. Returns false if the picture is
 /// cancelled.
 fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
     CHANNELS.with_borrow(|baton| {
@@ -193,7 +197,7 @@ fn run_in_background(work: &mut (dyn FnMut() + Send)) -> bool {
 }
 
 impl DrawWorker {
-    /// Starts a thread for `renderer`. It uploads the scene before it first draws.
+    /// Starts a thread that draws with `renderer`. The thread uploads the scene before it first draws.
     pub fn start(
         session: &Arc<RenderLease>,
         (scene, shared): (&Arc<PosedScene>, SharedScene),
@@ -231,7 +235,8 @@ impl DrawWorker {
         }
     }
 
-    /// True while it works without a turn. It needs none until it wakes the loop.
+    /// True while the worker goes on with background work outside of its slice. It wakes the render loop when that work
+    /// is done, and only then needs another slice.
     pub fn is_in_background(&self) -> bool {
         self.is_in_background.load(Ordering::Acquire)
     }
@@ -240,7 +245,7 @@ impl DrawWorker {
         std::ptr::eq(self.session.as_ptr(), Arc::as_ptr(session)) && Arc::ptr_eq(&self.scene, scene)
     }
 
-    /// Draws for about `turn`, or continues the paused picture. Waits until the turn is over.
+    /// Draws for about `turn`, or continues the paused picture if `drawing` is `None`. Blocks until the slice is over.
     pub fn draw(
         &mut self,
         drawing: Option<Box<PictureProgress>>,
@@ -254,7 +259,7 @@ impl DrawWorker {
         self.reports.recv().unwrap_or(TurnReport::Lost)
     }
 
-    /// Cancels the paused picture. If the worker is in the background, waits until that work is done.
+    /// Cancels the paused picture. If the worker has background work, blocks until that work is done.
     pub fn cancel(&mut self) {
         if self.paused.take().is_some() {
             let _ = self.orders.send(WorkerOrder::Resume(false));
@@ -284,7 +289,7 @@ impl Drop for DrawWorker {
     }
 }
 
-/// Loop of a worker's thread.
+/// Carries out a worker's orders until the render loop drops the worker.
 fn draw_in_turns(
     mut renderer: Renderer,
     scene: (&Arc<PosedScene>, &SharedScene),
@@ -308,7 +313,7 @@ fn draw_in_turns(
     }
 }
 
-/// Uploads a scene, or shares the upload of another session.
+/// Sets the renderer's scene: shares the upload of another session, or uploads the scene if it is the first.
 fn take_over(
     renderer: &mut Renderer,
     (scene, shared): (&Arc<PosedScene>, &SharedScene),
@@ -322,7 +327,7 @@ fn take_over(
     Ok(())
 }
 
-/// Draws for a turn. Returns the picture once it is finished.
+/// Draws for about `turn`. Returns the pixels if the picture is finished.
 fn draw(
     renderer: &mut Renderer,
     drawing: &mut PictureProgress,

@@ -21,14 +21,14 @@ pub(super) struct ConnectedClient {
     pub principal: Principal,
     /// The selected light.
     pub selection: Option<u64>,
-    /// Solves for its commands.
+    /// State of the solves for the client's commands.
     pub solves: SolveState,
-    /// Its waiting messages. A solve is pending for the first of them.
+    /// The client's waiting messages. The first one waits for its solve.
     pub queued: VecDeque<RoomMessage>,
 }
 
 impl ConnectedClient {
-    /// True if messages wait and no solve is pending for them.
+    /// True if the client has waiting messages and the first one no longer waits for a solve.
     pub fn can_resume(&self) -> bool {
         !(self.queued.is_empty() || self.solves.is_pending())
     }
@@ -216,7 +216,7 @@ impl Room {
     }
 
     /// Sends the current state to clients that fell behind and have received everything sent before. Does nothing while
-    /// the account of bytes in flight is full.
+    /// the budget of bytes in flight is used up.
     pub(super) async fn catch_up_clients(&mut self) {
         if !self.backend.in_flight.is_full() {
             self.catch_up(Outbox::can_catch_up).await;
@@ -242,7 +242,8 @@ impl Room {
         }
     }
 
-    /// The current state with an empty document, which the caller replaces with the document's text.
+    /// Returns the message with the current state, but with an empty document, which the caller replaces with the
+    /// document's text.
     fn resync(&self) -> Resync {
         Resync {
             seq: self.session.seq(),

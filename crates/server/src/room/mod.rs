@@ -67,13 +67,13 @@ struct Room {
     epoch: String,
     backend: Services,
     session: edit::Session,
-    /// JSON of the document, while somebody holds it.
+    /// JSON of the document, while any request still uses it.
     text: Weak<DocumentText>,
     /// Sequence number and document hash of that JSON.
     text_version: Option<(u64, DocumentHash)>,
-    /// Records since the session's checkpoint.
+    /// Number and size of the records since the session's latest checkpoint.
     tail: store::RecordTail,
-    /// Size of that checkpoint.
+    /// Size in bytes of the session's latest checkpoint.
     checkpoint_bytes: u64,
     scene: OpenScene,
     clients: BTreeMap<ClientId, ConnectedClient>,
@@ -87,7 +87,7 @@ struct Room {
     batches: VecDeque<RequestBatch>,
     /// State that the directory reads.
     status: Arc<RoomStatus>,
-    /// Counts changes of live gestures. Frames carry it.
+    /// Number of changes of gestures in progress. Frames carry it.
     live_revision: u32,
     /// True if a client joined, left, selected or moved since presence was last sent.
     presence_changed: bool,
@@ -105,7 +105,7 @@ struct OpenScene {
     /// The scene as decoded from its bytes.
     decoded: DecodedScene,
     bounds: Bounds,
-    /// A camera that sees the whole scene.
+    /// Camera that frames the whole scene.
     framing: Camera,
 }
 

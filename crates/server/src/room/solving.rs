@@ -18,7 +18,7 @@ use crate::request::{RecordAction, RequestedEdit, needs_scene};
 use crate::scenes::DecodedScene;
 use crate::solver::{SolveTurn, Solver};
 
-/// The part of a command that the scene determines.
+/// Part of a command's result that depends on the scene.
 #[derive(Clone)]
 pub(super) enum CommandSolution {
     /// Result of a feature drag.
@@ -39,14 +39,14 @@ pub(super) struct SolvedCommand {
 /// Solves of one sequence of edits: of a client, or of a program's request.
 #[derive(Default)]
 pub(super) struct SolveState {
-    /// The running solve.
+    /// Handle that aborts the running solve.
     pending: Option<AbortHandle>,
     /// The latest results, so that a commit need not repeat the solve of its last update. A group has one for each
     /// command that needs the scene.
     last: Vec<SolvedCommand>,
-    /// Error of the latest solve, until the step that waits for it gets it.
+    /// Error of the latest solve, until the step that waits for the solve gets it.
     failed: Option<ServerError>,
-    /// Number of solves started for the next step.
+    /// Number of solves that were started for the next step.
     attempts: u32,
 }
 
@@ -93,7 +93,7 @@ pub(super) fn into_edit_request(
 }
 
 impl SolvedCommand {
-    /// True if the solve would have the same result from `document`.
+    /// True if the solve would give the same result for `document`.
     fn is_valid_for(&self, command: &Command, document: &Document) -> bool {
         let (Command::DragFeature { light, .. } | Command::BendLight { light, .. }) = command else {
             return false;
@@ -123,7 +123,7 @@ impl SolveState {
         found
     }
 
-    /// Takes the results for a group. Pending if one of its commands has no valid result.
+    /// Takes the results for all commands of a group. Pending if a command has no valid result.
     pub fn take_group_solution(
         &mut self,
         edits: &[RequestedEdit],
@@ -193,7 +193,7 @@ pub(super) enum SolveTask {
     Group(Vec<RequestedEdit>),
 }
 
-/// Solves from `document` on, on a thread of the solver and in turns with others.
+/// Solves a command or group, starting from `document`, on a thread of the solver.
 pub(super) async fn solve(
     what: SolveTask,
     document: Document,

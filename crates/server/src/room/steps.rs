@@ -19,7 +19,7 @@ use crate::request::RecordRequest;
 /// Data from the store that a request needs, read before it is carried out.
 #[derive(Default)]
 struct RequestSources {
-    /// Contents of the scene that it loads.
+    /// Lights and cameras of the scene that the request loads.
     loaded: Option<Arc<SceneContents>>,
     reverted: Option<Reverted>,
 }
@@ -43,8 +43,8 @@ impl Room {
         EarlierOutcomes(read.await)
     }
 
-    /// Carries out a request for a record, unless it came before. Returns its answer, which is sent once the tick is
-    /// committed. `found` is its solution.
+    /// Carries out a request for a record, unless the same operation was carried out before. Returns its answer, which
+    /// is sent once the tick is committed. `found` is the solution of its command.
     pub(super) async fn run_step(
         &mut self,
         step: RecordRequest,
@@ -58,7 +58,7 @@ impl Room {
         RecordAnswer { result: EditResult { op_id, outcome }, is_new }
     }
 
-    /// Returns the outcome of a request for a record, and true if it depends on this tick's commit.
+    /// Returns the outcome of a request for a record, and true if the outcome depends on the commit of this tick.
     async fn outcome_of(
         &mut self,
         op_id: &str,

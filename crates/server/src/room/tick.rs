@@ -21,7 +21,8 @@ use crate::request::RecordRequest;
 /// Finished work that is not committed yet.
 #[derive(Default)]
 pub(super) struct Tick {
-    /// The state before the first request for a record, for a rollback.
+    /// Copies of the session and scene as they were before the first request for a record in this tick. A rollback
+    /// restores them.
     pub before: Option<Box<(edit::Session, OpenScene)>>,
     pub records: Vec<Arc<Record>>,
     pub rejections: Vec<Rejection>,
@@ -33,7 +34,7 @@ pub(super) struct Tick {
     pub outgoing: Vec<Outgoing>,
     /// Clients that ask for the steps that undo and redo would revert.
     pub history_requests: BTreeSet<ClientId>,
-    /// True if a picture can show any of it.
+    /// True if a record or gesture of this tick can change a picture.
     pub changes_pictures: bool,
 }
 
@@ -79,7 +80,7 @@ pub(super) struct RecordAnswer {
 }
 
 impl Tick {
-    /// Sends something after the commit.
+    /// Queues a message that is sent after the commit.
     pub fn send(&mut self, outgoing: Outgoing) {
         self.outgoing.push(outgoing);
     }
@@ -116,7 +117,8 @@ impl RequestBatch {
         Self { principal, steps: steps.into_iter(), done, answers, solves, reply, cancellation }
     }
 
-    /// Drops the rest of a request whose next step needs a solve, if nobody waits for the answer any more.
+    /// Drops the remaining steps of a request if the next one needs a solve and the program no longer waits for the
+    /// answer.
     pub fn drop_unawaited_solves(&mut self) {
         if self.cancellation.is_cancelled()
             && self.steps.as_slice().first().is_some_and(RecordRequest::needs_scene)
@@ -125,7 +127,8 @@ impl RequestBatch {
         }
     }
 
-    /// The steps that a tick with room for `share` can reach: up to the next one after the first that needs a solve.
+    /// Returns the steps that a tick with room for `share` steps can reach: if one needs a solve, only up to the step
+    /// after it.
     pub fn next_steps(&self, share: usize) -> &[RecordRequest] {
         let steps = self.steps.as_slice();
         let next_solve = steps.iter().skip(1).position(RecordRequest::needs_scene);
@@ -141,7 +144,7 @@ impl Default for EarlierOutcomes {
 }
 
 impl RecordAnswer {
-    /// The answer if the tick is not committed.
+    /// Returns the answer to send if the commit of the tick fails.
     pub fn rolled_back(mut self, error: &ServerError) -> Self {
         if self.is_new {
             self.result.outcome = refused(error);
@@ -150,7 +153,7 @@ impl RecordAnswer {
     }
 }
 
-/// The outcome of a request for a record that was not carried out.
+/// Returns the outcome of a request for a record that was refused.
 pub(super) fn refused(error: &ServerError) -> Outcome {
     if error.has_unknown_outcome() {
         Outcome::Unknown(error.problem())

@@ -11,20 +11,22 @@ use std::time::{Duration, Instant};
 use protocol::{Interaction, Reduction};
 use render::MapScale;
 
-/// Greatest time of a moving picture.
+/// Greatest time that drawing and encoding a moving picture should take.
 const TARGET_TIME: Duration = Duration::from_millis(33);
-/// Share of the target below which a finer detail must be expected, so that it is not reverted.
+/// Share of the target time below which the expected time of a finer detail must be, so that the change to it is not
+/// soon reverted.
 const HEADROOM: f64 = 0.75;
-/// Least time between two changes of the detail.
+/// Least time between two changes of a view's detail.
 const MIN_CHANGE_INTERVAL: Duration = Duration::from_secs(1);
-/// Number of latest pictures that decide. Their median ignores a single slow one.
+/// Number of latest pictures whose median time decides about a change. The median ignores a single slow picture.
 const MAX_SAMPLES: usize = 8;
-/// Number of pictures of one detail that must be seen before another is chosen.
+/// Number of pictures of one detail that must be measured before another detail is chosen.
 const MIN_SAMPLES: usize = 3;
-/// Time without a moving picture after which the measured ratios may belong to another load.
+/// Time without a moving picture after which the measured times are no longer trusted, because the machine's load may
+/// have changed.
 const HISTORY_LIFETIME: Duration = Duration::from_secs(1);
 
-/// Sides of a moving picture, as a share of its view's.
+/// Side lengths of a moving picture, as a share of the view's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Resolution {
     Full,
@@ -43,9 +45,9 @@ pub struct Detail {
 #[derive(Clone, Copy, Debug)]
 pub struct TimedPicture {
     pub detail: Detail,
-    /// Time of its render and its encoding.
+    /// Time that drawing and encoding the picture took.
     pub took: Duration,
-    /// True if a shadow map was drawn for it. Otherwise a coarser map would save nothing.
+    /// True if a shadow map was drawn for the picture. Otherwise a coarser map would save nothing.
     pub drew_map: bool,
 }
 
@@ -55,17 +57,17 @@ pub struct DetailChoice {
     interaction: Interaction,
     detail: Detail,
     changed_at: Option<Instant>,
-    /// The latest pictures of this detail: seconds, and true if a map was drawn.
+    /// Latest pictures of this detail: seconds, and true if a shadow map was drawn.
     latest: VecDeque<(f64, bool)>,
     last_recorded_at: Option<Instant>,
-    /// Expected time at each of [`Detail::ALL`], as a ratio to the time in full.
+    /// Expected time of a picture at each of [`Detail::ALL`], as a ratio to the time at full detail.
     ratios: [f64; Detail::ALL.len()],
-    /// The detail before the latest change and its seconds per picture, until the effect of the change is measured.
+    /// Detail before the latest change, and the seconds per picture at it, until the effect of the change is measured.
     previous: Option<(Detail, f64)>,
 }
 
 impl Resolution {
-    /// Picture size `[width, height]` of a view of that size.
+    /// Returns the size `[width, height]` of a picture for a view of size `size`.
     pub fn of(self, size: [u32; 2]) -> [u32; 2] {
         size.map(|side| ((f64::from(side) * self.side_ratio()).round() as u32).max(1))
     }
@@ -105,19 +107,19 @@ impl Detail {
         map && resolution
     }
 
-    /// Texels of maps as a ratio to full maps.
+    /// Returns the number of texels of shadow maps, as a ratio to full maps.
     fn texel_ratio(self) -> f64 {
         let divisor = f64::from(self.shadow_map.divisor());
         1.0 / (divisor * divisor)
     }
 
-    /// Pixels as a ratio to full size.
+    /// Returns the number of pixels, as a ratio to the full size.
     fn pixel_ratio(self) -> f64 {
         self.resolution.side_ratio() * self.resolution.side_ratio()
     }
 
-    /// Estimated time before a measurement, as a ratio to the time in full: half of it scales with the pixels, and a
-    /// quarter with the texels of the maps.
+    /// Returns the time that a picture is expected to take before anything is measured, as a ratio to the time at full
+    /// detail. Half of the full time scales with the pixels, and a quarter with the texels of shadow maps.
     fn expected_time_ratio(self) -> f64 {
         (0.75 + 0.25 * self.texel_ratio()) * f64::midpoint(1.0, self.pixel_ratio())
     }
@@ -142,7 +144,7 @@ impl DetailChoice {
         self.interaction
     }
 
-    /// Detail of the next moving picture.
+    /// Returns the detail of the next moving picture.
     pub fn detail(&self) -> Detail {
         self.detail
     }
@@ -176,7 +178,7 @@ impl DetailChoice {
         }
     }
 
-    /// The detail to change to if a picture of the current one takes that many seconds.
+    /// Returns the detail to change to, if a picture of the current detail takes `seconds`.
     fn next_detail(&self, seconds: f64) -> Option<Detail> {
         let draws_maps = 2 * self.latest.iter().filter(|(_, drew_map)| *drew_map).count() > self.latest.len();
         let can_be = |detail: &Detail| {

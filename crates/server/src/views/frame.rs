@@ -34,11 +34,11 @@ pub struct EncodedFrame {
     pub stamp: FrameStamp,
     /// Number of the picture among all of the session's views. Counts from 1.
     pub number: u64,
-    /// The picture that its tiles are drawn onto. `None` if they are complete.
+    /// Picture onto which the client draws these tiles. `None` if the tiles cover the whole picture.
     pub base: Option<FrameId>,
-    /// One message each.
+    /// Rectangle and encoded file of each tile. Each tile becomes one message.
     tiles: Vec<(FrameTile, Vec<u8>)>,
-    /// RGBA with rows from the top, to compare the next picture with.
+    /// Pixels of the picture: RGBA, rows from the top. The next picture is compared with them.
     pixels: Vec<u8>,
     wait: Duration,
     render: Duration,
@@ -55,7 +55,7 @@ pub struct FrameStamp {
     pub log_seq: u64,
     pub live_revision: u32,
     pub camera_revision: u32,
-    /// Full for a lossless picture.
+    /// Reduction of the picture while something moves. A lossless picture has full detail.
     pub detail: Detail,
     /// Size of the view in pixels.
     pub view_size: [u32; 2],
@@ -102,16 +102,17 @@ pub enum ViewStep {
     Encoded(EncodedFrame),
 }
 
-/// Result of a step.
+/// Result of drawing or encoding a picture.
 pub type ViewStepResult = Result<ViewStep, ServerError>;
 
 impl EncodedFrame {
-    /// Time of its making.
+    /// Returns the time that drawing and encoding took, for the choice of detail.
     pub fn timed_picture(&self) -> TimedPicture {
         TimedPicture { detail: self.stamp.detail, took: self.render + self.encode, drew_map: self.drew_map }
     }
 
-    /// Statistics for a client that received it as frame `frame`, in that many bytes. A reused picture has no passes.
+    /// Returns the statistics for a client that receives the picture as frame `frame`, in `bytes` bytes. If the picture
+    /// was reused (`is_held`), no passes ran for the client.
     pub fn stats(&self, frame: u64, bytes: usize, is_held: bool) -> FrameStats {
         FrameStats {
             frame,
@@ -127,7 +128,7 @@ impl EncodedFrame {
         }
     }
 
-    /// Number of messages.
+    /// Returns the number of messages, one per tile.
     pub fn message_count(&self) -> usize {
         self.tiles.len()
     }
@@ -198,8 +199,8 @@ pub async fn draw_picture(
     Ok(ViewStep::Drawn(DrawnFrame { stamp, pixels, wait, render, drew_map, passes, trace }))
 }
 
-/// Encodes a picture and charges `payer`. Of a moving picture only the differences from `base` are encoded, which has
-/// the same size. The next picture may be drawn meanwhile.
+/// Encodes a picture and charges `payer` for the time. For a moving picture with a `base`, encodes only the parts that
+/// differ from it. The renderer may draw the next picture meanwhile.
 pub async fn encode_picture(
     backend: Services,
     drawing: DrawnFrame,
@@ -257,7 +258,7 @@ fn encode(
     Ok(EncodedFrame { stamp, number: 0, base, tiles, pixels, wait, render, encode, drew_map, passes })
 }
 
-/// Codec of that quality.
+/// Returns the codec for frames of that quality.
 pub fn codec(quality: FrameQuality) -> Codec {
     match quality {
         FrameQuality::Moving => Codec::Jpeg,
@@ -265,7 +266,7 @@ pub fn codec(quality: FrameQuality) -> Codec {
     }
 }
 
-/// Samples per pixel of that quality.
+/// Returns the number of samples per pixel for frames of that quality.
 pub fn samples(quality: FrameQuality) -> u32 {
     match quality {
         FrameQuality::Moving => 1,

@@ -45,7 +45,7 @@ pub struct Views {
     backend: Services,
 }
 
-/// The current session that views show.
+/// Current state of the session, which the views show.
 #[derive(Clone, Copy)]
 pub struct LiveSession<'a> {
     /// The session's document with its live gestures.
@@ -58,34 +58,35 @@ pub struct LiveSession<'a> {
 
 /// State of a client for its frames.
 struct Viewer {
-    /// Client that is charged for the pictures of its own view.
+    /// Client that is charged for pictures of this client's own view.
     payer: Payer,
     source: ViewTarget,
-    /// Owner and size of the view that it was last told about.
+    /// Source and size of the view that the client was last told.
     configured: Option<(ClientId, [u32; 2])>,
     pace: FramePacer,
-    /// Numbers of its latest frame, and of the latest one that needs no earlier frame.
+    /// Number of the client's latest frame. The next field is the latest frame that needs no earlier one.
     frame: u64,
     last_key_frame: u64,
-    /// True if it gets statistics of each frame.
+    /// True if the client gets statistics of each frame.
     wants_stats: bool,
-    /// Number of the picture that it was sent last, or of the last one made before it began to look.
+    /// Number of the picture that was last sent to the client, or that was the latest one when the client opened its
+    /// view.
     latest_picture: u64,
-    /// The picture that it was sent last, if all tiles were sent.
+    /// Picture that the client shows, if all of its tiles were sent.
     shown_frame: Option<FrameId>,
-    /// The picture that is being sent.
+    /// Picture that is being sent to the client.
     sending: Option<OutgoingFrame>,
-    /// Time of its latest change to the document or its view.
+    /// Time at which the client last changed the document or its view.
     last_interaction: Option<Instant>,
 }
 
-/// A picture on its way to a client, tile by tile.
+/// Picture that is being sent to a client, tile by tile.
 struct OutgoingFrame {
     picture: Arc<EncodedFrame>,
     /// Number of the frame.
     frame: u64,
     is_key_frame: bool,
-    /// True if the picture existed before, so that nothing was drawn for this client.
+    /// True if the picture existed before, and nothing was drawn for this client.
     is_reused: bool,
     /// Number of tiles sent, their bytes, and the time of the latest.
     sent: usize,
@@ -114,7 +115,7 @@ impl Viewer {
 }
 
 impl Views {
-    /// Starts without clients. `name` is the session's, and `session` keeps its data in the renderer.
+    /// Makes the views of session `name`, without clients. `session` keeps the session's data in the renderer.
     pub fn new(backend: Services, name: Arc<str>, session: Arc<RenderLease>) -> Self {
         let (viewers, pictures) = (BTreeMap::new(), JoinSet::new());
         Self { viewers, content_revision: 0, pictures, picture_count: 0, name, session, backend }
@@ -149,8 +150,9 @@ impl Views {
         }
     }
 
-    /// Opens a view of the client's own at `camera`, which includes a revision. `size` is its width and height in
-    /// pixels.
+    /// Opens a view for a client, which replaces the client's earlier view. `camera` comes with the client's revision
+    /// number of it. `how` has the view's settings and the details that may be reduced while something moves. `size` is
+    /// the width and height in pixels.
     pub fn open(
         &mut self,
         id: ClientId,
@@ -250,7 +252,7 @@ impl Views {
         }
     }
 
-    /// The client that a client follows, if any.
+    /// Returns the client that this client follows, if any.
     pub fn leader_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
             ViewTarget::Follow(leader) => Some(leader),
@@ -258,7 +260,7 @@ impl Views {
         }
     }
 
-    /// Camera and settings of a client's own view, if it has one.
+    /// Returns camera and settings of a client's own view, if it has one.
     pub fn view_of(&self, id: ClientId) -> Option<(&Camera, &ViewSettings)> {
         match &self.viewers.get(&id)?.source {
             ViewTarget::Own(view) => Some((&view.camera, &view.settings)),
@@ -266,7 +268,7 @@ impl Views {
         }
     }
 
-    /// Camera, settings and size of the view that a client sees, its own or another's.
+    /// Returns camera, settings and size of the view that a client sees, its own or another client's.
     pub fn viewed_by(&self, id: ClientId) -> Option<(&Camera, &ViewSettings, [u32; 2])> {
         match &self.viewers.get(&self.owner_of(id)?)?.source {
             ViewTarget::Own(view) => Some((&view.camera, &view.settings, view.size)),
@@ -300,7 +302,7 @@ impl Views {
         }
     }
 
-    /// The client whose own view `id` sees, over any number of leaders.
+    /// Returns the client whose own view `id` sees, through any number of followed clients.
     fn owner_of(&self, id: ClientId) -> Option<ClientId> {
         match self.viewers.get(&id)?.source {
             ViewTarget::Nothing => None,
@@ -309,12 +311,12 @@ impl Views {
         }
     }
 
-    /// True if `from` follows `to`, directly or through others, or is the same client.
+    /// True if `from` and `to` are the same client, or if `from` follows `to` directly or through others.
     fn follows_to(&self, from: ClientId, to: ClientId) -> bool {
         std::iter::successors(Some(from), |id| self.leader_of(*id)).any(|id| id == to)
     }
 
-    /// All clients that see the view of `owner`, including `owner`.
+    /// Returns all clients that see the view of `owner`, including `owner`.
     fn watchers_of(&self, owner: ClientId) -> Vec<ClientId> {
         self.viewers.keys().copied().filter(|&id| self.owner_of(id) == Some(owner)).collect()
     }
@@ -333,7 +335,7 @@ fn no_view() -> ServerError {
     ServerError::BadMessage("you have no view of your own: open one, then change it".into())
 }
 
-/// The clock of views, which tests can stop.
+/// Returns the current time. Tests can stop this clock.
 fn now() -> std::time::Instant {
     Instant::now().into_std()
 }

@@ -32,7 +32,7 @@ struct MovingView {
 pub struct PictureScale(f64);
 
 impl PictureScale {
-    /// No reduction.
+    /// Scale of a picture that is not reduced.
     pub const FULL: Self = Self(1.0);
 
     /// Scales a width and height in pixels.

@@ -24,7 +24,7 @@ use crate::outboxes::{ClientId, Outboxes};
 use crate::renderer::{PictureFormat, PictureRequest, PictureTicket, Urgency};
 
 impl Views {
-    /// Notes that a client has shown a frame.
+    /// Notes that a client has shown a frame, which frees a slot of its window.
     pub fn acknowledge(&mut self, id: ClientId, frame: u64) {
         if let Some(viewer) = self.viewers.get_mut(&id) {
             // A frame that is not in flight was dropped before.
@@ -97,7 +97,7 @@ impl Views {
         }
     }
 
-    /// Starts the encoding of a drawn picture, or sends an encoded one to the clients that want it.
+    /// Starts the encoding of a drawn picture, or sends an encoded picture to the clients that need it.
     fn take_step(&mut self, step: Result<(Id, ViewStepResult), JoinError>, outboxes: &mut Outboxes) {
         let task = step.as_ref().map_or_else(JoinError::id, |(id, _)| *id);
         let is_it = |job: &mut PendingPicture| job.task.id() == task;
@@ -137,8 +137,8 @@ impl Views {
         self.start_encoding(owner, outboxes);
     }
 
-    /// Starts to encode the drawn picture of a view. One is encoded at a time, so pictures stay in order. Only the
-    /// differences from the one before are encoded, if all clients that want the picture have that one.
+    /// Starts to encode the drawn picture of a view. Only one is encoded at a time, so that pictures stay in order. If
+    /// every client that needs the picture has the one before, only the differences are encoded.
     fn start_encoding(&mut self, owner: ClientId, outboxes: &Outboxes) {
         let Some(view) = self.own_view(owner).filter(|view| view.encoding.is_none()) else { return };
         let Some(drawing) = view.drawn.take() else { return };
@@ -157,7 +157,7 @@ impl Views {
         }
     }
 
-    /// True if a client can take another picture of the view of `owner`, besides those that are drawn and not yet sent.
+    /// True if a client can take another picture of the view of `owner`, after those that are drawn and not sent yet.
     fn has_room_for_more(&self, id: ClientId, owner: ClientId) -> bool {
         let source = self.viewers.get(&owner).map(|viewer| &viewer.source);
         let pending = if let Some(ViewTarget::Own(view)) = source { view.encoding_count() } else { 0 };
@@ -172,7 +172,7 @@ impl Views {
         watchers.iter().any(|id| acts(id).unwrap_or(false))
     }
 
-    /// Sends a frame to all clients of its view that want it and have its base.
+    /// Sends a frame to all clients of its view that need it and have its base.
     fn deliver(
         &mut self,
         watchers: &[ClientId],
@@ -240,7 +240,7 @@ impl Views {
         is_left.then_some(now + TILES_CHECK_EVERY)
     }
 
-    /// True if the last picture sent to a client is the base of another.
+    /// True if the client has the picture `base` to draw tiles onto, or if the frame needs no base.
     fn has_base_of(&self, id: ClientId, base: Option<FrameId>) -> bool {
         let has = |base| {
             self.viewers
@@ -250,7 +250,7 @@ impl Views {
         base.is_none_or(has)
     }
 
-    /// The next need of a client of that view.
+    /// Returns the frame that a client of the view needs next, if it needs one.
     fn next_frame_for(
         &self,
         id: ClientId,

@@ -18,7 +18,7 @@ use crate::renderer::{PictureTicket, RenderLease};
 /// The view that a client sees.
 pub enum ViewTarget {
     Nothing,
-    /// Its own view.
+    /// The client's own view.
     Own(Box<ClientView>),
     /// The view of another client.
     Follow(ClientId),
@@ -35,18 +35,19 @@ pub struct ClientView {
     pub content: ViewContent,
     /// Latest picture of the view.
     pub latest: Option<Arc<EncodedFrame>>,
-    /// The picture being drawn, the drawn one that waits for its encoding, and the one being encoded.
+    /// Picture that is being drawn. The next fields are the drawn picture that waits for its encoding, and the one
+    /// being encoded.
     pub drawing: Option<PendingPicture>,
     pub drawn: Option<DrawnFrame>,
     pub encoding: Option<PendingPicture>,
-    /// Start of the wait of a moving picture that was cancelled before it was begun. The next picture takes its
-    /// position.
+    /// Time at which a moving picture was queued that was cancelled before drawing began. The next picture takes over
+    /// its position.
     pub waits_since: Option<Instant>,
     /// Revision of content that could not be drawn. Other content may succeed.
     pub failed: Option<u64>,
-    /// Lights that its latest lossless picture lacks.
+    /// Lights that the view's latest lossless picture leaves out.
     pub left_out: Vec<UndrawableLight>,
-    /// True if its viewers were told that its moving pictures are reduced.
+    /// True if the clients that see the view were warned that its moving pictures are reduced.
     pub was_warned_smaller: bool,
     /// Keeps the view's data in the renderer.
     pub lease: Arc<RenderLease>,
@@ -55,7 +56,7 @@ pub struct ClientView {
 /// A picture in progress. Dropping this cancels it.
 pub struct PendingPicture {
     pub quality: FrameQuality,
-    /// Revision of its content.
+    /// Revision of the content that the picture shows.
     pub revision: u64,
     /// Ticket in the renderer's queue, if it is being drawn.
     pub ticket: Option<PictureTicket>,
@@ -108,9 +109,9 @@ impl ClientView {
         }
     }
 
-    /// Sets new content. Cancels a lossless picture of the old content, and a moving one that is not begun yet, unless
-    /// it was requested within `keeps_for`. The next picture shows the new content and takes the position of the
-    /// cancelled one.
+    /// Sets new content. Cancels a lossless picture of the old content. Also cancels a moving picture of which drawing
+    /// has not begun, unless it was requested within `keeps_for`. The next picture then shows the new content and takes
+    /// over the position of the cancelled one.
     pub fn set_content(&mut self, content: ViewContent, keeps_for: Duration) {
         self.content = content;
         self.drawing.take_if(|job| job.quality == FrameQuality::Settled);
@@ -123,7 +124,7 @@ impl ClientView {
         }
     }
 
-    /// Number of its pictures that are drawn and not yet sent.
+    /// Returns the number of the view's pictures that are drawn and not sent yet.
     pub fn encoding_count(&self) -> usize {
         usize::from(self.drawn.is_some()) + usize::from(self.encoding.is_some())
     }

@@ -1,4 +1,4 @@
-//! Bodies and answers in memory: limited by the account, and given back when they are cut off.
+//! Bodies and answers in memory: they are limited by a budget, which is freed when they are cut off.
 
 use std::time::Duration;
 
@@ -11,7 +11,7 @@ use crate::client::{HttpAnswer, bearer, get, post};
 use crate::server::{OwnServer, ServerDoor};
 
 const MIB: usize = 1 << 20;
-/// Cost of a body of 8 MiB, and the number of such bodies that fit: half of the account.
+/// Bytes that a body of 8 MiB reserves, and the number of such bodies that fit: half of the budget.
 const COST: usize = 4 * 8 * MIB;
 const ROOM: usize = 320 / 2 * MIB / COST;
 
@@ -23,14 +23,14 @@ async fn on_thread(
     spawn_blocking(move || ask(&door)).await.unwrap()
 }
 
-/// Bytes on the account.
+/// Returns the bytes that are reserved in the budget.
 async fn held(door: &ServerDoor) -> usize {
     let metrics = on_thread(door, |door| get(door, "/metrics")).await;
     let line = metrics.text().lines().find_map(|line| line.strip_prefix("bendylights_bytes_in_flight "));
     line.expect("a count").parse().expect("a number")
 }
 
-/// Waits until the bytes on the account satisfy `wanted`.
+/// Waits until the number of reserved bytes satisfies `wanted`.
 async fn holds(door: &ServerDoor, wanted: impl Fn(usize) -> bool) {
     let mut tries = 0..1_000;
     while !wanted(held(door).await) {

@@ -1,4 +1,5 @@
-//! Compares the random drags that the product's solver lands with those that a slow solver with restarts lands.
+//! Compares the random drags that converge with the product's solver and those that converge with a slow solver with
+//! restarts.
 
 mod pins;
 mod relaxed;
@@ -21,7 +22,7 @@ pub use report::{DragStudyReport, ReportCell, StudyOutcome};
 
 use pins::StudyPin;
 
-/// Options of the study.
+/// Options of the study of drags.
 #[derive(Clone, Copy, Debug)]
 pub struct DragStudyOptions {
     /// Drags of each kind.
@@ -32,7 +33,7 @@ pub struct DragStudyOptions {
     pub pins: usize,
 }
 
-/// A drag that did not land though it could, or whose result claims to have landed and has not.
+/// Drag that did not converge although a solution exists, or whose result is reported as converged and is not.
 #[derive(Clone, Debug)]
 pub struct DragFailure {
     /// Name for a file: scene, kind and number.
@@ -41,11 +42,11 @@ pub struct DragFailure {
     pub light: String,
     /// JSON of a drag file with the one drag.
     pub drags: Value,
-    /// Result of the product, and a light that lands if one is known.
+    /// Result of the product, and a light with the feature under the cursor if one is known.
     pub found: Value,
 }
 
-/// A drag made by the product's solver.
+/// Drag with the result of the product's solver.
 struct StudiedDrag {
     number: usize,
     trial: Trial,
@@ -54,7 +55,7 @@ struct StudiedDrag {
     ms: f64,
 }
 
-/// Makes drags in one scene. Calls `progress` for each.
+/// Makes random drags in one scene and judges them. Calls `progress` for each.
 pub fn run(
     stage: &TrialScene,
     options: DragStudyOptions,
@@ -93,7 +94,7 @@ pub fn run(
 /// Judges the product's result by independent measures and by the slow solver.
 fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcome, Option<DragFailure>) {
     let StudiedDrag { trial, pins, landing, .. } = made;
-    let (kind, is_landed) = (trial.kind, landing.status == DragStatus::Converged);
+    let (kind, is_landed) = (trial.kind, landing.status == DragStatus::Landed);
     let light = CheckedLight::new(landing.light.clone()).ok();
     let off = light.as_ref().and_then(|light| EquationError::at_target(stage, trial, light));
     let px = light.as_ref().filter(|_| is_landed).and_then(|light| distance_px(stage, trial, light));
@@ -108,7 +109,7 @@ fn judge_drag(stage: &TrialScene, made: &StudiedDrag, seed: u64) -> (StudyOutcom
     let broken = pins.iter().filter(is_broken).count();
     let is_infeasible = !is_landed && found.is_none() && !pins.is_empty() && {
         let free = Drag { pins: Vec::new(), ..trial.drag.clone() };
-        drag(&stage.reference.bvh, &stage.view, &trial.light, &free).status == DragStatus::Converged
+        drag(&stage.reference.bvh, &stage.view, &trial.light, &free).status == DragStatus::Landed
     };
     let outcome = StudyOutcome {
         kind,
@@ -155,7 +156,7 @@ fn failure(
     }
 }
 
-/// Tube coordinates of M' and of a shadow's pivot in a light, and the reference's visibility at M'.
+/// Returns the tube coordinates of M' and of a shadow's pivot in a light, and the visibility at M' by the reference.
 fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Value {
     let place = |position: DVec3| stage.locate(light, position).map(|place| [place.t, place.v, place.w]);
     let to = stage.surface(trial.drag.to);

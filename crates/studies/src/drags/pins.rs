@@ -28,9 +28,9 @@ pub struct StudyPin {
     pub surface: ShadedPoint,
     /// Tube coordinates of the surface before the drag.
     pub place: TubePoint,
-    /// For a shadow: point of its caster, in scene space.
+    /// Caster point of a pinned shadow, in scene space. `None` for other pins.
     pub pivot: Option<DVec3>,
-    /// World units that a pixel covers there.
+    /// World units that a pixel covers at the pinned surface.
     pub per_pixel: f64,
 }
 
@@ -81,7 +81,7 @@ pub fn random_pins(stage: &TrialScene, trial: &Trial, count: usize, seed: u64) -
 }
 
 impl StudyPin {
-    /// True if the pin holds in a light, within half a pixel or a tenth of a degree.
+    /// True if the pin is preserved in a light, within half a pixel or a tenth of a degree.
     pub fn holds(&self, stage: &TrialScene, light: &CheckedLight) -> bool {
         let is_lit = || {
             stage

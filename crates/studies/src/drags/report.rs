@@ -7,7 +7,7 @@ use bench::drag::TrialKind;
 use drag::{DragLimit, DragRefusal, DragStatus};
 use serde::Serialize;
 
-/// Report of the study.
+/// Report of the study of drags.
 #[derive(Clone, Debug, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct DragStudyReport {
@@ -35,38 +35,39 @@ pub struct ReportCell {
     pub way: &'static str,
     /// Number of drags that were found and made.
     pub drags: usize,
-    /// Drags that the product reports as landed.
+    /// Number of drags that the product reports as converged.
     pub landed: usize,
-    /// Drags that a limit stopped, by the limit's name.
+    /// Number of drags that each limit stopped, by the limit's name.
     pub limited: BTreeMap<String, usize>,
-    /// Drags that were refused, by the reason's name.
+    /// Number of drags that were refused for each reason, by the reason's name.
     pub refused: BTreeMap<String, usize>,
-    /// Drags that did not land, but that the slow solver landed.
+    /// Number of drags that did not converge with the product's solver, but did with the slow solver.
     pub missed: usize,
-    /// The missed drags by limit or reason.
+    /// Number of these missed drags, by the limit or the reason of a refusal.
     pub missed_by: BTreeMap<String, usize>,
     /// `landed / (landed + missed)`; null if both are 0.
     pub landed_of_feasible: Option<f64>,
-    /// Share of the landed drags that the slow solver landed too: a measure of its reliability.
+    /// Share of the drags converged with the product's solver that also converge with the slow solver. It measures how
+    /// reliable the slow solver is.
     pub slow_of_landed: Option<f64>,
-    /// Drags that the product reports as landed, but that did not land by the independent measures.
+    /// Number of drags that the product reports as converged, although the independent measures find that they are not.
     pub wrong: usize,
-    /// Hard pins that do not hold in the product's light.
+    /// Number of hard pins that the product's light does not preserve.
     pub broken: usize,
-    /// Drags that land without their pins, and that neither solver lands with them.
+    /// Number of drags that converge without their pins, but with neither solver if the pins are kept.
     pub infeasible: usize,
-    /// Infeasible drags that the product reports as limited by a pin.
+    /// Number of those infeasible drags that the product reports as limited by a pin.
     pub infeasible_named: usize,
-    /// Largest error of the equation at the cursor among drags reported as landed: pixels for shadow and hotspot,
+    /// Largest error of the equation at the cursor among drags reported as converged: pixels for shadow and hotspot,
     /// degrees for highlight and diffuse.
     pub worst_off: f64,
-    /// Largest distance in pixels on screen among them.
+    /// Largest distance in pixels on the screen between cursor and feature, among drags reported as converged.
     pub worst_px: f64,
     /// Median milliseconds of a drag, including the picks.
     pub p50_ms: f64,
-    /// 95th percentile of the milliseconds.
+    /// 95th percentile of the milliseconds of a drag.
     pub p95_ms: f64,
-    /// Median iterations of the product's solver over the landed drags.
+    /// Median iterations of the product's solver over the converged drags.
     pub p50_iterations: usize,
 }
 
@@ -82,16 +83,16 @@ pub struct StudyOutcome {
     pub ms: f64,
     /// Error of the equation at the cursor, in pixels or degrees; `None` if that point is outside of the light.
     pub equation_error: Option<f64>,
-    /// Distance in pixels on screen between cursor and feature of a drag reported as landed; `None` if the feature is
-    /// not visible.
+    /// Distance in pixels on screen between cursor and feature of a drag reported as converged; `None` if the feature
+    /// is not visible.
     pub px: Option<f64>,
-    /// True if a drag reported as landed is too far off.
+    /// True if the drag is reported as converged, but the feature is too far from the cursor.
     pub is_wrong: bool,
-    /// True if the slow solver landed it.
+    /// True if the slow solver finds a light with the feature under the cursor.
     pub is_feasible: bool,
-    /// True if neither solver lands it with its pins, and the product lands it without.
+    /// True if neither solver finds a light that keeps the pins, but the product's solver finds one without them.
     pub is_infeasible: bool,
-    /// Hard pins that do not hold.
+    /// Number of hard pins that the light does not preserve.
     pub broken: usize,
 }
 
@@ -100,10 +101,10 @@ impl ReportCell {
     pub fn of<'a>(scene: &str, kind: TrialKind, outcomes: impl Iterator<Item = &'a StudyOutcome>) -> Self {
         let of_kind: Vec<_> = outcomes.filter(|outcome| outcome.kind == kind).collect();
         let count = |is: &dyn Fn(&StudyOutcome) -> bool| of_kind.iter().filter(|outcome| is(outcome)).count();
-        let landed = count(&|outcome| outcome.status == DragStatus::Converged);
-        let missed = count(&|outcome| outcome.is_feasible && outcome.status != DragStatus::Converged);
-        let by_both = count(&|outcome| outcome.is_feasible && outcome.status == DragStatus::Converged);
-        let of_landed = || of_kind.iter().filter(|outcome| outcome.status == DragStatus::Converged);
+        let landed = count(&|outcome| outcome.status == DragStatus::Landed);
+        let missed = count(&|outcome| outcome.is_feasible && outcome.status != DragStatus::Landed);
+        let by_both = count(&|outcome| outcome.is_feasible && outcome.status == DragStatus::Landed);
+        let of_landed = || of_kind.iter().filter(|outcome| outcome.status == DragStatus::Landed);
         let worst = |of: &dyn Fn(&StudyOutcome) -> Option<f64>| {
             of_landed().map(|outcome| of(outcome).unwrap_or(f64::INFINITY)).fold(0.0, f64::max)
         };
@@ -132,7 +133,7 @@ impl ReportCell {
         };
         for outcome in of_kind {
             let (held, name) = match outcome.status {
-                DragStatus::Converged => continue,
+                DragStatus::Landed => continue,
                 DragStatus::Limited(limit) => (&mut cell.limited, limit_name(limit)),
                 DragStatus::Refused(reason) => (&mut cell.refused, reason_name(reason)),
             };
@@ -145,7 +146,7 @@ impl ReportCell {
     }
 }
 
-/// Names in the protocol.
+/// Returns the name of a limit in the protocol.
 fn limit_name(limit: DragLimit) -> String {
     let name = serde_json::to_value(protocol::DragLimit::from(limit));
     name.expect("a word").as_str().unwrap_or_default().to_owned()

@@ -16,10 +16,10 @@ use raycast::SeenPoint;
 use super::pins::StudyPin;
 use super::relaxed::nearest_coords;
 
-/// Number of start lights.
+/// Number of lights from which the search starts.
 const RESTARTS: usize = 60;
 
-/// Maximum steps from each.
+/// Maximum number of steps from each of these lights.
 const STEPS: usize = 60;
 
 /// Number of steps in a row that reduce the norm of the residuals by less than a hundredth, after which a start is
@@ -258,8 +258,8 @@ impl<'a> DragEquations<'a> {
         (matrix, gradient)
     }
 
-    /// True if the light is a solution by its own `locate`: the feature has landed, the limits are met and the pins
-    /// hold.
+    /// True if the light is a solution by its own `locate`: the feature is under the cursor, and the light keeps the
+    /// limits and the pins.
     fn is_within_limits(&self, light: &CheckedLight) -> bool {
         let Some(tube) = light.tube() else { return false };
         let do_not_fold = !self.trial.kind.deforms
@@ -279,8 +279,8 @@ impl<'a> DragEquations<'a> {
     }
 }
 
-/// Components of the sine between a direction and the wanted one. In the opposite half space they are replaced by
-/// larger values.
+/// Components of the sine between a direction and the direction `wanted`. In the opposite half space they are replaced
+/// by larger values.
 fn turned(direction: DVec3, wanted: DVec3) -> [f64; 2] {
     let (right, up) = wanted.any_orthonormal_pair();
     let (x, y) = (direction.dot(right), direction.dot(up));

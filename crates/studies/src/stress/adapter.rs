@@ -15,7 +15,8 @@ use super::place::{RootBounds, bounds, eps, places, root_at, split};
 use super::runner::{Check, CheckTally};
 use super::solver::RootCase;
 
-/// The GPU and renderers on it. Renderers are kept, because compiling for a new one takes longer than drawing.
+/// The GPU, with a renderer for each backend. Renderers are reused, because compiling pipelines for a new one takes
+/// longer than drawing.
 pub struct Adapter {
     pub gpu: Arc<Gpu>,
     /// One per backend.
@@ -23,6 +24,7 @@ pub struct Adapter {
 }
 
 #[derive(Clone, Copy)]
+/// A picture that a property of the stress study draws.
 pub struct StressPicture<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
@@ -80,7 +82,8 @@ fn no_picture(error: &RenderError) -> String {
     format!("no picture can be made: {error}")
 }
 
-/// Cases with lights anywhere, and enough points for a dispatch.
+/// Generates lights at any position and orientation in the world, each with up to 255 points. Those are enough points
+/// to use several workgroups of a dispatch.
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 8, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..256);
@@ -88,7 +91,7 @@ pub fn cases() -> impl Strategy<Value = RootCase> {
         .prop_map(|(light, transform, places)| RootCase::new(light, transform, &places))
 }
 
-/// Result at a point: (V, W, R) in tube units, t, and optionally the direction in the world.
+/// Root of a point that the GPU found: (V, W, R) in tube units, t, and optionally the direction in the world.
 struct AdapterRoot {
     t: f64,
     vwr: [f64; 3],

@@ -14,7 +14,7 @@ use super::light::{LightLimits, unit_cube};
 use super::runner::{Check, CheckTally};
 use super::scenes::{Shot, obstacle, shots, square};
 
-/// A shot, lights of the other shapes, a material, and an allowed error of simplified casters.
+/// Case with a shot, lights of the other shapes, a material, and an allowed error of simplified casters.
 #[derive(Clone, Debug, Serialize)]
 pub struct FiniteCase {
     #[serde(flatten)]
@@ -28,11 +28,12 @@ pub struct FiniteCase {
     pub metallic: f32,
     /// Scale of the scene along each axis; 0 flattens it.
     pub squash: [f64; 3],
-    /// World units.
+    /// Allowed distance of simplified casters from the surface, in world units.
     pub mesh_error: f64,
 }
 
-/// Cases with lights up to the fold, with pinches, with facets without area, and sometimes a flattened scene.
+/// Generates cases with lights up to the fold, with pinches, with facets without area, and sometimes with a flattened
+/// scene.
 pub fn cases() -> impl Strategy<Value = FiniteCase> {
     let any_light = LightLimits { segments: 4, fold: 1.0, pinched: true, flipping: true };
     let shot = shots(any_light, square(0.5..60.0), prop::collection::vec(obstacle(true), 0..6));
@@ -80,7 +81,7 @@ impl FiniteCase {
 
 const OF_THE_CAMERA: [Aov; 3] = [Aov::Beauty, Aov::Depth, Aov::Normal];
 const OF_A_LIGHT: [Aov; 4] = [Aov::T, Aov::Vw, Aov::Direction, Aov::Visibility];
-/// Checked for the two backends only: the reference has no shadow maps.
+/// AOVs that are checked for the two backends only, because the reference has no shadow maps.
 const OF_A_MAP: [Aov; 1] = [Aov::Wireframe];
 
 /// Checks every AOV of the camera and of all lights, and the displayed picture, by both backends and by the reference.
@@ -131,7 +132,7 @@ pub fn check(case: &FiniteCase, adapter: &Adapter, tally: &mut CheckTally) -> Ch
     by_the_reference(&scene, &view, &lights, tally)
 }
 
-/// Checks a small picture of the reference, with the last light.
+/// Checks a small picture that the reference renders, with the last light.
 fn by_the_reference(scene: &Scene, view: &View, lights: &[LightInstance], tally: &mut CheckTally) -> Check {
     let reference = Reference::new(scene::pose(scene.clone()));
     for aov in OF_THE_CAMERA.into_iter().chain(OF_A_LIGHT) {

@@ -13,11 +13,11 @@ use super::runner::{Check, CheckTally};
 pub struct FrameCase {
     #[serde(serialize_with = "as_file")]
     pub light: Light,
-    /// Shares of the light's length.
+    /// Parameters along the light, as shares of its length.
     pub shares: Vec<f64>,
 }
 
-/// Cases that include thin lights with arbitrarily sharp turns.
+/// Generates cases that include thin lights with arbitrarily sharp turns.
 pub fn cases() -> impl Strategy<Value = FrameCase> {
     let lights = lights(LightLimits { segments: 40, fold: 1.0, pinched: true, flipping: true });
     let share = prop_oneof![4 => (0.0..1.0).boxed(), 1 => Just(0.0).boxed(), 1 => Just(1.0).boxed()];

@@ -28,7 +28,7 @@ pub struct JointCrossing {
     pub step: f64,
 }
 
-/// Cases of lights with the direction "tube", which is continuous by definition.
+/// Generates lights with the direction "tube", which is continuous by definition.
 pub fn cases() -> impl Strategy<Value = JointCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let step = prop_oneof![Just(0.0).boxed(), super::light::decades(-16.0, -6.0).boxed()];

@@ -11,18 +11,18 @@ pub fn as_file<S: Serializer>(light: &Light, serializer: S) -> Result<S::Ok, S::
     protocol::Light::from(light).serialize(serializer)
 }
 
-/// Vector with each component in `[-1, 1]`.
+/// Generates vectors with each component in `[-1, 1]`.
 pub fn unit_cube() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// Rotation that shrinks to the identity.
+/// Generates rotations. They shrink to the identity.
 pub fn rotation() -> impl Strategy<Value = DQuat> {
     (unit_cube(), 0.0..std::f64::consts::PI)
         .prop_map(|(axis, angle)| DQuat::from_axis_angle(axis.try_normalize().unwrap_or(DVec3::Y), angle))
 }
 
-/// Number between `10^low` and `10^high`.
+/// Generates numbers between `10^low` and `10^high`.
 pub fn decades(low: f64, high: f64) -> impl Strategy<Value = f64> {
     (low..high).prop_map(|exponent| 10_f64.powf(exponent))
 }
@@ -107,7 +107,7 @@ struct LightRecipe {
     decay: Decay,
 }
 
-/// Radii of a tube that cannot fold, for any curve.
+/// Width of tubes that cannot fold, whatever their curve.
 const THIN: f64 = 1e-12;
 
 impl LightRecipe {
@@ -143,7 +143,7 @@ pub struct LightLimits {
     pub flipping: bool,
 }
 
-/// Valid lights at the origin, about one unit per step.
+/// Generates valid lights at the origin, with about one unit from control point to control point.
 pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
     let share = prop_oneof![4 => (0.1..1.0).boxed(), u32::from(wanted.pinched) => Just(0.0).boxed()];
     let width = prop_oneof![4 => (0.05..0.6).boxed(), 1 => decades(-4.0, 1.5).boxed()];
@@ -173,7 +173,8 @@ pub fn lights(wanted: LightLimits) -> impl Strategy<Value = Light> {
     )
 }
 
-/// Placement up to a million units from the world's origin, with scales from a ten-thousandth to ten thousand.
+/// Generates placements up to a million units from the world's origin, with scales from a ten-thousandth to ten
+/// thousand.
 pub fn placement() -> impl Strategy<Value = Transform> {
     let far = prop_oneof![Just(0.0), (0.0..10.0), Just(1e3), Just(1e6)];
     let scale = prop_oneof![Just(1.0).boxed(), decades(-4.0, 4.0).boxed()];

@@ -53,7 +53,7 @@ pub enum Property {
     LonePlane,
     /// No light passes through a wall of triangles.
     Wall,
-    /// Shadows of triangles of every kind agree with a walk along the light paths.
+    /// Shadows of triangles of every kind agree with the tracing of light paths as polylines.
     Shadow,
     /// Every AOV of every picture has finite numbers, each in its range.
     Finite,
@@ -118,7 +118,7 @@ impl Property {
     }
 }
 
-/// Makes the function for a property of the GPU.
+/// Makes the function that tries a property of the GPU.
 fn with_adapter<'a, C: Debug + Serialize>(
     adapter: &'a Adapter,
     cases: impl Strategy<Value = C> + 'a,
@@ -127,7 +127,7 @@ fn with_adapter<'a, C: Debug + Serialize>(
     property(cases, move |case, tally| check(case, adapter, tally))
 }
 
-/// Name that is no property.
+/// Error for a name that is no property.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[error("`{0}` is not a property: choose one of {names}", names = Property::ALL.map(Property::name).join(", "))]
 pub struct UnknownProperty(String);
@@ -159,7 +159,8 @@ pub struct StressOptions {
     /// Seed of the run. Case k is the first case of a run with the seed plus k.
     pub seed: u64,
     pub length: Length,
-    /// Corrupts the input of each check, to show that it detects such a fault.
+    /// True if each check must corrupt its input. Each property must then fail, which shows that it detects such a
+    /// fault.
     pub planted: bool,
 }
 
@@ -181,7 +182,7 @@ pub struct PropertyOutcome {
     pub cases: u64,
     /// Number of values compared with their bounds.
     pub comparisons: u64,
-    /// Largest error as a share of its bound; `null` after a failure that has no size.
+    /// Largest error as a share of its bound; `null` after the failure of a condition without a number.
     pub worst_share: f64,
     /// Case for which the property does not hold.
     pub failure: Option<PropertyFailure>,
@@ -203,7 +204,7 @@ struct PropertyRun<'a> {
     failure: Option<PropertyFailure>,
 }
 
-/// Time for which a property is tried before the next one has its turn.
+/// Time for which the cases of a property are tried before those of the next property.
 const TURN_TIME: Duration = Duration::from_millis(200);
 
 impl PropertyRun<'_> {
@@ -228,7 +229,8 @@ impl PropertyRun<'_> {
     }
 }
 
-/// Tries the properties in turns; one that fails does not stop the others. `progress` gets the finished share.
+/// Tries the properties in rotation. A property that fails does not stop the others. `progress` gets the finished
+/// share.
 pub fn run(options: &StressOptions, progress: impl Fn(f64)) -> Result<StressReport, StudyError> {
     let needs_adapter = options.properties.iter().any(|property| property.tries(None).is_none());
     let adapter = needs_adapter.then(Adapter::open).transpose()?;

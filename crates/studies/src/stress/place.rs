@@ -8,35 +8,35 @@ use proptest::prelude::*;
 
 use super::light::unit_cube;
 
-/// A point by its coordinates in a light.
+/// Point that is given by coordinates relative to a light.
 #[derive(Clone, Copy, Debug)]
 pub enum PointSpec {
-    /// At a share of the light's length, at `rho` radii from its curve in a direction perpendicular to it.
+    /// Point at a share of the light's length, at `rho` radii from the curve in a direction perpendicular to the curve.
     InTube {
-        /// 0 to 1; above 1 on an extension.
+        /// Share from 0 to 1. More than 1 is on the extension.
         share: f64,
-        /// 1 is the rim.
+        /// Distance from the curve in radii: 1 is the rim of the tube.
         rho: f64,
-        /// Radians from `v_hat`.
+        /// Angle in radians from `v_hat`.
         angle: f64,
     },
-    /// On the plane through a joint.
+    /// Point on the plane through a joint of two segments.
     AtJoint {
-        /// Index of the joint, modulo their number.
+        /// Index of the joint, taken modulo the number of joints.
         joint: usize,
-        /// Radii from the curve; 1 is the rim.
+        /// Distance from the curve in radii: 1 is the rim of the tube.
         rho: f64,
-        /// Radians from `v_hat`.
+        /// Angle in radians from `v_hat`.
         angle: f64,
     },
-    /// At a share of the distance to the center of curvature, independent of the tube's radius.
+    /// Point between the curve and its center of curvature, at any distance from the curve in radii.
     NearEvolute {
-        /// Along the curve, 0 to 1.
+        /// Share along the curve, from 0 to 1.
         share: f64,
-        /// 1 is the center of curvature.
+        /// Share of the distance to the center of curvature: 1 is the center.
         share_to_centre: f64,
     },
-    /// Anywhere, in tube units.
+    /// Any point, in tube units.
     Free(DVec3),
 }
 
@@ -64,7 +64,7 @@ impl PointSpec {
     }
 }
 
-/// Points of every kind.
+/// Generates points of every kind.
 pub fn places() -> impl Strategy<Value = PointSpec> {
     let decade = prop_oneof![3 => -1.0..1.0, 1 => -4.0..6.0];
     let near = (decade, unit_cube()).prop_map(|(decade, q)| PointSpec::Free(q * 10_f64.powf(decade)));
@@ -73,13 +73,13 @@ pub fn places() -> impl Strategy<Value = PointSpec> {
     prop_oneof![4 => in_tube(1.2), 2 => at_joint(), 2 => near, 1 => evolute]
 }
 
-/// Points in a tube and a little around it.
+/// Generates points in a tube and a little around it.
 pub fn in_tube(rho_max: f64) -> impl Strategy<Value = PointSpec> {
     let rho = prop_oneof![4 => (0.0..rho_max).boxed(), 1 => Just(0.0).boxed()];
     (0.0..1.0, rho, 0.0..TAU).prop_map(|(share, rho, angle)| PointSpec::InTube { share, rho, angle })
 }
 
-/// Points on the planes at which segments meet.
+/// Generates points on the planes at which segments meet.
 pub fn at_joint() -> impl Strategy<Value = PointSpec> {
     (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| PointSpec::AtJoint { joint, rho, angle })
 }

@@ -17,7 +17,7 @@ pub struct RoundTripCase {
     pub places: Vec<[f64; 3]>,
 }
 
-/// Cases with lights of every kind, and points inside them.
+/// Generates lights of every kind, and points inside them.
 pub fn cases() -> impl Strategy<Value = RoundTripCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let place = (0.0..1.0, 0.0..0.999, 0.0..std::f64::consts::TAU);

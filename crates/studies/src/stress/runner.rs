@@ -1,4 +1,4 @@
-//! Generates cases, shrinks failing ones, and counts.
+//! Generates random cases, simplifies failing ones, and counts comparisons.
 
 use std::cell::RefCell;
 use std::fmt::{Arguments, Debug};
@@ -9,13 +9,13 @@ use serde::Serialize;
 
 /// Maximum number of simplifications of a failing case.
 const SHRINK_STEPS: u32 = 2_000;
-/// Maximum time for them in milliseconds: a picture per step is slow.
+/// Maximum time for these simplifications in milliseconds. It is needed because each one may draw a picture.
 const SHRINK_MS: u32 = 30_000;
 
-/// Counts of comparisons, and a flag that plants a fault.
+/// Counts comparisons of a check. Also tells the check if it must make a deliberate fault.
 #[derive(Debug, Default)]
 pub struct CheckTally {
-    /// True if the check must corrupt its input, to show that it detects such a fault.
+    /// True if the check must corrupt its input. It must then fail, which shows that it detects such a fault.
     pub is_planted: bool,
     /// Number of values compared with a bound.
     pub comparisons: u64,
@@ -23,7 +23,7 @@ pub struct CheckTally {
     pub worst_share: f64,
 }
 
-/// Result of a check. An error is the fault as a clause.
+/// Result of a check. The error describes what is wrong, as a clause.
 pub type Check = Result<(), String>;
 
 impl CheckTally {
@@ -39,7 +39,8 @@ impl CheckTally {
         }
     }
 
-    /// Records a condition that has no size.
+    /// Counts a condition as a comparison. If it is false, records an infinite error, because there is no number to
+    /// compare with a bound, and returns the description from `otherwise` as an error.
     pub fn holds(&mut self, holds: bool, otherwise: impl FnOnce() -> String) -> Check {
         self.comparisons += 1;
         if holds {
@@ -55,7 +56,7 @@ impl CheckTally {
 pub struct PropertyFailure {
     /// Seed with which a run of this property alone begins with the failing case.
     pub seed: u64,
-    /// Fault in the simplest case found.
+    /// Description of what is wrong in the simplest case found.
     pub why: String,
     /// The simplest case. Lights are as in a light file, positions are in the world.
     pub case: serde_json::Value,

@@ -149,12 +149,12 @@ fn grid(
         .collect()
 }
 
-/// Squares across a light, at shares of its length from 0.1 to 1.
+/// Generates squares across a light, at shares of its length from 0.1 to 1.
 pub fn square(half: impl Strategy<Value = f64>) -> impl Strategy<Value = StressObstacle> {
     (0.1..1.0, unit_cube(), half).prop_map(|(share, lean, half)| StressObstacle::Square { share, lean, half })
 }
 
-/// A wall that extends well past the tube's rim.
+/// Generates walls that extend well past the tube's rim.
 pub fn wall() -> impl Strategy<Value = StressObstacle> {
     let strays = prop::collection::vec(unit_cube(), 81);
     (0.1..0.8, unit_cube(), 3.0..8.0, 1..8_usize, strays).prop_map(|(share, lean, half, cells, strays)| {
@@ -162,7 +162,7 @@ pub fn wall() -> impl Strategy<Value = StressObstacle> {
     })
 }
 
-/// Triangles of every kind; `degenerate` adds some without area.
+/// Generates triangles of every kind. `degenerate` adds some without area.
 pub fn obstacle(degenerate: bool) -> impl Strategy<Value = StressObstacle> {
     let place = || in_tube(2.5).boxed();
     prop_oneof![
@@ -175,7 +175,7 @@ pub fn obstacle(degenerate: bool) -> impl Strategy<Value = StressObstacle> {
     ]
 }
 
-/// A light that shines on a square, with `others` as casters.
+/// Generates lights that shine on a square, with `others` as casters.
 pub fn shots(
     wanted: LightLimits,
     receiver: impl Strategy<Value = StressObstacle>,

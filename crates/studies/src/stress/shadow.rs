@@ -1,4 +1,5 @@
-//! Compares shadows in pictures with the walk along light paths, pixel by pixel.
+//! Compares shadows in pictures, pixel by pixel, with the visibility that follows from tracing light paths as polylines
+//! (`walk`).
 
 use glam::DVec3;
 use light::Tube;
@@ -12,31 +13,33 @@ use super::runner::{Check, CheckTally};
 use super::scenes::{Facet, HEIGHT, Shot, WIDTH, YFOV, obstacle, shots, square, wall};
 use super::walk::{RESOLUTION, WalkReceiver, light_reaches};
 
-/// Lights whose shadow maps have their full accuracy: not so close to a fold that the width of a texel spans it.
+/// Limits of lights whose shadow maps have their full accuracy. No light is so close to a fold that the width of a
+/// texel spans the whole light.
 const LIGHTS: LightLimits = LightLimits { segments: 4, fold: 0.9, pinched: false, flipping: false };
 
-/// Fault that a check plants to show that it detects it.
+/// Deliberate fault in a check's input, which the check must detect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fault {
-    /// A copy of the scene at half the distance from the source, unknown to the walk.
+    /// The renderer also draws a copy of the scene at half the distance from the source. The tracing of light paths
+    /// does not know the copy.
     Ghost,
-    /// A wall with every second facet left out.
+    /// Every second facet of a wall is left out.
     Holes,
-    /// All objects except the receiver are on the other side of the light.
+    /// All objects except the receiver are drawn on the other side of the light.
     WrongSide,
 }
 
-/// A plane without casters.
+/// Generates planes without casters.
 pub fn lone_planes() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(1.0..8.0), Just(vec![]))
 }
 
-/// A plane behind a closed wall.
+/// Generates planes behind a closed wall.
 pub fn walls() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(3.0..8.0), wall().prop_map(|wall| vec![wall]))
 }
 
-/// A plane behind triangles of every kind.
+/// Generates planes behind triangles of every kind.
 pub fn clutter() -> impl Strategy<Value = Shot> {
     shots(LIGHTS, square(1.0..8.0), prop::collection::vec(obstacle(false), 1..6))
 }
@@ -44,7 +47,7 @@ pub fn clutter() -> impl Strategy<Value = Shot> {
 /// Maximum number of pixels compared in one picture.
 const PIXELS: usize = 48;
 
-/// Makes the check, which plants `fault` if the tally says so.
+/// Makes the check. It makes the deliberate fault `fault` if the tally says so.
 pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check {
     move |shot, adapter, tally| {
         let planted = tally.is_planted.then_some(fault);
@@ -52,8 +55,8 @@ pub fn check(fault: Fault) -> impl Fn(&Shot, &Adapter, &mut CheckTally) -> Check
     }
 }
 
-/// Checks that visibility is in 0 to 1, and equals that of the walk at a distance of at least two texels from a shadow
-/// edge.
+/// Checks that visibility is in 0 to 1. At a distance of at least two texels from a shadow edge, checks that it equals
+/// the visibility along the traced light path.
 fn agrees_with_the_walk(
     shot: &Shot,
     planted: Option<Fault>,

@@ -28,7 +28,7 @@ impl RootCase {
     }
 }
 
-/// Cases of lights anywhere, and points of every kind.
+/// Generates lights at any position in the world, and points of every kind.
 pub fn cases() -> impl Strategy<Value = RootCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let places = prop::collection::vec(places(), 1..16);
@@ -89,7 +89,7 @@ impl Curve {
     }
 }
 
-/// Steps of the search along a segment.
+/// Number of steps of the brute-force search along a segment.
 const STEPS: usize = 512;
 
 fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut CheckTally) -> Check {

@@ -6,7 +6,7 @@ use light::{EndMode, Tube, TubeRoot};
 
 use super::place::{eps, point_at, point_in};
 
-/// Steps of the polyline that approximates a light path along a segment. A chord of a quadratic deviates by
+/// Number of steps of the polyline that approximates a light path along one segment. A chord of a quadratic deviates by
 /// `|a| / 4 STEPS^2`: at most 2e-5 of the segment's length.
 const STEPS: usize = 160;
 /// Texels of a shadow map per side of the tube's square.
@@ -77,8 +77,8 @@ pub fn light_reaches(
     blocked.all(|other| other == Some(first)).then_some(!first)
 }
 
-/// True if the receiver's plane is nearly flat on the map over the nine paths: the renderer's comparison of texels uses
-/// the slope of the plane.
+/// True if the receiver's plane is nearly flat on the map in the neighbourhood that the nine paths span. The renderer
+/// compares texels by the slope of the plane.
 fn is_flat(paths: &[Path; 9], point: DVec3, normal: DVec3, t: f64, per_texel: f64) -> bool {
     let off = |k: usize| {
         let crossings = paths[k].crossings(point, normal).map(|(at, _)| at - t);

@@ -25,7 +25,7 @@ pub struct WorldCase {
     pub units: i32,
 }
 
-/// Cases of lights of every kind except those with the direction "path", which has its own conditioning.
+/// Generates lights of every kind except those with the direction "path", which has its own conditioning.
 pub fn cases() -> impl Strategy<Value = WorldCase> {
     let lights = lights(LightLimits { segments: 12, fold: 1.0, pinched: true, flipping: true });
     let units = prop_oneof![Just(0), -300..300];

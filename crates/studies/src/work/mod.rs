@@ -16,7 +16,7 @@ use serde::Serialize;
 
 pub use case::{CaseSizes, WorkCase, stages};
 
-/// Share of a search's tries that are random; the others change one number of the most expensive one.
+/// Share of a search's tries that are random drags. The others change one number of the most expensive drag so far.
 const RANDOM: f64 = 0.75;
 
 /// Cost of a drag.
@@ -69,7 +69,7 @@ pub fn random(
     cases.collect()
 }
 
-/// Searches the most expensive drags in `tries` tries. Returns each that was more expensive than those before.
+/// Searches the most expensive drags in `tries` tries. Returns each drag that was more expensive than all before it.
 pub fn search(
     stages: &[TrialScene],
     tries: usize,

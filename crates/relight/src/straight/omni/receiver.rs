@@ -41,21 +41,22 @@ fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     }
 }
 
-/// Position of a receiver on a face of the map, and the nearness of its own plane around it.
+/// Position of receivers on a face of the map, and the planes that they lie in, by their nearness.
 ///
-/// The map stores the quotient of the near plane and the distance ahead. This nearness is linear on a plane: 1 on the
-/// near plane, 0 at infinity.
+/// The map stores the quotient of the near plane's distance and the distance ahead. This nearness is a linear function
+/// on the picture of a plane: 1 on the near plane, 0 at infinity.
 struct OmniReceiver {
     face: U32s,
     texel: [F32s; 2],
     nearness: F32s,
-    /// Change of the plane's nearness from one texel to the next.
+    /// Change of the nearness of a receiver's plane from one texel to the next, to the right and downwards.
     step: [F32s; 2],
-    /// Bounds of the plane's nearness.
+    /// Least nearness of a receiver's plane that is compared. The next field is the greatest.
     min_nearness: F32s,
     most: F32s,
-    /// Differences in nearness of a caster before the plane up to which the receiver is lit: by the map alone, and if
-    /// the scene decides on near casters.
+    /// Difference in nearness between a caster and a receiver's plane up to which the caster does not shadow the
+    /// receiver. `tolerance` is the difference if the map alone decides. `reach` is the greater difference if ray tests
+    /// against the scene decide about the casters in between.
     tolerance: F32s,
     reach: F32s,
 }

@@ -41,18 +41,19 @@ fn to_face_axes(face: U32s, v: Vec3s) -> Vec3s {
     }
 }
 
-/// Position of a receiver on the map, and its own plane there.
+/// Position of receivers on the map, and the planes that they lie in.
 struct SpotReceiver {
     face: U32s,
     texel: [F32s; 2],
-    /// 1 / depth, and its change along the receiver's plane from texel to texel.
+    /// 1 / depth of the receiver, and its change along the receiver's plane from one texel to the next.
     inverse_depth: F32s,
     step: [F32s; 2],
-    /// Differences in the map's depth of a caster nearer to the source up to which the receiver is lit: by the map
-    /// alone, and if the scene decides on near casters.
+    /// Difference in depth between a caster and a receiver's plane up to which the caster does not shadow the receiver.
+    /// `tolerance` is the difference if the map alone decides. `reach` is the greater difference if ray tests against
+    /// the scene decide about the casters in between.
     tolerance: F32s,
     reach: F32s,
-    /// Least and greatest 1 / depth of the receiver's plane in the texels around.
+    /// Least and greatest 1 / depth of the receiver's plane that is compared.
     bounds: [F32s; 2],
     near: F32s,
 }

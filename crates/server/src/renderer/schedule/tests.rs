@@ -28,8 +28,8 @@ fn waits(urgency: Urgency, touched: Instant) -> QueuedPicture {
     }
 }
 
-/// Number of turns until the first of `views` pictures of `urgency` is drawn. All are of one client and take ten turns
-/// each.
+/// Returns the number of slices until the first of `views` pictures of `urgency` is drawn. All are of one client and
+/// take ten slices each.
 fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
     let start = Instant::now();
     let mut left: Vec<(QueuedPicture, u32)> =
@@ -50,14 +50,14 @@ fn turns_until_one_is_drawn(urgency: Urgency, views: u64) -> usize {
     turns
 }
 
-/// The planted fault is the other order: each picture at rest gets a turn before any gets two.
+/// Deliberate fault that the simulation must show: each picture at rest gets a slice before any gets two.
 #[test]
 fn the_oldest_watched_picture_is_finished_first() {
     assert_eq!(turns_until_one_is_drawn(Urgency::Watched, 30), 10);
     assert_eq!(turns_until_one_is_drawn(Urgency::Settling, 30), 30 * 9 + 1);
 }
 
-/// A finished turn: its class, start and end.
+/// Finished slice of drawing time: class of its picture, start and end.
 type Over = Option<(Urgency, Instant, Instant)>;
 type Choose<'a> = &'a mut dyn FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn;
 
@@ -71,8 +71,8 @@ struct SimulatedDrag {
     pause: Duration,
 }
 
-/// Simulates `seconds` of a drag beside endless stills and views at rest. A turn of those takes the given time, or
-/// `piece` if that is longer.
+/// Simulates `seconds` of a drag beside endless stills and views at rest. A slice of a still or a view at rest takes
+/// the given time, or `piece` if that is longer.
 fn play(
     choose: Choose,
     SimulatedDrag { interactive_views: hands, watchers, moving, pause }: SimulatedDrag,
@@ -140,7 +140,7 @@ fn by_schedule() -> impl FnMut(Instant, &[QueuedPicture], Over) -> ScheduledTurn
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
-/// Checks that a drag beside other work keeps its pace, and that the others get theirs.
+/// Checks that a drag beside other work keeps its frame rate, and that the other work gets its share.
 fn fair(choose: Choose, drag: SimulatedDrag, piece: Duration) -> Result<(), String> {
     let seconds = 60;
     let stills = 8;
@@ -154,7 +154,7 @@ fn fair(choose: Choose, drag: SimulatedDrag, piece: Duration) -> Result<(), Stri
     if rate < 0.85 {
         return Err(format!("{:.0} % of the pictures", 100.0 * rate));
     }
-    // A piece of work can be longer than a turn.
+    // A piece of work can be longer than a slice.
     let turn = piece.max(TURN_WHILE_MOVING);
     if longest > usual + turn + usual.mul_f64(SETTLING_TIME_SHARE) + MS(2) {
         return Err(format!("a gap of {longest:?} where {usual:?} is usual"));
@@ -188,8 +188,8 @@ fn a_drag_keeps_its_pace_beside_stills() {
     }
 }
 
-/// The planted faults: a still that waited for half a second gets a whole sample; stills wait forever; stills are drawn
-/// in every pause.
+/// Deliberate faults that the checks must detect: a still that waited for half a second gets a whole sample; stills
+/// wait forever; stills are drawn in every pause.
 #[test]
 fn faults_are_seen() {
     let drag = SimulatedDrag { interactive_views: 1, watchers: 0, moving: MS(150), pause: MS(15) };
@@ -269,7 +269,8 @@ fn interactive_views_come_first_and_watched_ones_do_not_starve() {
     assert!(outcome.watched.iter().all(|gaps| gaps.len() >= 99), "{outcome:?}");
 }
 
-/// The planted faults: all views in turn; and watching views only while the interactive one pauses.
+/// Deliberate faults that the checks must detect: all views are drawn in rotation; watching views are drawn only while
+/// the interactive view pauses.
 #[test]
 fn planted_unfair_schedules_are_caught() {
     let drag = SimulatedDrag { interactive_views: 1, watchers: 3, moving: MS(100), pause: MS(15) };

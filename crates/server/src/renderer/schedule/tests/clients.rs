@@ -126,15 +126,16 @@ fn planted_unfair_charging_is_caught() {
     }
 }
 
-/// Number of turns that a client's watched view gets before the interactive view of another client, which has been
-/// charged less, gets its next one. Each turn is spent on a moving picture that the scene's thread has in progress.
+/// Returns the number of slices that a client's watched view gets before the interactive view of another client, which
+/// has been charged less, gets its next slice. Each slice is spent on a moving picture that the scene's thread has in
+/// progress.
 fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> usize {
     let (mut schedule, mut charges) = (Schedule::new(), Charges::default());
     let [ada, bob] = ["ada", "bob"].map(|name| Payer::new(&name.into(), name));
     charges.charge(&bob, 0.01);
     let mut now = Instant::now();
     let mut turns = 0;
-    // At first only the interactive view, until the watching one is owed a turn.
+    // At first only the interactive view, until the watching one is owed a slice.
     for _ in 0..100 {
         let waiting = [(Urgency::Moving, &ada), (Urgency::Watched, &bob)].map(|(urgency, payer)| {
             QueuedPicture { urgency, charged: charges.of(payer), last_turn_at: now, queued_at: now }
@@ -153,7 +154,8 @@ fn turns_before_interactive_view(pays: impl Fn(&mut Schedule, [Instant; 2])) -> 
     turns
 }
 
-/// The planted fault: the account of the drawn picture pays. So no account does, and the watching view continues.
+/// Deliberate fault that the test must detect: the time is deducted from the class of the drawn picture instead of the
+/// class that got the slice. Then the watching view gets slice after slice.
 #[test]
 fn who_got_a_turn_pays_for_it_whatever_was_drawn() {
     assert_eq!(
