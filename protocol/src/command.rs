@@ -83,8 +83,8 @@ pub enum Command {
         #[serde(default)]
         radii: DragRadii,
     },
-    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a
-    /// picture. The document's pins of the light hold.
+    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a picture. The
+    /// drag keeps the document's pins of the light.
     DragFeature {
         /// Id of the light.
         light: u64,
@@ -103,7 +103,7 @@ pub enum Command {
         /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is
         /// at .5.
         from: [f64; 2],
-        /// Target of the feature in the picture, in the same pixels.
+        /// Target of the feature in the picture, in pixels from the top left corner, like `from`.
         to: [f64; 2],
         /// True if the source may not pass through a surface.
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]
@@ -120,7 +120,7 @@ pub enum Command {
     SetPin {
         /// Id of the pin in the document.
         pin: u64,
-        /// True if the pin always holds. False if it holds as far as the drag allows.
+        /// True if every drag keeps the pin. False if a drag keeps it only as far as it can.
         hard: bool,
     },
     /// Adds a control point.

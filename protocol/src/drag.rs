@@ -64,7 +64,7 @@ pub struct Pin {
     /// Caster of a pinned shadow, by the node's name or path. Default: the first occluder along the light path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub caster: Option<String>,
-    /// True if the pin always holds. False if it holds as far as the drag allows.
+    /// True if every drag keeps the pin. False if a drag keeps it only as far as it can.
     pub hard: bool,
 }
 
@@ -103,7 +103,7 @@ pub enum DragLimit {
     NoDescent,
     /// The source would pass through a surface.
     SourceInside,
-    /// A hard pin would not hold. `pin` names it.
+    /// The drag cannot keep a hard pin. `pin` names it.
     Pin,
     /// The solver reached its work limit. Choose fewer control points, or remove pins.
     TooMuchWork,
@@ -127,7 +127,7 @@ pub enum DragReason {
     NoSuchPoint,
     /// The chosen control points have no influence on the light at M.
     NoWeight,
-    /// A hard pin does not hold when the drag begins. `pin` names it.
+    /// A hard pin is not fulfilled when the drag begins. `pin` names it.
     PinDoesNotHold,
 }
 

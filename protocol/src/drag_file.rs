@@ -34,10 +34,10 @@ pub struct FileDrag {
     /// Position of the feature in the picture, in pixels from the top left corner. The centre of a pixel is at
     /// .5.
     pub from: [f64; 2],
-    /// Target of the feature in the picture, in the same pixels.
+    /// Target of the feature in the picture, in pixels from the top left corner, like `from`.
     pub to: [f64; 2],
-    /// Pins that hold during the drag. Pins of other lights have no effect on it. Default: the pins of the
-    /// document, if there is one.
+    /// Pins that the drag keeps. Pins of other lights have no effect on it. Default: the pins of the document, if there
+    /// is one.
     #[serde(default)]
     pub pins: Option<Vec<DragPin>>,
     /// True if the source may not pass through a surface.

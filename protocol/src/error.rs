@@ -21,7 +21,7 @@ pub enum FileError {
     Shape {
         /// Path of the field and a colon; empty for the whole value.
         place: String,
-        /// The value found, and what was expected.
+        /// Description of the value that was found, and of what was expected.
         problem: String,
     },
     /// The light cannot be evaluated.
@@ -29,7 +29,7 @@ pub enum FileError {
     Model {
         /// Index of the light in the file and a colon; empty if the file has one light.
         place: String,
-        /// The fault, and what to change.
+        /// Error of the light, which also says what to change.
         reason: LightError,
     },
     /// The log or record has a format that this program does not know: [`Refused::Format`].
@@ -67,7 +67,7 @@ pub enum Refused {
         crate::format::FORMAT
     )]
     Format { found: u32 },
-    /// The record holds a parameter or a type of light that came after its format.
+    /// The record contains a parameter or a type of light that did not exist in the record's format.
     #[error("format {format} has no `{what}`, which came later: the log was changed; export it again")]
     Younger {
         format: u32,

@@ -13,10 +13,10 @@ use sha2::{Digest, Sha256};
 use crate::log_line::{FindLine, ReadError, to_line};
 use crate::{FileError, MAX_RECORD_BYTES};
 
-/// Objects and arrays with more bytes of JSON than this occur once in a log, and as references afterwards.
+/// Number of bytes of JSON above which an object or array occurs only once in a log, and later as a reference.
 pub const MIN_HELD_BYTES: usize = 1_024;
-/// Maximum depth of references within referenced values. Each such value is a part of the one before, so the
-/// depth never exceeds that of a record's JSON.
+/// Maximum depth of references inside referenced values. Each such value is a part of the value that contains it, so
+/// the depth never exceeds that of a record's JSON.
 const MAX_DEPTH: usize = 16;
 
 /// Start of every reference. It cannot occur inside a string, because there its quotes are escaped.
@@ -47,12 +47,13 @@ struct Target {
     hash: String,
 }
 
-/// Line of a record, with references.
+/// Line of a record in which references replace long values.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CompactLine {
     /// Text without the line end.
     pub text: String,
-    /// Values that the log holds first in this line: hash of the JSON in full, and byte index in the line.
+    /// Long values that the log contains for the first time in this line: the hash of the JSON in full, and the byte at
+    /// which the value begins in the line.
     pub new_values: Vec<(String, usize)>,
 }
 
@@ -81,14 +82,14 @@ pub fn compact<E>(
     Ok(writer.line)
 }
 
-/// Writer of one compact line.
+/// Writer of one line in which references replace long values.
 struct CompactLineWriter<'a, F> {
     text: &'a str,
     seq: u64,
     find_place: F,
     /// Byte indices, by hash, of the values that this line holds first.
     new_positions: HashMap<String, usize>,
-    /// Number of bytes of `text` that are written.
+    /// Byte at which each value begins that the log contains for the first time in this line, by the value's hash.
     copied: usize,
     line: CompactLine,
 }
@@ -157,10 +158,10 @@ impl LineCache {
     }
 }
 
-/// Expansion of one record.
+/// Expansion of one record's line: the replacement of its references by the values.
 struct LineExpansion<'a, 'f, E> {
     held: &'a mut LineCache,
-    /// Sequence number of the record.
+    /// Sequence number of the record that is expanded.
     of: u64,
     find_line: &'a mut FindLine<'f, E>,
     whole: &'a mut String,

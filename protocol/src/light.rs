@@ -26,9 +26,9 @@ use crate::words::json_wording;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     owner: ParameterOwner,
-    /// Given parameters, in the order of the table.
+    /// Parameters that are given, in the order of the table.
     settings: Vec<Setting>,
-    /// Given lists of a BendyLight, with a value for each control point.
+    /// Lists that are given for a BendyLight, each with one value per control point.
     lists: Vec<(&'static Parameter, Vec<Value>)>,
 }
 
@@ -118,7 +118,7 @@ impl Field {
     }
 }
 
-/// Returns the parameters of a group, each with its name inside the group.
+/// Returns the parameters of a group of fields, each with its name inside the group.
 fn group(owner: ParameterOwner, name: &str) -> impl Iterator<Item = (&'static Parameter, &'static str)> {
     let rows = light::parameters_of(owner).iter();
     rows.filter_map(move |row| row.path.strip_prefix(name)?.strip_prefix('.').map(|field| (*row, field)))
@@ -160,7 +160,7 @@ impl Serialize for Light {
 }
 
 impl<'de> Deserialize<'de> for Light {
-    /// Parses by `type`. An error names the field.
+    /// Parses the object according to its field `type`. An error names the field at fault.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let said = |error: &serde_json::Error| json_wording(&error.to_string());
         let value = serde_json::Value::deserialize(deserializer)?;
@@ -234,12 +234,12 @@ impl<'de> Visitor<'de> for LightSeed {
     }
 }
 
-/// Returns true if a value is serialized. An absent value is not, if absence is its default.
+/// Returns true if the value is written to the JSON. An absent value is left out if absence is its default.
 fn is_written(owner: ParameterOwner, row: &Parameter, value: &Value) -> bool {
     *value != Value::Absent || row.default(owner) != Some(Value::Absent)
 }
 
-/// Returns the index of a row among the rows of its owner.
+/// Returns the index of a parameter in its owner's list.
 fn row_index(owner: ParameterOwner, row: &Parameter) -> Option<usize> {
     light::parameters_of(owner).iter().position(|known| **known == *row)
 }
@@ -290,7 +290,7 @@ impl<'de> DeserializeSeed<'de> for FieldNameSeed<'_> {
 }
 
 impl Light {
-    /// Returns the name of something in the light that formats 1 and 2 did not have.
+    /// Returns the name of a parameter or type in the light that formats 1 and 2 did not have.
     pub(crate) fn missing_in_format_2(&self) -> Option<&'static str> {
         // In those formats lights of every type had a name, so a type without one is unknown to them.
         let is_known = was_in_format_2(self.owner, light::parameters::NAME.name);
@@ -377,7 +377,7 @@ impl TryFrom<Light> for CheckedLight {
     }
 }
 
-/// Schema of the light type with this index in [`TYPES`].
+/// Schema of the type of light with this index in [`TYPES`].
 struct LightTypeSchema<const TYPE: usize>;
 
 fn light_schema(owner: ParameterOwner, doc: &str, generator: &SchemaGenerator) -> Schema {

@@ -61,7 +61,7 @@ pub fn next_proof(before: &str, line: &str) -> String {
     format!("{:x}", Sha256::new().chain_update(before).chain_update(line).finalize())
 }
 
-/// Reader of a log's lines after the header, in order. It resolves references and updates the proof.
+/// Reader of the lines of a log after its header, in order. It replaces references by values, and updates the proof.
 #[derive(Clone, Debug)]
 pub struct LogReader {
     held: LineCache,
@@ -148,7 +148,7 @@ struct Numbered {
     seq: u64,
 }
 
-/// Parses format and sequence number of a record's line before the rest.
+/// Parses only format and sequence number of a record's line, before all of it is parsed.
 fn numbered(line: &str) -> Result<Numbered, FileError> {
     let numbered: Numbered = from_json(line)?;
     check_format(numbered.format).map_err(FileError::Format)?;
@@ -156,7 +156,7 @@ fn numbered(line: &str) -> Result<Numbered, FileError> {
 }
 
 impl LogLine {
-    /// Returns the line, without the line end.
+    /// Serializes the record or checkpoint as a line of a log, without the line end.
     pub fn to_json(&self) -> String {
         match self {
             Self::Record(record) => to_line(record),
@@ -173,7 +173,7 @@ impl LogHeader {
         Ok(header)
     }
 
-    /// Returns the line, without the line end.
+    /// Serializes the header as the first line of a log, without the line end.
     pub fn to_json(&self) -> String {
         to_line(self)
     }

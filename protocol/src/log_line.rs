@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use crate::FileError;
 
-/// Returns the line of an earlier record by its sequence number.
+/// Function that returns the line of an earlier record, by its sequence number.
 pub type FindLine<'a, E> = dyn FnMut(u64) -> Result<Option<String>, E> + 'a;
 
 /// Error of reading a line.

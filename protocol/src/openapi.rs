@@ -15,12 +15,13 @@ use crate::{
     SessionChange, SessionEntry, SessionList, SessionState,
 };
 
-/// JSON pointer of the schemas.
+/// JSON pointer of the schemas in the OpenAPI document.
 const SCHEMAS: &str = "#/components/schemas";
 
-/// Codes of every request: those to another host name or from another origin are refused.
+/// Error codes of every request: it is refused if it has another host name or comes from another origin.
 const ANONYMOUS_CODES: &[Code] = &[Code::ForeignHost, Code::ForeignOrigin];
-/// Codes of every request that needs the token and must arrive whole and within limits.
+/// Error codes of every request that needs the token. Such a request must also arrive completely and keep the server's
+/// limits.
 const TOKEN_CODES: &[Code] = &[
     Code::Unauthorized,
     Code::BadMessage,
@@ -31,14 +32,14 @@ const TOKEN_CODES: &[Code] = &[
     Code::Draining,
     Code::Fault,
 ];
-/// Codes of reading the store.
+/// Error codes of requests that read from the store.
 const STORE_CODES: &[Code] = &[Code::Storage];
-/// Codes of opening a session, which replays its log and loads its scenes.
+/// Error codes of requests that open a session, which replays its log and loads its scenes.
 const SESSION_CODES: &[Code] =
     &[Code::NotFound, Code::Storage, Code::BadLog, Code::UnknownAsset, Code::BadScene, Code::DamagedAsset];
-/// Codes of a JSON body.
+/// Error codes of requests with a JSON body.
 const JSON_CODES: &[Code] = &[Code::UnsupportedMediaType];
-/// Codes of loading a scene into a new session.
+/// Error codes of the request that creates a session and loads a scene into it.
 const NEW_SESSION_CODES: &[Code] = &[
     Code::BadName,
     Code::Exists,
@@ -50,15 +51,15 @@ const NEW_SESSION_CODES: &[Code] = &[
     Code::Storage,
     Code::UnknownOutcome,
 ];
-/// Codes of changing the list of sessions.
+/// Error codes of requests that change the list of sessions.
 const LIST_CODES: &[Code] = &[Code::NotFound, Code::Storage, Code::UnknownOutcome];
-/// Codes of rendering a picture.
+/// Error codes of requests that render a picture.
 const PICTURE_CODES: &[Code] = &[Code::Render];
-/// Codes of setting a parameter.
+/// Error codes of requests that set parameters.
 const SET_CODES: &[Code] = &[Code::WrongKind, Code::Source, Code::InvalidLight];
-/// Codes of uploading a scene's file.
+/// Error codes of the request that uploads a scene's file.
 const UPLOAD_CODES: &[Code] = &[Code::BadName, Code::BadScene, Code::Storage];
-/// Codes of a server that is not ready.
+/// Error codes of a server that is not ready.
 const READINESS_CODES: &[Code] = &[Code::WarmingUp, Code::NotReady, Code::Draining];
 
 #[derive(Clone)]
@@ -69,17 +70,17 @@ struct Operation {
     tag: &'static str,
     summary: &'static str,
     parameters: Vec<Value>,
-    /// Content of the request, by media type.
+    /// Body of the request, by media type; `None` if it has no body.
     body: Option<Value>,
-    /// Status of a successful response.
+    /// HTTP status of a successful response.
     status: u16,
-    /// Content of a successful response, by media type; null if it has none.
+    /// Body of a successful response, by media type; null if it has no body.
     answer: Value,
-    /// Headers of a successful response by name; null if it has none of its own.
+    /// Headers of a successful response, by name; null if it has no special ones.
     headers: Value,
     /// True if responses have an `ETag`, and a request with a matching `If-None-Match` gets 304.
     has_tag: bool,
-    /// Codes of refusals.
+    /// Error codes of refusals, in groups.
     codes: &'static [&'static [Code]],
 }
 

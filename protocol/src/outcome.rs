@@ -115,7 +115,7 @@ fn keep_if_any_drag(outcomes: Vec<Option<DragOutcome>>) -> Vec<Option<DragOutcom
     if outcomes.iter().any(Option::is_some) { outcomes } else { Vec::new() }
 }
 
-/// Part of a record's line that gives the sender's result, without ids.
+/// Fields of a record's line from which the sender's result follows, except for the ids of new objects.
 #[derive(Deserialize)]
 struct LineAction {
     seq: u64,
@@ -156,13 +156,13 @@ enum ActionKind {
     Redo,
 }
 
-/// Part of a record's line that has the changes.
+/// Fields of a record's line from which the ids of new objects follow.
 #[derive(Deserialize)]
 struct LineChanges {
     changes: Vec<ChangeInLine>,
 }
 
-/// Change by its object, and by the presence of the old and the new value. The values are not kept.
+/// Object that a change is about, and the presence of an old and of a new value. The values themselves are not kept.
 #[derive(Deserialize)]
 struct ChangeInLine {
     // Required, because a reference has no such field.

@@ -60,7 +60,7 @@ impl Serialize for WireValues<'_> {
     }
 }
 
-/// Parses a value of the row's kind. The domain checks the range.
+/// Parses a value of the type that the parameter has. `light::Parameter::check` checks the range later.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueSeed(pub &'static Parameter);
 
@@ -100,8 +100,8 @@ impl<'de> DeserializeSeed<'de> for ValueSeed {
     }
 }
 
-/// Parses an array of values of the row's kind. If the row has a default, `null` gives `None`, as if the array
-/// were left out.
+/// Parses an array of values of the type that the parameter has. If the parameter has a default, `null` gives `None`,
+/// as if the array were left out.
 #[derive(Clone, Copy)]
 pub(crate) struct ValueListSeed(pub &'static Parameter);
 
@@ -170,7 +170,7 @@ pub(crate) fn unknown<E: de::Error>(
     de::Error::custom(format!("unknown {what} `{}`, expected {expected}", excerpt(word)))
 }
 
-/// Returns the JSON Schema of a row's values.
+/// Returns the JSON Schema of a parameter's values.
 pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
     use std::ops::Bound::{Excluded, Included};
     let vector = |length: usize| json!({"type": "array", "items": {"type": "number", "format": "double"}, "minItems": length, "maxItems": length});
@@ -222,7 +222,8 @@ pub(crate) fn schema(row: &Parameter) -> Map<String, serde_json::Value> {
     }
 }
 
-/// Defines the wire type of the settings of some owners: an object with one field, named like the parameter.
+/// Defines a type for settings in JSON, of the parameters that any of some owners has: an object with one field, named
+/// like the parameter.
 macro_rules! setting {
     ($(#[$doc:meta])* $name:ident of $owners:expr) => {
         $(#[$doc])*

@@ -98,7 +98,7 @@ pub struct ProbedLight {
     pub irradiance: Vec3,
     /// Radiance that the light adds towards the viewer, linear RGB.
     pub radiance: Vec3,
-    /// Share of that radiance in the luminance of all lights together, 0 to 1.
+    /// Share of `radiance` in the radiance that all lights together add, measured by luminance, 0 to 1.
     pub share: f64,
     /// Light path to the surface, as a polyline in world space. It starts at the source, or outside the scene
     /// for a directional light. Empty outside the light.

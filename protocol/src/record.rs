@@ -35,7 +35,7 @@ pub enum Change {
     ControlPoints { light: u64, old: ControlPoints, new: ControlPoints },
     /// Addition or removal of a camera.
     Camera { camera: u64, old: Option<Camera>, new: Option<Camera> },
-    /// Change of a camera's parameter.
+    /// Change of one parameter of a camera, such as its position.
     CameraParameter { camera: u64, old: CameraParameter, new: CameraParameter },
     /// Addition, removal or change of a pin.
     Pin { pin: u64, old: Option<Pin>, new: Option<Pin> },
@@ -79,7 +79,7 @@ pub struct Actor {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "camelCase")]
 pub enum Scope {
-    /// Own steps of the actor.
+    /// Steps of the actor who asks.
     Mine,
     /// Steps of all actors.
     Session,
@@ -89,7 +89,7 @@ pub enum Scope {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "camelCase", deny_unknown_fields)]
 pub enum Action {
-    /// Command.
+    /// Execution of one command.
     Edit {
         command: Command,
         #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -119,7 +119,7 @@ impl Aovs {
         Ok(Self::Listed(aovs))
     }
 
-    /// Returns each AOV.
+    /// Returns the requested AOVs, in order.
     pub fn each(&self) -> &[Aov] {
         match self {
             Self::Listed(aovs) => aovs,

@@ -9,7 +9,7 @@ use crate::{
     SessionList, TraceLine,
 };
 
-/// Direction that a schema describes.
+/// Side that a schema is for: input to the server, or output from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SchemaSide {
     /// Input that the server accepts. Fields with defaults are optional.

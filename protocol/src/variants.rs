@@ -49,7 +49,7 @@ pub fn name_variants(definitions: &mut Map<String, Value>, place: &str) {
     }
 }
 
-/// Takes the variants out of a union's definition.
+/// Removes the variants from the definition of a union, and returns them.
 fn variants_of(definition: &mut Value) -> Option<Vec<Value>> {
     let fields = definition.as_object_mut()?;
     match fields.remove("oneOf").or_else(|| fields.remove("anyOf"))? {

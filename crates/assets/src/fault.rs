@@ -36,15 +36,15 @@ pub enum AssetFault {
     #[error("{found} {} is over the limit of {}: {}", limit.quantity(), limit.max_value(), limit.fix())]
     Limit {
         limit: ImportLimit,
-        /// Amount in the file, at least.
+        /// Amount in the file, or a lower bound of it.
         found: u64,
     },
     /// The file refers to a file outside its own folder, or to one that cannot be read.
     #[error("refers to '{uri}', which {why}; keep the file beside the scene, or export a .glb")]
     Address {
-        /// Address, shortened.
+        /// Address in the file, shortened.
         uri: String,
-        /// Fault of the address.
+        /// Reason why the address cannot be used.
         why: String,
     },
     /// A picture cannot be decoded.
@@ -52,7 +52,7 @@ pub enum AssetFault {
     Picture {
         /// Index of the picture in the file.
         image: usize,
-        /// Fault of the picture.
+        /// Reason why the picture cannot be decoded.
         why: String,
     },
     /// The bytes name a demo scene of another version of this program.

@@ -6,31 +6,32 @@ use std::collections::BTreeMap;
 
 use crate::AssetFault;
 
-/// Bytes of the scene file and of all files that it refers to. Large scenes have 100 to 300 MB.
+/// Maximum number of bytes of the scene file and of all files that it refers to. Large scenes have 100 to 300 MB.
 pub const MAX_BYTES_READ: u64 = 512 << 20;
-/// Depth of nested JSON. glTF needs about 10. The parser recurses, so the limit must stay far below its stack.
+/// Maximum depth of nested JSON. glTF needs about 10. The parser recurses, so the limit must stay far below its stack.
 pub const MAX_JSON_DEPTH: u64 = 64;
-/// Values in the JSON. Two bytes of text become up to a kilobyte in memory, so a limit of bytes is not enough.
+/// Maximum number of values in the JSON. Two bytes of text become up to a kilobyte in memory, so a limit of bytes is
+/// not enough.
 pub const MAX_JSON_VALUES: u64 = 1 << 20;
-/// Placed nodes, including instances. Each costs a matrix and a draw.
+/// Maximum number of placed nodes, including instances. Each costs a matrix and a draw.
 pub const MAX_NODES: u64 = 1 << 18;
-/// Stored vertices. Each has 48 bytes with all attributes.
+/// Maximum number of stored vertices. Each has 48 bytes with all attributes.
 pub const MAX_VERTICES: u64 = 8 << 20;
-/// Drawn triangles. A mesh that two nodes use counts twice. The renderer processes each triangle for each
-/// light.
+/// Maximum number of drawn triangles. A mesh that two nodes use counts twice. The renderer processes each triangle for
+/// each light.
 pub const MAX_TRIANGLES: u64 = 16 << 20;
-/// Pixels of one picture: 8192 x 8192, the largest texture within WebGPU's default limits.
+/// Maximum number of pixels of one picture: 8192 x 8192, the largest texture within WebGPU's default limits.
 pub const MAX_IMAGE_PIXELS: u64 = 1 << 26;
-/// Pixels along one side of a picture, for the same reason.
+/// Maximum number of pixels along one side of a picture, which follows from the same limit of WebGPU.
 pub const MAX_IMAGE_SIDE: u64 = 8192;
-/// Bytes of all decoded pictures together.
+/// Maximum number of bytes of all decoded pictures together.
 pub const MAX_TEXTURE_BYTES: u64 = 512 << 20;
-/// Absolute value of world coordinates. The renderer squares and multiplies them in f32, whose range ends at
+/// Maximum absolute value of world coordinates. The renderer squares and multiplies them in f32, whose range ends at
 /// 3e38.
 pub const MAX_COORDINATE: u64 = 1_000_000_000;
-/// Characters of a name that are kept.
+/// Maximum number of characters of a name. Longer names are cut.
 pub const MAX_NAME_CHARS: usize = 200;
-/// Characters of untrusted text that a message shows.
+/// Maximum number of characters of untrusted text that a message shows.
 pub const MAX_MESSAGE_CHARS: usize = 80;
 
 /// Limits that a file can exceed.

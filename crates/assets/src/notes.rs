@@ -1,6 +1,6 @@
 //! Notes about content that was left out, grouped by kind.
 
-/// Collector of notes for people. Each kind becomes one sentence, with its first example and a count.
+/// Collects notes for people. All notes of one kind become one sentence, with the first example and a count.
 #[derive(Debug, Default)]
 pub struct Notes(Vec<Note>);
 

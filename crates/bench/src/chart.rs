@@ -48,18 +48,18 @@ pub(crate) fn key<'a, 'b: 'a, T: CoordTranslate>(
     Ok(labels.draw()?)
 }
 
-/// Legend symbol of a line.
+/// Returns the legend symbol of a line.
 pub(crate) fn line(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> PathElement<(i32, i32)> {
     let style = style.into();
     move |(x, y)| PathElement::new([(x, y), (x + 18, y)], style)
 }
 
-/// Legend symbol of a box.
+/// Returns the legend symbol of a box.
 pub(crate) fn swatch(color: RGBColor) -> impl Fn((i32, i32)) -> Rectangle<(i32, i32)> {
     move |(x, y)| Rectangle::new([(x, y - 5), (x + 12, y + 5)], color.filled())
 }
 
-/// Legend symbol of a dot.
+/// Returns the legend symbol of a dot.
 pub(crate) fn dot(style: impl Into<ShapeStyle>) -> impl Fn((i32, i32)) -> Circle<(i32, i32), i32> {
     let style = style.into();
     move |(x, y)| Circle::new((x + 6, y), 5, style)

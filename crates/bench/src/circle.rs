@@ -154,7 +154,7 @@ impl CircleDrag {
         Quantiles::of(self.latencies_ms.iter().copied())
     }
 
-    /// Bytes of each frame, sorted ascending.
+    /// Returns the bytes of each frame, sorted ascending.
     pub fn frame_bytes(&self) -> Vec<usize> {
         let mut bytes: Vec<usize> = self.shown.iter().map(|shown| shown.bytes).collect();
         bytes.sort_unstable();

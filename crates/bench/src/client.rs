@@ -36,7 +36,7 @@ pub enum Incoming {
 pub struct Tiles(Vec<(FrameTile, Vec<u8>)>);
 
 impl Tiles {
-    /// Bytes of all picture files.
+    /// Returns the bytes of all picture files.
     pub fn byte_count(&self) -> usize {
         self.0.iter().map(|(_, file)| file.len()).sum()
     }

@@ -73,12 +73,12 @@ impl DragCircle {
         })
     }
 
-    /// Position of the control point after an angle in radians, light-local.
+    /// Returns the position of the control point after an angle in radians, light-local.
     fn at(&self, angle: f64) -> DVec3 {
         self.start + self.radius * DVec3::new(angle.sin(), 1.0 - angle.cos(), 0.0)
     }
 
-    /// Command that moves the control point to its position after an angle in radians.
+    /// Returns the command that moves the control point to its position after an angle in radians.
     pub fn command(&self, angle: f64) -> Command {
         let parameter: PointParameter = light::parameters::POSITION.to(self.at(angle)).into();
         Command::SetPoint { light: self.light, point: DRAGGED_POINT, parameter }
@@ -142,7 +142,7 @@ fn document(client: &Client) -> Result<&Document, BenchError> {
     }
 }
 
-/// Bounding box of the scene, up to rounding of its corners.
+/// Returns the bounding box of the scene, up to rounding of its corners.
 fn reach_of(Bounds { min, max }: Bounds) -> SceneBounds {
     let (min, max) = (DVec3::from_array(min), DVec3::from_array(max));
     SceneBounds { center: min / 2.0 + max / 2.0, half_extent: max / 2.0 - min / 2.0 }

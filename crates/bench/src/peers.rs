@@ -77,7 +77,7 @@ impl Peers {
         Ok(Self { python: python.ok_or_else(|| BenchError::NoPython(folder.into()))?, scripts })
     }
 
-    /// Number of scripts.
+    /// Returns the number of scripts.
     pub(crate) fn count(&self) -> usize {
         self.scripts.len()
     }

@@ -42,7 +42,7 @@ impl Quantiles {
         }
     }
 
-    /// Ratio of each quantile to that of `other`.
+    /// Returns the ratio of each quantile to that of `other`.
     pub(crate) fn over(&self, other: &Self) -> Self {
         Self {
             count: self.count,

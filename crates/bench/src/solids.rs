@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use scene::Primitive;
 
-/// Two triangles that face up, from -1 to 1 in x and z.
+/// Returns a square of two triangles that face up, from -1 to 1 in x and z.
 pub(crate) fn square() -> Primitive {
     let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
     Primitive {
@@ -14,7 +14,7 @@ pub(crate) fn square() -> Primitive {
     }
 }
 
-/// Box from -1 to 1.
+/// Returns a box from -1 to 1.
 pub(crate) fn block() -> Primitive {
     let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -29,7 +29,7 @@ pub(crate) fn block() -> Primitive {
     made
 }
 
-/// Ball of radius 1, with `rings` rings from pole to pole and twice as many sectors: 4 `rings`^2 triangles.
+/// Returns a ball of radius 1, with `rings` rings from pole to pole and twice as many sectors: 4 `rings`^2 triangles.
 pub(crate) fn ball(rings: u32) -> Primitive {
     let sectors = 2 * rings;
     let mut made = Primitive::default();
@@ -51,8 +51,8 @@ pub(crate) fn ball(rings: u32) -> Primitive {
     made
 }
 
-/// Closed vase with a narrow neck and smooth normals, with `rings` rings and twice as many sectors. It is 1 high, has a
-/// radius of at most 0.5, and stands on y = 0.
+/// Returns a closed vase with a narrow neck and smooth normals, with `rings` rings and twice as many sectors. It is 1
+/// high, has a radius of at most 0.5, and stands on y = 0.
 pub(crate) fn vase(rings: u32) -> Primitive {
     let mut made = ball(rings);
     // Radius as a function of the height from 0 to 1, and its derivative.

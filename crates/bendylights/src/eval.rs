@@ -113,13 +113,14 @@ struct Shadows {
     reference: Reference,
     /// Nodes of the scene that cast shadows.
     linked: LinkedNodes,
-    /// Precision of every point, if given.
+    /// Precision that the command line gives for all points.
     precision: Option<f64>,
-    /// Maximum precision from a point's decimals. A coarser point was typed, not read from a surface.
+    /// Largest precision that is taken from the decimals of a point. A point with fewer decimals was typed by hand and
+    /// not read from a surface.
     max_precision: f64,
 }
 
-/// Maximum precision from decimals, as a share of the scene's size.
+/// Largest precision that is taken from the decimals of a point, as a share of the scene's size.
 const MAX_PRECISION_SHARE: f64 = 0.01;
 
 impl Shadows {

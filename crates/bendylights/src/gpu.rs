@@ -25,7 +25,7 @@ enum BackendChoice {
 }
 
 impl BackendArgs {
-    /// Returns the requested backend, or `None` if the device decides.
+    /// Returns the requested backend, or `None` if the device is to decide.
     pub fn wanted(&self) -> Option<Backend> {
         match self.backend {
             BackendChoice::Auto => None,

@@ -21,17 +21,17 @@ use crate::known_scenes;
 /// Results of all drags.
 #[derive(Clone, Copy, Debug, Default)]
 struct ResolvedCounts {
-    /// Drags of features and of control points in the log. Those of one light in a group count as one.
+    /// Number of drags of features and of control points in the log. Drags of one light in one group count as one.
     drags: usize,
-    /// Drags that gave the light of the log, bit for bit.
+    /// Number of drags that again gave the light of the log, bit for bit.
     same: usize,
-    /// Largest difference between the other results and the log.
+    /// Largest difference between another result and the light in the log.
     drift: f64,
     /// Sequence number of the record with that difference.
     drift_seq: Option<u64>,
-    /// Drags that are refused now.
+    /// Number of drags that are refused now.
     refused: usize,
-    /// Drags in the log that came from another solver, or another version of this one.
+    /// Number of drags that another solver made, or another version of this solver.
     other_solver: usize,
 }
 
@@ -41,7 +41,7 @@ pub struct Resolver<'a> {
     /// Latest scene, prepared for rays.
     scene: Option<(AssetHash, Arc<Bvh>)>,
     resolved: ResolvedCounts,
-    /// First record whose scene is missing, and the scene.
+    /// First record whose scene is missing, and the hash of that scene.
     missing: Option<(u64, AssetHash)>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// Returns the document after `command`, solved now; `None` if its scene is missing.
+    /// Returns the document after `command`, whose drags are solved again; `None` if the scene is missing.
     fn solve_again(
         &mut self,
         before: &Document,

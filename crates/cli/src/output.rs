@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::CliError;
 
-/// File to be written.
+/// File that a command will write. Its path was checked before the work began.
 pub struct OutputFile {
     path: PathBuf,
 }
@@ -26,7 +26,7 @@ impl OutputFile {
         }
     }
 
-    /// Does the same for a chart, whose file name must end in `.svg`.
+    /// Checks the path as `Self::create` does, for a chart, whose file name must end in `.svg`.
     pub fn create_chart(path: &Path) -> Result<Self, CliError> {
         if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
             return Err(CliError::NoSvg(path.into()));

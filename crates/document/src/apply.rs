@@ -22,18 +22,18 @@ use crate::{
 pub const MAX_LIGHTS: usize = 256;
 /// Maximum number of cameras in a document.
 pub const MAX_CAMERAS: usize = 1024;
-/// Largest number of an id or a point numbering: a JSON reader that knows only f64 keeps it exactly.
+/// Largest id or point numbering. A JSON reader that has only f64 numbers represents it exactly.
 const MAX_NUMBER: u64 = (1 << 53) - 1;
 
-/// Context of a command: data about the scene, which a document does not hold.
+/// Data about scenes that a command needs and that a document does not contain.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct CommandContext<'a> {
     /// Bounds of the document's scene, against which its lights are measured.
     pub scene_bounds: SceneBounds,
     /// Contents of the scene that a command loads; `None` if it is not available.
     pub loaded: Option<&'a SceneContents>,
-    /// Result of the drag of a feature, from [`crate::solve_drag`] for this command and document; `None` if it is not
-    /// available.
+    /// Result of solving this command's drag of a feature in this document, by [`crate::solve_drag`]; `None` if it is
+    /// not available.
     pub solved: Option<&'a SolvedDrag>,
 }
 
@@ -42,16 +42,16 @@ pub struct CommandContext<'a> {
 pub struct CommandResult {
     /// Changes to make; empty if the document already has the requested values.
     pub changes: Vec<Change>,
-    /// Document after the changes, valid.
+    /// Valid document after the changes.
     pub document: Document,
-    /// Outcome of the drag of a feature.
+    /// Outcome of a drag of a feature; `None` for other commands.
     pub outcome: Option<DragOutcome>,
 }
 
 /// Executes `command` on `document`.
 ///
 /// The result depends on the arguments alone: added objects get the document's next numbers as ids. The document after
-/// the changes is valid: lights can be evaluated, cameras make pictures, limits hold.
+/// the changes is valid: lights can be evaluated, cameras make pictures, limits are kept.
 pub fn execute_command(
     document: &Document,
     command: &Command,
@@ -152,8 +152,8 @@ fn changes_of(
     })
 }
 
-/// Refuses to move a light out of the range that pictures can show. A light that is out of range already, from an old
-/// record or with its scene, may be changed in steps until it is back.
+/// Refuses to move a light out of the range that pictures can show. A light may already be out of range, because of an
+/// old record or of its scene. Such a light may be moved step by step until it is within the range again.
 fn check_lights_are_drawable(
     before: &Document,
     after: &Document,
@@ -172,7 +172,7 @@ fn check_lights_are_drawable(
     Ok(())
 }
 
-/// Document during the application of changes, with the lights that are not checked yet.
+/// Copy of a document to which changes are being applied, with the ids of lights that are not checked yet.
 struct Draft {
     after: Document,
     unchecked: BTreeMap<LightId, Light>,
@@ -182,7 +182,7 @@ impl Document {
     /// Applies `changes`, all of them or, on an error, none. Each light that they touch is checked once.
     ///
     /// Errors are changes whose old values the document does not hold ([`EditError::Conflict`]), and changes that leave
-    /// something invalid.
+    /// an invalid document.
     pub fn apply(&mut self, changes: &[Change]) -> Result<(), EditError> {
         let mut draft = Draft { after: self.clone(), unchecked: BTreeMap::new() };
         changes.iter().try_for_each(|change| draft.apply_change(change))?;
@@ -314,7 +314,7 @@ impl Draft {
         Ok(())
     }
 
-    /// Light after the changes so far.
+    /// Returns the light after the changes so far.
     fn light(&self, id: LightId) -> Option<&Light> {
         self.unchecked.get(&id).or_else(|| Some(self.after.lights.get(&id)?.light.light()))
     }

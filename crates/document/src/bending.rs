@@ -14,7 +14,8 @@ pub const DEFAULT_BEND_SEGMENTS: usize = 3;
 /// Default half angle, in degrees, of the cone in which an omni or directional light is bent.
 const DEFAULT_CONE_DEGREES: f64 = 45.0;
 
-/// Size of a light's own housing as a share of the scene's size. Surfaces nearer to the source are ignored.
+/// Distance from the source within which a surface counts as the light's own housing and is ignored, as a share of the
+/// scene's size.
 const HOUSING_SIZE_SHARE: f64 = 0.01;
 
 /// Returns the length along its axis that the control points of a straight light span, in world units. They reach to

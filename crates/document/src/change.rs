@@ -36,7 +36,7 @@ pub enum Change {
     },
     Point {
         light: LightId,
-        /// Numbering in which `point` is an index.
+        /// Numbering of the light's control points, in which `point` is an index.
         layout: PointNumbering,
         point: usize,
         parameter: &'static Parameter,
@@ -112,7 +112,7 @@ pub enum EditError {
     DragRefused {
         /// Light by its [`Document::light_name`](crate::Document::light_name).
         light: String,
-        /// Any reason except a pin.
+        /// Reason that the drag is refused, other than a pin.
         reason: DragRefusal,
     },
     /// Pin whose condition does not hold at the start, so that no drag can keep it.
@@ -235,7 +235,7 @@ impl Change {
         }
     }
 
-    /// Largest id or numbering that the change adds to the document; 0 if it adds none.
+    /// Returns the largest id or numbering that the change adds to the document; 0 if it adds none.
     pub(crate) fn largest_new_number(&self) -> u64 {
         match self {
             Self::Light { light, new: Some(new), .. } => light.0.max(new.layout.0),
@@ -246,7 +246,7 @@ impl Change {
         }
     }
 
-    /// Light that the change touches.
+    /// Returns the light that the change touches.
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::Pin { ref old, ref new, .. } => old.as_ref().or(new.as_ref()).map(|pin| pin.light),
@@ -321,7 +321,7 @@ fn sentence(reason: DragRefusal) -> String {
 }
 
 impl CameraParameter {
-    /// Name, as in JSON.
+    /// Returns the name, as in JSON.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Name(_) => "name",

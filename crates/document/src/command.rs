@@ -51,9 +51,9 @@ pub enum Command {
         /// True if radii that would fold the tube shrink, so that they do not limit the point.
         radii_follow: bool,
     },
-    /// Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another point of a picture. The
-    /// light moves or bends until the feature is as near as possible. [`crate::solve_drag`] computes the result, which
-    /// [`crate::CommandContext::solved`] carries.
+    /// Drags a feature of the light to another point of a picture: a shadow, a hotspot, a highlight or the brightest
+    /// side of a surface. The light moves or bends until the feature is as near as possible. [`crate::solve_drag`]
+    /// computes the result, which [`crate::CommandContext::solved`] carries.
     DragFeature {
         light: LightId,
         drag: Box<FeatureDrag>,
@@ -64,7 +64,7 @@ pub enum Command {
     /// Makes a pin hard or soft.
     SetPin {
         pin: PinId,
-        /// True if the pin holds in every drag, false if it holds as far as the drag allows.
+        /// True if the pin is kept in every drag. False if it is kept only as far as the drag allows.
         is_hard: bool,
     },
     /// Adds a control point that gets the index `point`, 1 to the number of points.
@@ -135,7 +135,7 @@ pub enum CameraParameter {
 }
 
 impl Command {
-    /// Light that the command changes; `None` for an added light, and for cameras, pins and scenes.
+    /// Returns the light that the command changes; `None` for an added light, and for cameras, pins and scenes.
     pub fn light(&self) -> Option<LightId> {
         match *self {
             Self::RemoveLight(light)

@@ -33,7 +33,7 @@ pub struct SceneRef {
     pub name: String,
 }
 
-/// Light with the numbering of its control points.
+/// Light, with the number that identifies the present numbering of its control points.
 #[derive(Clone, Debug)]
 pub struct NumberedLight {
     pub layout: PointNumbering,
@@ -69,17 +69,17 @@ pub struct SceneContents {
 }
 
 impl Document {
-    /// Scene; `None` before one is loaded.
+    /// Returns the scene; `None` before one is loaded.
     pub fn scene(&self) -> Option<&SceneRef> {
         self.scene.as_ref()
     }
 
-    /// Lights, in the order of their ids.
+    /// Returns the lights, in the order of their ids.
     pub fn lights(&self) -> &BTreeMap<LightId, NumberedLight> {
         &self.lights
     }
 
-    /// Lights for a renderer, in the order of their ids.
+    /// Returns the lights for a renderer, in the order of their ids.
     pub fn light_instances(&self) -> Vec<LightInstance> {
         let instance = |(id, placed): (&LightId, &NumberedLight)| LightInstance {
             id: *id,
@@ -88,17 +88,17 @@ impl Document {
         self.lights.iter().map(instance).collect()
     }
 
-    /// Cameras, in the order of their ids.
+    /// Returns the cameras, in the order of their ids.
     pub fn cameras(&self) -> &BTreeMap<CameraId, Camera> {
         &self.cameras
     }
 
-    /// Pins, in the order of their ids. Pins of absent lights have no effect.
+    /// Returns the pins, in the order of their ids. Pins of absent lights have no effect.
     pub fn pins(&self) -> &BTreeMap<PinId, LightPin> {
         &self.pins
     }
 
-    /// Next number for an id or a point numbering. It is used up once an object has it.
+    /// Returns the next number for an id or a point numbering. It is used up once an object has it.
     pub(crate) fn next_number(&self) -> u64 {
         self.last_number.saturating_add(1)
     }
@@ -122,7 +122,7 @@ impl Document {
         Self { scene, lights, cameras, pins, last_number }
     }
 
-    /// Largest number ever used as an id or a point numbering, as [`Document::restore`] needs it.
+    /// Returns the largest number ever used as an id or a point numbering, as [`Document::restore`] needs it.
     pub fn last_number(&self) -> u64 {
         self.last_number
     }
@@ -155,7 +155,7 @@ impl AssetHash {
         Self(Sha256::digest(bytes).into())
     }
 
-    /// Hash as 64 hexadecimal digits without the prefix.
+    /// Returns the hash as 64 hexadecimal digits without the prefix.
     pub fn hex(&self) -> String {
         self.to_string().split_off("sha256:".len())
     }

@@ -3,13 +3,14 @@
 use drag::{DragStatus, Feature, RadiusMode, Viewport};
 use glam::{DVec2, DVec3};
 
-/// Request for a drag of a light's feature in a picture, as [`drag::Drag`]. The document's pins of the light apply.
+/// Request for a drag of a light's feature in a picture, as [`drag::Drag`]. The drag keeps the document's pins of the
+/// light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureDrag {
     pub feature: Feature,
     /// Indices of the control points that move; `None` moves the light as a whole.
     pub points: Option<Vec<usize>>,
-    /// Mode of radii if control points move.
+    /// Handling of the radii, if control points move.
     pub radii: RadiusMode,
     /// Camera and size of the picture.
     pub view: Viewport,
@@ -21,7 +22,8 @@ pub struct FeatureDrag {
     pub source_outside: bool,
 }
 
-/// Outcome of a drag of a feature, besides the light. A record holds it beside the changes. Nothing depends on it.
+/// Outcome of a drag of a feature, except for the light itself. A record stores it beside the changes. Nothing depends
+/// on it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DragOutcome {
     /// Name of the solver.

@@ -30,7 +30,8 @@ pub fn solve_drag(
     solve_drag_budgeted(document, id, asked, bvh, &WorkBudget::new(&|_| true))
 }
 
-/// Does the same with the steps counted by `work`. If `work` stops it, the result has no meaning.
+/// Solves a drag as `solve_drag` does, and counts the steps in `work`. If `work` stops the drag, the result has no
+/// meaning.
 pub fn solve_drag_budgeted(
     document: &Document,
     id: LightId,
@@ -79,7 +80,7 @@ pub fn solve_drag_budgeted(
     Ok(SolvedDrag { outcome, light })
 }
 
-/// Returns the changes to the solved light: of its placement or its control points.
+/// Returns the changes that give the document's light the placement or the control points of the solved light.
 pub(crate) fn feature_drag_changes(
     document: &Document,
     (id, placed): (LightId, &NumberedLight),

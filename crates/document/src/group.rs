@@ -13,9 +13,9 @@ use crate::{
 /// Command of a group, with the solution of its drag.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedCommand {
-    /// Command for the document that the previous commands leave.
+    /// Command, for the document as the commands before it leave it.
     pub command: Command,
-    /// Solution for that document, as in [`CommandContext::solved`].
+    /// Result of the command's drag of a feature for that document, as in [`CommandContext::solved`].
     pub solved: Option<SolvedDrag>,
 }
 
@@ -24,9 +24,9 @@ pub struct GroupedCommand {
 pub struct GroupResult {
     /// Changes, one for each property.
     pub changes: Vec<Change>,
-    /// Document after the changes, valid.
+    /// Valid document after the changes.
     pub document: Document,
-    /// Outcome of the drag of a feature, for each command.
+    /// Outcome of each command's drag of a feature; `None` for other commands.
     pub outcomes: Vec<Option<DragOutcome>>,
 }
 

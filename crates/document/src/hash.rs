@@ -20,7 +20,7 @@ pub const FIRST_FORMAT_OF_HASH: u32 = 3;
 ///
 /// It covers all that [`Document::apply`] can change, with ids and numberings: the scene by the hash of its bytes,
 /// lights by their own digests ([`light::Revisions::content`]), numbers by their bits, with -0 as 0, names by their
-/// UTF-8. It does not cover the scene's label, numbers that are free again, and parameters at their defaults, so that a
+/// UTF-8. It does not cover the scene's label, numbers of removed objects, and parameters at their defaults, so that a
 /// new parameter changes no hash.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct DocumentHash(pub [u8; 32]);
@@ -97,7 +97,8 @@ impl Document {
     }
 }
 
-/// Hash over values of variable length, each with its length first, so that adjacent values stay separate.
+/// Hash of a sequence of values. The length of a value that varies in length is hashed before the value, so that
+/// adjacent values cannot be confused.
 struct HashWriter(Sha256);
 
 impl HashWriter {

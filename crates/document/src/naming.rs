@@ -11,13 +11,13 @@ use crate::{CameraId, Change, Document, LightPin, PinId};
 const MAX_QUOTED_CHARS: usize = 40;
 
 impl Document {
-    /// Name of a light, in quotes; `light` and its id if it has no name or does not exist.
+    /// Returns the name of a light, in quotes; `light` and its id if it has no name or does not exist.
     pub fn light_name(&self, id: LightId) -> String {
         let name = self.lights().get(&id).map(|placed| placed.light.light().name());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("light {id}"))
     }
 
-    /// Name of a camera, as [`Self::light_name`].
+    /// Returns the name of a camera, as [`Self::light_name`].
     pub fn camera_name(&self, id: CameraId) -> String {
         let name = self.cameras().get(&id).map(|camera| camera.name.as_str());
         quoted(name.unwrap_or_default()).unwrap_or_else(|| format!("camera {id}"))
@@ -25,7 +25,7 @@ impl Document {
 }
 
 impl Document {
-    /// Description of a pin, in quotes, as on the page: `“This shadow of blue vase”`.
+    /// Returns the description of a pin, in quotes, as on the page: `“This shadow of blue vase”`.
     pub fn pin_name(&self, id: PinId) -> String {
         let Some(LightPin { pin, .. }) = self.pins().get(&id) else { return format!("pin {id}") };
         let kept = match pin.kind {
@@ -104,7 +104,7 @@ impl Change {
         }
     }
 
-    /// Name of the light in the change itself, if the change adds or removes the light.
+    /// Returns the name of the light in the change itself, if the change adds or removes the light.
     fn own_light_name(&self) -> Option<String> {
         match self {
             Self::Light { old, new, .. } => {

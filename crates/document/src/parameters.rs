@@ -8,7 +8,8 @@ use light::{
 
 use crate::CameraId;
 
-/// Camera as owner. No picture shows a change, since views have their own cameras.
+/// Entry for cameras in the owners of a parameter. A change of a camera invalidates no picture, because views have
+/// cameras of their own.
 const OF_CAMERA: &[ParameterOf] =
     &[ParameterOf { owner: ParameterOwner::Camera, default: None, touches: ParameterTouches::Nothing }];
 
@@ -24,7 +25,7 @@ const CAMERA: Parameter = Parameter {
     doc: "",
 };
 
-/// Rows of cameras. [`crate::CameraParameter`] holds their values.
+/// Parameters of cameras. [`crate::CameraParameter`] holds their values.
 static CAMERA_ROWS: &[&Parameter] = &[
     &Parameter {
         name: "name",
@@ -60,7 +61,7 @@ static CAMERA_ROWS: &[&Parameter] = &[
     },
 ];
 
-/// All rows.
+/// Returns all parameters.
 pub fn parameters() -> impl Iterator<Item = &'static Parameter> {
     light::parameters().iter().chain(CAMERA_ROWS).copied()
 }
@@ -75,7 +76,7 @@ pub enum ParameterTarget {
 }
 
 impl fmt::Display for ParameterTarget {
-    /// Writes its part of an address: `/lights/3`, `/lights/3/points/2`, `/cameras/1`.
+    /// Writes the target's part of an address: `/lights/3`, `/lights/3/points/2`, `/cameras/1`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Light(light) => write!(f, "/lights/{light}"),

@@ -10,7 +10,7 @@ use crate::{Change, Document, EditError, LightPin, PinId};
 pub const MAX_PINS: usize = 256;
 
 impl Document {
-    /// Pins of a light, in the order of their ids.
+    /// Returns the pins of a light, in the order of their ids.
     pub fn pins_of(&self, light: LightId) -> impl Iterator<Item = (PinId, &DragPin)> {
         self.pins.iter().filter(move |(_, held)| held.light == light).map(|(id, held)| (*id, &held.pin))
     }
@@ -24,7 +24,7 @@ pub(crate) fn pin_addition(document: &Document, pin: &LightPin) -> Result<Change
     Ok(Change::Pin { pin: PinId(document.next_number()), old: None, new: Some(pin.clone()) })
 }
 
-/// Makes the change of the pin `id` by `edit`, which returns `None` to remove it.
+/// Makes the change of the pin `id`. `edit` gets the pin and returns the new one, or `None` to remove it.
 pub(crate) fn pin_change(
     document: &Document,
     id: PinId,

@@ -67,7 +67,7 @@ pub fn point_move_changes((light, placed): (LightId, &NumberedLight), moved: &[C
     positions.chain((0..points.len()).filter_map(|point| change(point, RADIUS.row()))).collect()
 }
 
-/// Rule for the values of an inserted control point.
+/// Way in which the values of an inserted control point, and of the points beside it, are chosen.
 #[derive(Clone, Copy)]
 enum InsertedPoint {
     /// Halfway between the adjacent values or, past the last, extrapolated.
@@ -75,7 +75,7 @@ enum InsertedPoint {
     /// The value at a corner becomes two, a quarter of the way to each adjacent value, as Chaikin's subdivision cuts
     /// corners. A curve that bends there keeps nearly the same bend.
     Corner { at: usize },
-    /// All values are spread evenly along the polyline through them, which makes the curve smoother.
+    /// All control points are spread evenly along the polyline through them. That makes the curve smoother.
     Respaced,
 }
 
@@ -105,7 +105,7 @@ fn with_inserted_point(points: &[ControlPoint], place: InsertedPoint) -> Vec<Con
     more
 }
 
-/// Linear interpolation: `a` at 0 and `b` at 1.
+/// Interpolates linearly between `a` at `t` = 0 and `b` at `t` = 1.
 fn blend(a: ControlPoint, b: ControlPoint, t: f64) -> ControlPoint {
     let level = |a: f64, b: f64| a + (b - a) * t;
     ControlPoint {

@@ -25,7 +25,7 @@ pub(crate) enum Unknowns {
 }
 
 impl Unknowns {
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     pub fn count(&self) -> usize {
         match self {
             Self::Rigid { .. } => 6,

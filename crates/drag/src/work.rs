@@ -97,7 +97,7 @@ impl<'a> WorkBudget<'a> {
         self.is_given_up.get()
     }
 
-    /// Number of steps so far.
+    /// Returns the number of steps so far.
     pub fn spent_steps(&self) -> u64 {
         self.spent.get()
     }

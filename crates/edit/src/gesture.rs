@@ -16,37 +16,38 @@ pub const MAX_GESTURES: usize = 64;
 /// Drag in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gesture {
-    /// Name that the holder gave it.
+    /// Name that the client chose for the gesture.
     pub id: String,
-    /// Connection of the holder. The gesture ends with it.
+    /// Connection of the client that drags. The gesture ends with it.
     pub client: u64,
     /// Holder.
     pub actor: Actor,
     pub light: LightId,
-    /// Holder's number of the latest valid update, 0 before the first.
+    /// Number that the client gave its latest valid update; 0 before the first.
     pub update: u64,
     /// Latest valid command.
     pub command: Option<Command>,
     /// Refusal of the latest update; `None` if it was valid.
     pub refusal: Option<EditRefusal>,
-    /// Light as everybody sees it.
+    /// State of the light in the drag, as all clients see it.
     pub live: Option<LiveLight>,
-    /// Latest record that the holder knew at the start. Control points have the numbering of that record.
+    /// Latest record that the client knew when the gesture began. Indices of control points refer to the numbering
+    /// after that record.
     pub(crate) base_seq: u64,
-    /// Time of the last update, on the owner's clock.
+    /// Time of the latest update, on a clock of the session's owner.
     pub(crate) updated_at_ms: u64,
 }
 
-/// State of a dragged light, computed once for each update and shared by all its readers.
+/// State of a light in a drag. It is computed once for each update, and shared by all its readers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveLight {
-    /// Changes that a commit would make in the document.
+    /// Changes that a commit of the gesture would make in the document.
     pub changes: Vec<Change>,
-    /// Outcome of the drag of a feature so far.
+    /// Outcome of the latest update, if it drags a feature.
     pub outcome: Option<DragOutcome>,
-    /// Light in the document.
+    /// Light in the document, without the drag.
     pub(crate) before: NumberedLight,
-    /// Light with the changes.
+    /// Light with the changes of the drag.
     pub(crate) after: NumberedLight,
 }
 

@@ -13,12 +13,13 @@ use crate::{Action, UndoScope};
 /// Maximum number of steps of one actor that can be undone. Older ones stay in the log and in effect.
 pub const MAX_UNDO_DEPTH: usize = 10_000;
 
-/// Steps in effect and undos in effect, by the sequence of their records.
+/// Steps and undos that are in effect, by the sequence of their records. No undo has reverted such a step, and no redo
+/// such an undo.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct History {
     /// Actor of each step in effect.
     steps: RedBlackTreeMapSync<u64, Arc<str>>,
-    /// Same steps, and the actors' own undos, by actor.
+    /// Steps in effect and own undos of each actor.
     actors: RedBlackTreeMapSync<Arc<str>, ActorUndo>,
     /// Undos with [`UndoScope::Session`] that no redo has reverted and no later edit has ended.
     undos: Undos,
@@ -31,7 +32,7 @@ struct ActorUndo {
     undos: Undos,
 }
 
-/// Undos by the sequence of their records: the step that each reverted, and that step's actor.
+/// Undos by the sequence of their records, each with the sequence of the step that it reverted and that step's actor.
 type Undos = RedBlackTreeMapSync<u64, (u64, Arc<str>)>;
 
 /// Undo in effect, as in a checkpoint.
@@ -48,7 +49,8 @@ pub struct PastUndo {
 }
 
 impl History {
-    /// Latest step of a scope, or the latest before record `before` if that is given.
+    /// Returns the latest step of a scope that can be undone. If `before` is given, only steps before that record
+    /// count.
     pub fn undo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         match scope {
@@ -57,7 +59,8 @@ impl History {
         }
     }
 
-    /// Latest undo of a scope, or the latest before record `before` if that is given.
+    /// Returns the latest undo of a scope that can be redone. If `before` is given, only undos before that record
+    /// count.
     pub fn redo_target(&self, actor_id: &str, scope: UndoScope, before: Option<u64>) -> Option<u64> {
         let until = ..before.unwrap_or(u64::MAX);
         self.undos(actor_id, scope)?.range(until).next_back().map(|(seq, _)| *seq)
@@ -101,12 +104,12 @@ impl History {
         }
     }
 
-    /// Sequence and actor of every step in effect, oldest first.
+    /// Returns the sequence and actor of every step in effect, oldest first.
     pub fn steps(&self) -> impl Iterator<Item = (u64, &str)> {
         self.steps.iter().map(|(seq, by)| (*seq, &**by))
     }
 
-    /// All undos that can be redone.
+    /// Returns all undos that can be redone.
     pub fn past_undos(&self) -> impl Iterator<Item = PastUndo> {
         let own = self.actors.iter().map(|(id, person)| (Some(id), &person.undos));
         own.chain([(None, &self.undos)]).flat_map(|(id, undos)| {
@@ -156,7 +159,7 @@ impl History {
         self.actors.insert_mut(self.shared_actor_id(actor_id), ActorUndo { undos, ..person });
     }
 
-    /// Shared copy of an actor's id, so that many steps use one string.
+    /// Returns the shared copy of an actor's id, so that many steps use one string.
     fn shared_actor_id(&self, actor_id: &str) -> Arc<str> {
         self.actors.get_key_value(actor_id).map_or_else(|| actor_id.into(), |(id, _)| Arc::clone(id))
     }

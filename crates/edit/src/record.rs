@@ -40,7 +40,7 @@ pub struct Record {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
     Edit {
-        /// Command as sent.
+        /// Command as the client sent it.
         command: Command,
         /// True if another actor had changed the same light after the latest record that the sender knew.
         rebased: bool,
@@ -49,36 +49,36 @@ pub enum Action {
     },
     /// Last command of a gesture.
     Gesture {
-        /// Command as sent.
+        /// Command as the client sent it.
         command: Command,
-        /// Same as in `Edit`, counted from the record that the holder knew when the gesture began.
+        /// True as in `Edit`, for changes after the latest record that the client knew when the gesture began.
         rebased: bool,
         /// Outcome, if the command drags a feature.
         outcome: Option<Box<DragOutcome>>,
     },
     /// Several commands as one step.
     Group {
-        /// In order.
+        /// Commands of the step, in order.
         edits: Vec<RecordedCommand>,
-        /// Same as in `Edit`, for any of the commands.
+        /// True as in `Edit`, for any of the commands.
         rebased: bool,
     },
     /// Undo of a step.
     Undo {
-        /// Scope of the search.
+        /// Scope of the steps among which the target was searched.
         scope: UndoScope,
         /// Sequence of the step's record.
         target: u64,
-        /// Parts that stayed, with reasons.
+        /// Changes that were not reverted, with the reasons.
         skipped: Vec<String>,
     },
     /// Redo of an undone step.
     Redo {
-        /// Scope of the search.
+        /// Scope of the undos among which the target was searched.
         scope: UndoScope,
         /// Sequence of the undo's record.
         target: u64,
-        /// Parts that stayed, with reasons.
+        /// Changes that were not restored, with the reasons.
         skipped: Vec<String>,
     },
 }
@@ -86,14 +86,14 @@ pub enum Action {
 /// Command of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedCommand {
-    /// Command as sent, with ids instead of names.
+    /// Command as the client sent it, with ids in place of names.
     pub command: Command,
     /// Outcome, if the command drags a feature.
     pub outcome: Option<Box<DragOutcome>>,
 }
 
 impl Action {
-    /// Parts that an undo or redo left unchanged.
+    /// Returns the changes that an undo or redo did not revert, with the reasons; empty for other actions.
     pub fn skipped(&self) -> &[String] {
         match self {
             Self::Edit { .. } | Self::Gesture { .. } | Self::Group { .. } => &[],
@@ -101,7 +101,7 @@ impl Action {
         }
     }
 
-    /// Commands, each with its outcome if it drags a feature; empty for undo and redo.
+    /// Returns the commands, each with its outcome if it drags a feature; empty for undo and redo.
     pub fn commands(&self) -> Vec<(&Command, Option<&DragOutcome>)> {
         match self {
             Self::Edit { command, outcome, .. } | Self::Gesture { command, outcome, .. } => {

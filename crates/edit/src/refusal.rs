@@ -17,7 +17,7 @@ pub enum EditRefusal {
         /// Name of the actor who drags it.
         holder: String,
     },
-    /// Control points that were renumbered since the record that the sender knew.
+    /// Control points that were renumbered after the latest record that the sender knew.
     #[error("the control points of {light} were renumbered in record {seq}: look at the light again")]
     Stale {
         /// Light by its [`Document::light_name`](document::Document::light_name).
@@ -25,33 +25,34 @@ pub enum EditRefusal {
         /// Record that renumbered them.
         seq: u64,
     },
-    /// No step of which anything is left to undo.
+    /// Undo, although there is no step of which anything can be undone.
     #[error("there is nothing to undo{}", but(passed.as_deref()))]
     NothingToUndo {
-        /// Reason why the latest step stays, if there is one.
+        /// Reason why the latest step was passed over, if there is a step.
         passed: Option<String>,
     },
-    /// No undo of which anything is left to redo.
+    /// Redo, although there is no undo of which anything can be redone.
     #[error("there is nothing to redo{}", but(passed.as_deref()))]
     NothingToRedo {
-        /// Reason why the latest undo stays, if there is one.
+        /// Reason why the latest undo was passed over, if there is an undo.
         passed: Option<String>,
     },
-    /// Step whose record the owner cannot find.
+    /// Undo or redo of a step whose record cannot be found.
     #[error(
         "record {0} cannot be read, and so not be taken back: replay the log to see what is wrong with it"
     )]
     MissingRecord(u64),
-    /// Unknown gesture: never begun, ended, or of another actor.
+    /// Gesture that was never begun, has ended, or belongs to another actor.
     #[error("there is no gesture {0} of yours: begin it again")]
     NoGesture(String),
-    /// Commit of a gesture before its first update.
+    /// Commit of a gesture that has had no update.
     #[error("gesture {0} was never updated and has nothing to commit: cancel such a gesture")]
     EmptyGesture(String),
-    /// Name of a gesture in progress, used again.
+    /// Begin of a gesture with the name of one in progress.
     #[error("gesture {0} is already under way: choose another name")]
     GestureExists(String),
-    /// Command of a gesture that does not change its light. The field is the light's name.
+    /// Command of a gesture that changes another light than the gesture's. The field is the name of the gesture's
+    /// light.
     #[error("a gesture on {0} can only change that light: begin another gesture")]
     OtherLight(String),
     /// Refused command of a group, which refuses the group.
@@ -62,7 +63,7 @@ pub enum EditRefusal {
         /// Reason for that command.
         reason: Box<Self>,
     },
-    /// Limit of the session.
+    /// Too many gestures or records in the session.
     #[error("a session has at most {limit} {what}: {remedy}")]
     TooMany {
         what: &'static str,

@@ -40,9 +40,9 @@ pub enum EditRequest {
 /// Edit of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GroupedEdit {
-    /// Same as in [`EditRequest::Edit`].
+    /// Latest record that the sender knew, as in [`EditRequest::Edit`].
     pub base_seq: Option<u64>,
-    /// Command, with the solution of its drag.
+    /// Command of the edit, with the solution of its drag.
     pub grouped: GroupedCommand,
 }
 
@@ -55,11 +55,11 @@ pub struct EditSources<'a> {
     pub reverted: Option<Reverted>,
 }
 
-/// History of a session besides the document. With both, a session continues from any record as if it had replayed all
-/// before. Lists are in the order of their first fields.
+/// History of a session that the document does not contain. From document and history, a session continues after any
+/// record as if it had replayed all records up to it. The lists are sorted by their first fields.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SessionHistory {
-    /// Steps in effect: the record and its actor.
+    /// Steps in effect: sequence of the record, and id of the actor.
     pub steps: Vec<(u64, String)>,
     /// Undos that can be redone.
     pub undos: Vec<PastUndo>,
@@ -69,8 +69,8 @@ pub struct SessionHistory {
     pub renumbered: Vec<(LightId, u64)>,
 }
 
-/// Document with its history and gestures, see the crate's documentation. A clone costs as much as the document, not
-/// the log, so that an owner can keep the state before a commit.
+/// Document with its history and gestures, see the crate's documentation. Cloning a session costs as much as cloning
+/// the document, and does not depend on the length of the log. So the owner can keep the state before a commit.
 #[derive(Clone, Debug, Default)]
 pub struct Session {
     document: Document,
@@ -80,22 +80,22 @@ pub struct Session {
     touched: RedBlackTreeMapSync<(LightId, Arc<str>), u64>,
     /// Latest record that renumbered each light's control points.
     renumbered: RedBlackTreeMapSync<LightId, u64>,
-    /// By light. Each light has at most one.
+    /// Gestures in progress, by light. Each light has at most one.
     gestures: BTreeMap<LightId, Gesture>,
 }
 
 impl Session {
-    /// Document after the latest record.
+    /// Returns the document after the latest record.
     pub fn document(&self) -> &Document {
         &self.document
     }
 
-    /// Sequence of the latest record, 0 before the first.
+    /// Returns the sequence of the latest record, 0 before the first.
     pub fn seq(&self) -> u64 {
         self.seq
     }
 
-    /// Restores the session after record `seq`, equal to one that replayed all records up to it.
+    /// Restores the session as it is after record `seq`. It equals a session that replayed all records up to this one.
     pub fn restore(document: Document, seq: u64, past: &SessionHistory) -> Self {
         let steps = past.steps.iter().map(|(seq, by)| (*seq, by.as_str()));
         let touched = past.touched.iter().map(|(light, by, seq)| ((*light, Arc::from(by.as_str())), *seq));
@@ -109,7 +109,7 @@ impl Session {
         }
     }
 
-    /// History that [`Self::restore`] needs besides document and sequence.
+    /// Returns the history that [`Self::restore`] needs besides the document and the sequence number.
     pub fn session_history(&self) -> SessionHistory {
         let touched = self.touched.iter().map(|((light, by), seq)| (*light, by.to_string(), *seq));
         SessionHistory {
@@ -120,8 +120,9 @@ impl Session {
         }
     }
 
-    /// Returns to the records of `before`, an earlier state of this session. Current gestures stay, and their changes
-    /// are computed again. Those that need the scene, as drags of features do, keep what they show.
+    /// Restores the document and history of `before`, an earlier state of this session. Gestures in progress stay, and
+    /// what they change is computed again. Drags of features need the scene for that. They keep their present state
+    /// instead.
     pub fn roll_back_to(&mut self, before: Self, context: CommandContext) {
         let gestures = std::mem::take(&mut self.gestures);
         *self = Self { gestures, ..before };
@@ -134,7 +135,7 @@ impl Session {
         }
     }
 
-    /// Applies a stored record. The owner of the records, who knows them all, checks that no operation comes twice.
+    /// Applies a stored record. The owner of the records must check that no operation occurs twice.
     pub fn replay(&mut self, record: &Record) -> Result<(), ReplayError> {
         let seq = record.seq;
         if seq != self.seq + 1 {
@@ -173,7 +174,8 @@ impl Session {
     /// Executes a request and returns the record to store. `now_ms` is the time of day. The owner of the records
     /// ensures that an operation is executed once.
     ///
-    /// Until the record is stored, the caller keeps a clone of the session before, to return to.
+    /// The caller keeps a clone of the session as it was before until the record is stored, in order to restore it if
+    /// storing fails.
     pub fn execute_request(
         &mut self,
         request: EditRequest,
@@ -246,7 +248,7 @@ impl Session {
         &self.history
     }
 
-    /// Latest record of each actor on `light`.
+    /// Returns the latest record of each actor on `light`.
     pub(crate) fn latest_records_on(&self, light: LightId) -> impl Iterator<Item = (&str, u64)> {
         let from = self.touched.range((light, Arc::from(""))..);
         from.take_while(move |((id, _), _)| *id == light).map(|((_, by), seq)| (&**by, *seq))
@@ -290,7 +292,7 @@ impl Session {
         }
     }
 
-    /// Gestures in progress, in the order of their lights.
+    /// Returns the gestures in progress, in the order of their lights.
     pub fn gestures(&self) -> impl Iterator<Item = &Gesture> {
         self.gestures.values()
     }
@@ -333,7 +335,8 @@ impl Session {
         }))
     }
 
-    /// Updates the state of a drag. A refused command leaves the state before and still renews the lease.
+    /// Updates the state of a drag. If the command is refused, the former state stays. The lease is renewed in any
+    /// case.
     pub fn update_gesture(
         &mut self,
         id: &str,
@@ -404,8 +407,8 @@ impl Session {
         mine.next().map(|held| held.light).ok_or_else(|| EditRefusal::NoGesture(id.to_owned()))
     }
 
-    /// Document as everybody sees it, with the gestures in progress. A gesture that no longer fits, because its light
-    /// is removed, has no effect.
+    /// Returns the document as everybody sees it, with the gestures in progress. A gesture that no longer fits, because
+    /// its light is removed, has no effect.
     pub fn live_document(&self) -> Document {
         let mut live = self.document.clone();
         for (light, shown) in

@@ -4,13 +4,13 @@ use document::{Change, CommandResult, Document, EditError};
 
 use crate::{EditRefusal, EditRequest, Record, Session};
 
-/// Maximum number of steps with nothing left that undo and redo pass over.
+/// Maximum number of steps that undo and redo pass over because nothing of them can be reverted.
 pub const MAX_STEPS_PASSED_OVER: usize = 1_000;
 /// Maximum number of distinct reasons kept for all steps that are passed over.
 const MAX_REASONS: usize = 8;
-/// Maximum number of properties of a step for which the later actor is named.
+/// Maximum number of properties of a step for which the refusal names the actor who changed them later.
 const MAX_NAMED_PROPERTIES: usize = 8;
-/// Maximum number of records, the latest on a light, in which that actor is searched.
+/// Maximum number of records in which that actor is searched: the latest ones on the light.
 const MAX_SEARCHED_RECORDS: usize = 8;
 
 /// Finds an earlier record by its sequence.
@@ -19,17 +19,17 @@ pub type FindRecord<'a> = &'a dyn Fn(u64) -> Option<Record>;
 /// Result of undo or redo in the present state of a session.
 #[derive(Clone, Debug)]
 pub struct Reverted {
-    /// Sequence of the latest record of that state.
+    /// Sequence of the latest record in the state for which this was computed.
     pub(crate) seq: u64,
     /// Document after the undo or redo.
     pub(crate) document: Document,
-    /// Sequence of the record to revert. Nothing is left of the candidates after it.
+    /// Sequence of the record to revert. Of later steps nothing can be reverted.
     pub target: u64,
     /// Changes to make, at least one.
     pub changes: Vec<Change>,
-    /// Parts that stay, with reasons, a sentence each.
+    /// Changes that cannot be reverted, with the reasons, a sentence each.
     pub skipped: Vec<String>,
-    /// Those of `skipped` that belong to later steps, which were passed over.
+    /// Reasons in `skipped` that belong to later steps, which were passed over.
     pub passed: Vec<String>,
 }
 
@@ -98,8 +98,8 @@ impl Session {
         })
     }
 
-    /// Finds the change that gave the property of `change` its value after record `target`, and the name of its actor,
-    /// if the latest records on its light show it.
+    /// Finds the change after record `target` that gave the property of `change` its present value, and the name of its
+    /// actor. `None` if the latest records on the light do not contain it.
     fn later_change_of(
         &self,
         change: &Change,
@@ -117,13 +117,13 @@ impl Session {
     }
 }
 
-/// Parts of a revert.
+/// Division of a step's changes into those that can be reverted and those that cannot.
 struct RevertParts {
     /// Changes to make; `None` if there are none.
     revert: Option<CommandResult>,
-    /// Changes whose property has another value now.
+    /// Changes that cannot be reverted, because their property has another value now.
     changed_since: Vec<Change>,
-    /// Reasons of changes that would leave something invalid, a sentence each.
+    /// Reasons why other changes cannot be reverted, a sentence each: they would leave something invalid.
     blocked_reasons: Vec<String>,
 }
 

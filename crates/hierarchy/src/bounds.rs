@@ -17,13 +17,13 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Half of the surface area; 0 for an empty box.
+    /// Returns half of the surface area; 0 for an empty box.
     pub(crate) fn half_area(self) -> f32 {
         let side = (self.max - self.min).max(Vec3A::ZERO);
         side.x * side.y + side.y * side.z + side.z * side.x
     }
 
-    /// Sum of the two corners, which is twice the centre.
+    /// Returns the sum of the two corners, which is twice the centre.
     pub(crate) fn doubled_center(self) -> Vec3A {
         self.min + self.max
     }

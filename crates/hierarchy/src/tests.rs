@@ -8,7 +8,7 @@ fn at(place: [f32; 3], size: [f32; 3]) -> Aabb {
     Aabb { min, max: min + Vec3A::from_array(size) }
 }
 
-/// Depth of the tree: number of levels below the root.
+/// Returns the depth of the tree: number of levels below the root.
 fn depth(hierarchy: &Hierarchy) -> u32 {
     let mut depths = vec![0; hierarchy.nodes.len()];
     for (index, node) in hierarchy.nodes.iter().enumerate().filter(|(_, node)| !node.is_leaf()) {
@@ -45,7 +45,7 @@ fn broken_invariant(hierarchy: &Hierarchy, boxes: &[Aabb]) -> Option<String> {
     (held != boxes.len()).then(|| format!("leaves hold {held} of {}", boxes.len()))
 }
 
-/// Number of nodes that a point query visits.
+/// Returns the number of nodes that a point query visits.
 fn visited_nodes(hierarchy: &Hierarchy, point: Vec3A) -> usize {
     let (mut open, mut count) = (vec![0], 0);
     while let Some(index) = open.pop() {
@@ -113,7 +113,7 @@ proptest! {
         let boxes: Vec<Aabb> = boxes.iter().chain(boxes.iter().step_by(step)).copied().collect();
         let hierarchy = Hierarchy::new(boxes.iter().copied());
         prop_assert_eq!(broken_invariant(&hierarchy, &boxes), None);
-        // Planted fault: the check must notice a box outside its node.
+        // Deliberate fault that the check must detect: the check must notice a box outside its node.
         let mut lost = hierarchy;
         lost.nodes[0].bounds.max = lost.nodes[0].bounds.min;
         let is_one_point = boxes.iter().all(|bounds| *bounds == boxes[0] && bounds.min == bounds.max);

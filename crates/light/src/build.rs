@@ -13,10 +13,10 @@ use crate::{ControlPoint, EndMode, Light, LightError, Segment, Transform, validi
 /// Maximum number of segments of a light: far more than an artist handles, and few enough for any GPU buffer.
 pub const MAX_SEGMENTS: usize = 256;
 
-/// Position of tube space in the world.
+/// Position and scale of tube space in the world.
 ///
-/// Tube space is light-local space scaled by a power of two so that the control polygon is about one unit long. Then
-/// f32 never under- or overflows, and the scaling itself is exact.
+/// Tube space is light-local space, scaled by a power of two so that the control polygon is about one unit long. So f32
+/// neither overflows nor underflows, and the scaling itself is exact.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement {
     /// World position of the source.
@@ -120,7 +120,8 @@ pub fn segments(light: &Light) -> Result<(Vec<Segment<f64>>, Placement), LightEr
     segments_of_points(light.points(), light.transform(), unit_up(light), light.get(END_MODE))
 }
 
-/// Does the same for other control points of a light whose other values have been checked.
+/// Builds the segments as `segments` does, but for other control points. The light's other values must have been
+/// checked.
 pub fn segments_of_points(
     control: &[ControlPoint],
     transform: Transform,

@@ -11,18 +11,18 @@ thread_local! {
     static CHECK_COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-/// Light that passed every check, prepared for evaluation. It is made once, where a change is applied. Nothing
-/// downstream checks a light again.
+/// Light that passed every check, prepared for evaluation. It is made once, when a change is applied. No later code
+/// checks the light again.
 #[derive(Clone, Debug)]
 pub struct CheckedLight {
     light: Light,
     rays: LightRays,
     revisions: Revisions,
-    /// See [`Self::equivalent_spotlight()`].
+    /// Spotlight that lights every point equally, as [`Self::equivalent_spotlight()`] returns it.
     equivalent_spotlight: Option<Arc<Self>>,
 }
 
-/// Prepared rays of a light, by shape. They locate a point in it.
+/// Rays of a light, prepared for evaluation, by shape. They give the light coordinates of a point.
 #[derive(Clone, Debug)]
 pub enum LightRays {
     Cone(Cone),
@@ -68,7 +68,7 @@ impl CheckedLight {
         Ok(Self { light, rays, revisions, equivalent_spotlight: None })
     }
 
-    /// Number of checks on this thread. Tests use it to see that a light is checked once.
+    /// Returns the number of checks on this thread. Tests use it to verify that a light is checked only once.
     pub fn check_count() -> u64 {
         CHECK_COUNT.get()
     }
@@ -81,18 +81,18 @@ impl CheckedLight {
         &self.rays
     }
 
-    /// Tube, if this is a BendyLight.
+    /// Returns the tube, if this is a BendyLight.
     pub fn tube(&self) -> Option<&Tube<f64>> {
         if let LightRays::Bent(tube) = &self.rays { Some(tube) } else { None }
     }
 
-    /// Spotlight equal to a BendyLight whose tube is a cone. It is made with the light. It has the same light at every
-    /// point, except for roundings and for `t`.
+    /// Returns the spotlight equal to a BendyLight whose tube is a cone. It is made with the light. It has the same
+    /// light at every point, except for roundings and for `t`.
     pub fn equivalent_spotlight(&self) -> Option<&Arc<Self>> {
         self.equivalent_spotlight.as_ref()
     }
 
-    /// Falloff, tint and shadow of the light.
+    /// Returns the falloff, tint and shadow of the light.
     pub fn light_profile(&self) -> &LightProfile {
         match &self.rays {
             LightRays::Cone(cone) => &cone.light_profile,
@@ -102,12 +102,12 @@ impl CheckedLight {
         }
     }
 
-    /// Digests that caches of the light use as keys.
+    /// Returns the digests that caches of the light use as keys.
     pub fn revisions(&self) -> Revisions {
         self.revisions
     }
 
-    /// Digest of all values.
+    /// Returns the digest of all values.
     pub fn digest(&self) -> LightDigest {
         self.revisions.content
     }

@@ -12,7 +12,7 @@ use glam::DVec3;
 use crate::Real;
 use crate::lanes::{Lanes, Mask, choose_vec};
 
-/// Box around everything that a curve's tube can reach.
+/// Box around all points that a curve's tube can contain.
 #[derive(Clone, Copy, Debug)]
 pub struct TubeBox<F: Lanes> {
     pub center: F::Vec3,
@@ -69,18 +69,19 @@ pub struct Curve<F: Lanes> {
     pub e0: F,
     /// Half the radius's second derivative.
     pub ar: F,
-    /// Box that skips points far from the tube.
+    /// Box by which points far from the tube are skipped.
     pub bounds: TubeBox<F>,
 }
 
 impl<F: Lanes> Curve<F> {
-    /// Half the derivative, `d(u) = P'(u) / 2`. At the end it is exactly `d1`; near a cusp the sum has lost those bits.
+    /// Returns half the derivative, `d(u) = P'(u) / 2`. At the end it is exactly `d1`; near a cusp the sum has lost
+    /// those bits.
     #[inline(always)]
     pub fn d(&self, u: F) -> F::Vec3 {
         F::select_vec(u.equals(F::of(1.0)), self.d1, self.d0 + self.a * u)
     }
 
-    /// Position of the centre curve.
+    /// Returns the position of the centre curve.
     #[inline(always)]
     pub fn position(&self, u: F) -> F::Vec3 {
         self.b0 + (self.d0 * F::of(2.0) + self.a * u) * u
@@ -102,7 +103,7 @@ impl<F: Lanes> Curve<F> {
         F::of(2.0) * (self.e0 + u * self.ar)
     }
 
-    /// Unit tangent; the one-sided limit if `P'` is zero at an end.
+    /// Returns the unit tangent; the one-sided limit if `P'` is zero at an end.
     #[inline(always)]
     pub fn u_hat(&self, u: F) -> F::Vec3 {
         let d = self.d(u);
@@ -115,14 +116,14 @@ impl<F: Lanes> Curve<F> {
         choose_vec!(F, moves, d * (F::of(1.0) / speed), F::unit_or(limit, limit))
     }
 
-    /// Rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
+    /// Returns the rotation-minimising `(v_hat, w_hat)` about the unit tangent `u_hat`.
     #[inline(always)]
     pub fn rotation_minimizing(&self, u_hat: F::Vec3) -> (F::Vec3, F::Vec3) {
         let m = F::cross(self.n_hat, u_hat);
         (self.n_hat * self.alpha + m * self.beta, self.n_hat * self.beta - m * self.alpha)
     }
 
-    /// Derivative of the unit tangent, `(P'' - (P''.u_hat) u_hat) / |P'|`; zero if `P'` is zero.
+    /// Returns the derivative of the unit tangent, `(P'' - (P''.u_hat) u_hat) / |P'|`; zero if `P'` is zero.
     #[inline(always)]
     pub fn u_hat_derivative(&self, u: F, u_hat: F::Vec3) -> F::Vec3 {
         let d = self.d(u);

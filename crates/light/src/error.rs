@@ -69,7 +69,7 @@ pub enum LightError {
     Degenerate {
         /// Index of the segment, from 0.
         segment: usize,
-        /// Problem, as a verb phrase.
+        /// Problem of the segment, as a verb phrase.
         why: &'static str,
         point: usize,
     },
@@ -105,12 +105,12 @@ pub enum LightError {
          `farEdge`; a BendyLight fades or ends, and not both: make the range larger or the edge shorter"
     )]
     RangeInFarEdge {
-        /// In world units.
+        /// Range of the omni light, in world units.
         range: f64,
-        /// In world units.
+        /// Cut-off of the omni light, in world units.
         cut_off: f64,
     },
-    /// Spotlight to bend into too few or too many segments.
+    /// Number of segments, for bending a spotlight, that is 0 or too large.
     #[error("a light is bent into 1 to {limit} segments, not {count}: choose another number")]
     SegmentCount { count: usize, limit: usize },
 }

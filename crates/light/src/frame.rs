@@ -8,7 +8,7 @@ use crate::lanes::{Lanes, Mask};
 /// Sine of the angle between the end tangents below which a segment's plane is rounding noise.
 pub const STRAIGHT_SINE: f64 = 1e-13;
 
-/// `(u_hat, v_hat)` at the end of a curve, carried over to the next one.
+/// `(u_hat, v_hat)` at the end of a curve, with which the frame of the next curve begins.
 pub type EndFrame = (DVec3, DVec3);
 
 /// Sets the frame's constants (light model, section 2) and returns the frame at the end.

@@ -7,15 +7,15 @@ use glam::DVec3;
 
 /// Result of a comparison, one bool for each lane.
 pub trait Mask: Copy + Debug + BitAnd<Output = Self> + BitOr<Output = Self> + Not<Output = Self> {
-    /// The same value in every lane.
+    /// Makes a mask with the same value in every lane.
     #[must_use]
     fn of(answer: bool) -> Self;
     /// Returns true if any lane is true.
     fn any(self) -> bool;
     /// Returns true if every lane is true.
     fn all(self) -> bool;
-    /// Value, if the type has one lane, so that code may branch. `None` if lanes may differ and both sides have to be
-    /// computed.
+    /// Returns the value if the type has one lane, so that code may branch. `None` if lanes may differ and both sides
+    /// have to be computed.
     fn decided(self) -> Option<bool>;
 }
 
@@ -39,7 +39,7 @@ pub trait Lanes:
         + Sub<Output = Self::Vec3>
         + Mul<Self, Output = Self::Vec3>
         + Neg<Output = Self::Vec3>;
-    /// Result of comparisons.
+    /// Mask that comparisons return.
     type Mask: Mask;
 
     /// Newton steps in which the solver reaches rounding level from its starting bound.
@@ -47,37 +47,37 @@ pub trait Lanes:
     /// Length below which a direction is rounding noise and the tangent replaces it.
     const DIRECTION_FLOOR: Self;
 
-    /// Nearest value of this precision, in every lane.
+    /// Converts a number to this precision, in every lane.
     #[must_use]
     fn of(x: f64) -> Self;
-    /// Nearest vector of this precision, in every lane.
+    /// Converts a vector to this precision, in every lane.
     fn vec(v: DVec3) -> Self::Vec3;
     /// Makes a vector from its coordinates.
     fn vec3(coordinates: [Self; 3]) -> Self::Vec3;
     fn coordinates(v: Self::Vec3) -> [Self; 3];
     fn dot(a: Self::Vec3, b: Self::Vec3) -> Self;
     fn cross(a: Self::Vec3, b: Self::Vec3) -> Self::Vec3;
-    /// Square root, correctly rounded.
+    /// Returns the square root, correctly rounded.
     #[must_use]
     fn sqrt(self) -> Self;
     #[must_use]
     fn abs(self) -> Self;
-    /// Upper bound of the cube root of `self > 0`, at most 7 % above it.
+    /// Returns an upper bound of the cube root of `self > 0`, at most 7 % above it.
     #[must_use]
     fn cbrt_above(self) -> Self;
     /// Raises `self >= 0` to the power of `exponent`.
     #[must_use]
     fn pow(self, exponent: f64) -> Self;
 
-    /// Angle of the vector `(x, self)` from the first axis, from -pi to pi, in radians.
+    /// Returns the angle of the vector `(x, self)` from the first axis, from -pi to pi, in radians.
     #[must_use]
     fn atan2(self, x: Self) -> Self;
 
-    /// `self < other`
+    /// Tests `self < other`.
     fn lt(self, other: Self) -> Self::Mask;
-    /// `self <= other`
+    /// Tests `self <= other`.
     fn le(self, other: Self) -> Self::Mask;
-    /// `self == other`
+    /// Tests `self == other`.
     fn equals(self, other: Self) -> Self::Mask;
     /// Selects `yes` in lanes where `mask` is true, else `no`.
     #[must_use]
@@ -85,23 +85,23 @@ pub trait Lanes:
     /// Selects vectors.
     fn select_vec(mask: Self::Mask, yes: Self::Vec3, no: Self::Vec3) -> Self::Vec3;
 
-    /// `self > other`
+    /// Tests `self > other`.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
-    /// `self >= other`
+    /// Tests `self >= other`.
     #[inline(always)]
     fn ge(self, other: Self) -> Self::Mask {
         other.le(self)
     }
-    /// Smaller of two numbers.
+    /// Returns the smaller of two numbers.
     #[must_use]
     #[inline(always)]
     fn least(self, other: Self) -> Self {
         Self::select(other.lt(self), other, self)
     }
-    /// Larger of two numbers.
+    /// Returns the larger of two numbers.
     #[must_use]
     #[inline(always)]
     fn most(self, other: Self) -> Self {
@@ -117,7 +117,7 @@ pub trait Lanes:
     fn length(v: Self::Vec3) -> Self {
         Self::dot(v, v).sqrt()
     }
-    /// Unit vector along `v`, or `other` if `v` is zero.
+    /// Returns the unit vector along `v`, or `other` if `v` is zero.
     #[inline(always)]
     fn unit_or(v: Self::Vec3, other: Self::Vec3) -> Self::Vec3 {
         let length = Self::length(v);

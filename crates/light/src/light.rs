@@ -66,7 +66,7 @@ pub enum EndMode {
     Extend,
 }
 
-/// Decrease of irradiance with the distance `s` travelled, in world units.
+/// Decrease of irradiance with the length `s` of the light path, in world units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Decay {
     /// No decrease: the cinematic default.
@@ -157,7 +157,7 @@ pub enum LightShape {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     shape: LightShape,
-    /// In the order of the shape's rows.
+    /// Values of the parameters, in the order of the shape's parameters in the table.
     values: Vec<Value>,
 }
 
@@ -194,17 +194,17 @@ impl Light {
         &self.shape
     }
 
-    /// Owner of the shape's parameters in the table.
+    /// Returns the kind of object in the parameter table that this light is.
     pub fn owner(&self) -> ParameterOwner {
         self.shape.owner()
     }
 
-    /// Control points; empty unless this is a BendyLight.
+    /// Returns the control points; empty unless this is a BendyLight.
     pub fn points(&self) -> &[ControlPoint] {
         if let LightShape::Bendy(points) = &self.shape { points } else { &[] }
     }
 
-    /// Control points for changes; `None` unless this is a BendyLight.
+    /// Returns the control points for changes; `None` unless this is a BendyLight.
     pub fn points_mut(&mut self) -> Option<&mut Vec<ControlPoint>> {
         if let LightShape::Bendy(points) = &mut self.shape { Some(points) } else { None }
     }
@@ -214,20 +214,20 @@ impl Light {
         parameters_of(self.owner()).iter().copied().zip(&self.values)
     }
 
-    /// Value of a parameter; `None` if the shape does not have it.
+    /// Returns the value of a parameter; `None` if the shape does not have it.
     pub fn value(&self, parameter: &Parameter) -> Option<&Value> {
         self.values().find(|(row, _)| *row == parameter).map(|(_, value)| value)
     }
 
-    /// Value of a parameter. If the shape does not have it, the default of the shapes that do.
+    /// Returns the value of a parameter. If the shape does not have it, the default of the shapes that do.
     pub fn get<T: ValueType>(&self, key: ParameterKey<T>) -> T {
         let elsewhere = || key.owners.iter().find_map(|of| key.default(of.owner));
         let value = self.value(&key).and_then(T::from_value);
         value.or_else(|| T::from_value(&elsewhere()?)).expect("a key has the type of its row's values")
     }
 
-    /// Sets a parameter without a check of the value; [`crate::CheckedLight::new`] checks the light. A parameter that
-    /// the shape does not have is ignored.
+    /// Sets a parameter and does not check the value; [`crate::CheckedLight::new`] checks the whole light. A parameter
+    /// that the shape does not have is ignored.
     pub fn set(&mut self, Setting { parameter, value }: Setting) {
         let rows = parameters_of(self.owner());
         if let Some(index) = rows.iter().position(|row| *row == parameter) {
@@ -258,7 +258,7 @@ impl Light {
         self
     }
 
-    /// Placement in the world.
+    /// Returns the placement in the world.
     pub fn transform(&self) -> Transform {
         let (translation, rotation, scale) = (self.get(TRANSLATION), self.get(ROTATION), self.get(SCALE));
         Transform { translation, rotation, scale }
@@ -270,7 +270,7 @@ impl Light {
 }
 
 impl LightShape {
-    /// Owner of the shape's parameters in the table.
+    /// Returns the kind of object in the parameter table that lights of this shape are.
     pub fn owner(&self) -> ParameterOwner {
         match self {
             Self::Spot => ParameterOwner::Spot,

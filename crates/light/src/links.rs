@@ -2,7 +2,7 @@
 
 /// Maximum number of nodes that links name.
 pub const MAX_LINKS: usize = 1024;
-/// Maximum number of bytes of all their paths.
+/// Maximum number of bytes of all paths in links together.
 pub const MAX_LINK_BYTES: usize = 1 << 16;
 
 /// Selection of nodes of a scene by their paths (`scene::NodeTree` resolves them).
@@ -28,12 +28,12 @@ impl Links {
         (!include.is_empty() || !exclude.is_empty()).then_some(Self { include, exclude })
     }
 
-    /// Paths of selected nodes; if empty, all are selected.
+    /// Returns the paths of selected nodes; if empty, all are selected.
     pub fn include(&self) -> &[String] {
         &self.include
     }
 
-    /// Paths of nodes that are not selected.
+    /// Returns the paths of nodes that are not selected.
     pub fn exclude(&self) -> &[String] {
         &self.exclude
     }

@@ -19,42 +19,42 @@ pub const MAX_NAME_BYTES: usize = 256;
 /// with intensities, stay within f32.
 pub const MAX_EXTENT: f64 = 1e15;
 
-/// Row of the table.
+/// Parameter of lights, control points or cameras: a row of the parameter table (`parameters.rs`).
 #[derive(Clone, Copy)]
 pub struct Parameter {
-    /// Name in commands, files and logs, in camelCase.
+    /// Name of the parameter in commands, files and logs, in camelCase.
     pub name: &'static str,
     /// Position of the value in its owner's JSON, with dots between nested fields. For a control point, the name of the
     /// list that has one value for each.
     pub path: &'static str,
-    /// Owners that have the parameter.
+    /// Types of lights, or other objects, that have the parameter.
     pub owners: &'static [ParameterOf],
-    /// Type of its values.
+    /// Type and range of the parameter's values.
     pub kind: ParameterKind,
-    /// True if keyframes may drive it.
+    /// True if keyframes may drive the parameter.
     pub animates: bool,
-    /// Condition on another parameter for it to have an effect; `None` if it always has one.
+    /// Condition on another parameter, without which this one has no effect. `None` if it always has an effect.
     pub needs: Option<ParameterNeeds>,
-    /// Heading of its group, for people.
+    /// Heading of the group in which the page shows the parameter.
     pub group: &'static str,
-    /// Name for people.
+    /// Name of the parameter for people.
     pub label: &'static str,
-    /// Sentence about it, for people.
+    /// Sentence about the parameter for people.
     pub doc: &'static str,
 }
 
-/// Owner of a parameter, with its default for that owner.
+/// Entry of a parameter for one kind of object that has it, with its default there.
 #[derive(Clone, Copy, Debug)]
 pub struct ParameterOf {
     pub owner: ParameterOwner,
-    /// Value if none is given; `None` if one is required. Hashes leave out values at their default, so that a new
-    /// parameter changes no earlier hash. A default never changes.
+    /// Value of the parameter if none is given; `None` if a value is required. Hashes leave out values at their
+    /// default, so that a new parameter changes no earlier hash. A default never changes.
     pub default: Option<Value<&'static str>>,
-    /// Caches that a change invalidates.
+    /// Caches of such an object that a change of the parameter invalidates.
     pub touches: ParameterTouches,
 }
 
-/// Condition on another parameter of the same owner.
+/// Condition on another parameter of the same object, without which a parameter has no effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ParameterNeeds {
     /// Name of the other parameter.
@@ -62,7 +62,7 @@ pub struct ParameterNeeds {
     pub value: ParameterNeeded,
 }
 
-/// Accepted values of a condition.
+/// Values of the other parameter that meet a `ParameterNeeds` condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ParameterNeeded {
     OneOf(&'static [Value<&'static str>]),
@@ -80,8 +80,8 @@ impl ParameterNeeded {
     }
 }
 
-/// Kinds of things that have parameters. Hashes of lights begin with this number, so numbers never change and new
-/// owners come last.
+/// Kinds of objects that have parameters. Hashes of lights begin with the number of the light's kind. So these numbers
+/// never change, and a new kind gets the last number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ParameterOwner {
     Spot,
@@ -101,7 +101,7 @@ impl ParameterOwner {
         [Self::Spot, Self::Bendy, Self::Point, Self::Camera, Self::Directional, Self::Omni];
 }
 
-/// Cached data of a light that a change invalidates. Each value includes those before it.
+/// Cached data of a light that a change of a parameter invalidates. Each value includes the ones before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ParameterTouches {
     /// Nothing: no picture shows the parameter.
@@ -152,7 +152,7 @@ pub enum ParameterKind {
     Projection,
 }
 
-/// Range of a number, and its control.
+/// Range of a number, with the settings of the control by which people change it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberRange {
     /// Unit, or empty.
@@ -186,11 +186,12 @@ pub struct ParameterChoice {
     pub label: &'static str,
 }
 
-/// Storage of values that vary in size: owned, or static, which has text but no lists.
+/// Types that store values of varying size. `String` allows every kind of value. A static string serves for defaults
+/// in constants, which can have text but no lists.
 pub trait ValueStorage {
-    /// Storage of [`ParameterKind::Links`].
+    /// Type that stores values of [`ParameterKind::Links`].
     type Links;
-    /// Storage of [`ParameterKind::PeriodicCurve`].
+    /// Type that stores values of [`ParameterKind::PeriodicCurve`].
     type PeriodicCurve;
 }
 
@@ -209,8 +210,8 @@ impl ValueStorage for &'static str {
 pub enum Value<S: ValueStorage = String> {
     /// Value of [`ParameterKind::Number`].
     Number(f64),
-    /// Absent optional value of [`ParameterKind::Number`] or [`ParameterKind::PeriodicCurve`]; all nodes for
-    /// [`ParameterKind::Links`].
+    /// Value that is left out: of an optional [`ParameterKind::Number`] or [`ParameterKind::PeriodicCurve`]. For
+    /// [`ParameterKind::Links`] it means all nodes.
     Absent,
     /// Value of [`ParameterKind::Flag`].
     Flag(bool),
@@ -244,7 +245,7 @@ impl Value<&'static str> {
     }
 }
 
-/// Parameter with a value for it.
+/// Parameter, with a value to set it to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
     pub parameter: &'static Parameter,
@@ -252,14 +253,15 @@ pub struct Setting {
 }
 
 impl fmt::Debug for Parameter {
-    /// Writes the path alone: changes and commands contain whole rows.
+    /// Writes the path alone, because output of changes and commands would otherwise contain all fields of each
+    /// parameter.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.path)
     }
 }
 
 impl PartialEq for Parameter {
-    /// Compares name and path, which are unique for an owner.
+    /// Compares name and path, which together identify a parameter.
     fn eq(&self, other: &Self) -> bool {
         (self.name, self.path) == (other.name, other.path)
     }
@@ -300,7 +302,7 @@ impl<T> ParameterKey<T> {
 }
 
 impl<T: ValueType> ParameterKey<T> {
-    /// Makes the setting of this parameter to `value`.
+    /// Pairs the parameter with a value to set it to.
     pub fn to(self, value: T) -> Setting {
         Setting { parameter: self.row, value: value.into_value() }
     }
@@ -405,7 +407,7 @@ impl ValueType for Option<PeriodicCurve> {
     }
 }
 
-/// Defines the words of an enum's variants.
+/// Defines the name and the label of each variant of an enum.
 macro_rules! choices {
     ($name:ident { $($variant:ident: $word:literal, $label:literal;)+ }) => {
         impl $name {
@@ -413,7 +415,7 @@ macro_rules! choices {
             pub const CHOICES: &'static [$crate::parameter::ParameterChoice] =
                 &[$($crate::parameter::ParameterChoice { name: $word, label: $label }),+];
 
-            /// Word of the variant in files.
+            /// Returns the word of the variant in files.
             pub const fn name(self) -> &'static str {
                 match self {
                     $(Self::$variant => $word,)+
@@ -444,17 +446,17 @@ impl Parameter {
         of_owner == Some(ParameterTouches::Nothing) && self.touches() != ParameterTouches::Nothing
     }
 
-    /// Caches that a change invalidates for any owner: the maximum over all.
+    /// Returns the caches that a change of the parameter invalidates for any of its owners: the maximum over all.
     pub fn touches(&self) -> ParameterTouches {
         self.owners.iter().map(|of| of.touches).max().unwrap_or(ParameterTouches::Nothing)
     }
 
-    /// Entry of `owner`; `None` if it does not have the parameter.
+    /// Returns the parameter's entry for an owner; `None` if the owner does not have the parameter.
     pub fn for_owner(&self, owner: ParameterOwner) -> Option<&ParameterOf> {
         self.owners.iter().find(|of| of.owner == owner)
     }
 
-    /// Default of `owner`; `None` if a value is required, or if it does not have the parameter.
+    /// Returns the default for an owner; `None` if the owner requires a value or does not have the parameter.
     pub fn default(&self, owner: ParameterOwner) -> Option<Value> {
         Some(self.for_owner(owner)?.default?.to_value())
     }
@@ -504,7 +506,7 @@ impl Parameter {
                 if !rotation.is_finite() {
                     return Err(LightError::NotFinite(field));
                 }
-                // Rounding may leave a unit quaternion slightly off. A larger deviation was meant as something else.
+                // Rounding may leave a unit quaternion slightly off. A larger deviation cannot be due to rounding.
                 let length = rotation.length();
                 let unit = (0.5..=2.0).contains(&length);
                 if unit { Ok(()) } else { Err(LightError::NotARotation { field, length }) }

@@ -16,7 +16,7 @@ use crate::{
     ControlPoint, CrossSection, Decay, DirectionMode, EndMode, FrameMode, Links, PeriodicCurve, ProfileCurve,
 };
 
-/// Defines rows, each with a typed key.
+/// Defines parameters of the table, each with a key that has the Rust type of its values.
 macro_rules! rows {
     ($list:ident: $($key:ident: $type:ty = $doc:literal, $parameter:expr;)+) => {
         $(
@@ -34,24 +34,24 @@ const fn of(owner: ParameterOwner, default: Value<&'static str>, touches: Parame
     ParameterOf { owner, default: Some(default), touches }
 }
 
-/// Owners of a parameter of all lights, with the same default.
+/// Makes the entries of a parameter that all lights have, with the same default.
 const fn all_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 4] {
     let [spot, bendy, omni] = source_lights_default(default, touches);
     [spot, bendy, omni, of(Directional, default, touches)]
 }
 
-/// Owners of a parameter of lights with a source, with the same default.
+/// Makes the entries of a parameter that all lights with a source have, with the same default.
 const fn source_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 3] {
     let [spot, bendy] = cone_lights_default(default, touches);
     [spot, bendy, of(Omni, default, touches)]
 }
 
-/// Owners of a parameter of lights with a cone, with the same default.
+/// Makes the entries of a parameter that all lights with a cone have, with the same default.
 const fn cone_lights_default(default: Value<&'static str>, touches: ParameterTouches) -> [ParameterOf; 2] {
     [of(Spot, default, touches), of(Bendy, default, touches)]
 }
 
-/// Defaults of most rows.
+/// Values of the fields that most parameters share.
 const ROW: Parameter = Parameter {
     name: "",
     path: "",
@@ -76,7 +76,7 @@ const SUPERELLIPSE: ParameterNeeds =
     needs_one_of("crossSection", &[Value::Choice(CrossSection::Superellipse.name())]);
 const SHADOWS: ParameterNeeds = needs_one_of("shadowEnable", &[Value::Flag(true)]);
 
-/// Range of a factor of light.
+/// Range of a factor by which light is multiplied.
 const FACTOR: NumberRange = NumberRange {
     min: Included(0.0),
     max: Included(1e6),
@@ -99,7 +99,7 @@ const LENGTH: NumberRange = NumberRange {
 const HALF_EXTENT: NumberRange =
     NumberRange { min: Excluded(0.0), max: Included(1.0), slider: Some([0.01, 1.0]), ..NumberRange::ANY };
 
-/// Kind of a side of a directional light's window.
+/// Makes the type of the width or height of a directional light's window.
 const fn window(absent: &'static str) -> ParameterKind {
     ParameterKind::Number(NumberRange {
         unit: "world units",
@@ -587,7 +587,7 @@ static TABLE: OnceLock<Table> = OnceLock::new();
 
 struct Table {
     rows: Vec<&'static Parameter>,
-    /// Rows of each owner, in the order of [`ParameterOwner`].
+    /// Parameters of each owner, in the order of [`ParameterOwner`].
     by_owner: [Vec<&'static Parameter>; ParameterOwner::COUNT],
 }
 
@@ -600,29 +600,29 @@ impl Table {
     }
 }
 
-/// Adds rows to those of lights. Returns false if the table is already in use. For experiments with a parameter, mainly
-/// in tests.
+/// Adds parameters to those of lights, for experiments and tests. Returns false if the table is already in use, and so
+/// cannot change any more.
 pub fn add_parameters(more: &[&'static Parameter]) -> bool {
     TABLE.set(Table::new(more)).is_ok()
 }
 
-/// All rows of lights and control points.
+/// Returns all parameters of lights and control points.
 pub fn parameters() -> &'static [&'static Parameter] {
     &TABLE.get_or_init(|| Table::new(&[])).rows
 }
 
-/// Rows of an owner, in order.
+/// Returns the parameters of an owner, in the order of the table.
 pub fn parameters_of(owner: ParameterOwner) -> &'static [&'static Parameter] {
     &TABLE.get_or_init(|| Table::new(&[])).by_owner[owner as usize]
 }
 
-/// Finds the row of an owner by its name.
+/// Finds a parameter of an owner by its name.
 pub fn parameter_of(owner: ParameterOwner, name: &str) -> Option<&'static Parameter> {
     parameters_of(owner).iter().copied().find(|row| row.name == name)
 }
 
 impl ControlPoint {
-    /// Value of a parameter of control points; `None` for other parameters.
+    /// Returns the value of a parameter of control points; `None` for other parameters.
     pub fn value(&self, parameter: &Parameter) -> Option<Value> {
         Some(match parameter.name {
             "position" => Value::Vector(self.position),

@@ -11,15 +11,16 @@ use crate::arc::arc_length;
 use crate::build::Placement;
 use crate::{Curve, Segment, Tube, TubeLocation, TubePoint};
 
-/// Largest span of t of a part's segment. A larger part would win four bits or fewer, so the light stays whole.
+/// Largest span of t that one segment of a part may cover. If a larger one were needed, the part would gain four bits
+/// of precision or fewer, and the light stays whole.
 const WIDEST_SPAN: f64 = 1.0 / 16.0;
-/// Precision of the search for a part, as a share of the box.
+/// Size to which the search for a part refines intervals, as a share of the box.
 const LEAF: f64 = 0.25;
-/// Maximum number of halvings of a segment in the search. The rest counts as a point.
+/// Maximum number of times that the search halves a segment. What remains counts as a point.
 const MAX_HALVINGS: u32 = 40;
-/// Span of t after those halvings.
+/// Span of t after `MAX_HALVINGS` halvings of a segment.
 const LEAST_SPAN: f64 = 1.0 / (1_u64 << MAX_HALVINGS) as f64;
-/// Relative growth of boxes: far more than single precision loses.
+/// Share by which boxes are enlarged: far more than the rounding errors of single precision.
 const MARGIN: f64 = 0.01;
 
 /// Part of a light, or all of it. Its segments are equal spans of the light's t.
@@ -27,11 +28,11 @@ const MARGIN: f64 = 0.01;
 pub struct LightPart {
     /// Tube of the part. It ends where it was cut, and has no extension.
     pub tube: Tube<f64>,
-    /// Parameter t of the light at the start of the part.
+    /// Value of t of the whole light at the start of the part.
     pub t_start: f64,
-    /// Span of the light's t per t of the part: a power of two.
+    /// Span of the whole light's t per unit of the part's t: a power of two.
     pub t_span: f64,
-    /// Index of the light's last segment, the extension included.
+    /// Index of the whole light's last segment, the extension included.
     last: usize,
 }
 
@@ -115,7 +116,7 @@ impl Tube<f64> {
 }
 
 impl LightPart {
-    /// Converts a location in the part to a location in the light.
+    /// Converts a location in the part to a location in the whole light.
     pub fn to_whole_light(&self, location: &TubeLocation) -> TubeLocation {
         let point = location.point.as_ref().map(|point| {
             let start = self.t_start + self.t_span * point.segment as f64;
@@ -143,12 +144,12 @@ impl OrientedBox {
         self.half_axes.iter().map(|axis| axis.length()).sum()
     }
 
-    /// Half extent of the region along `axis`, times the length of `axis`.
+    /// Returns the half extent of the region along `axis`, times the length of `axis`.
     fn half_extent_along(&self, axis: DVec3) -> f64 {
         self.half_axes.iter().map(|half| half.dot(axis).abs()).sum()
     }
 
-    /// Range of u of possible roots on a part of a curve.
+    /// Returns the range of u of possible roots on a part of a curve.
     fn u_range_on(&self, curve: &Curve<f64>, (start, end): (f64, f64), halvings: u32) -> Option<(f64, f64)> {
         let piece = curve.subcurve(start, end);
         if !self.may_be_perpendicular_to(&piece) || !self.intersects_tube_box(&piece) {
@@ -189,7 +190,7 @@ impl OrientedBox {
         })
     }
 
-    /// Range of u of possible roots on the extension, which is straight and has no end.
+    /// Returns the range of u of possible roots on the extension, which is straight and has no end.
     fn u_range_on_extension(&self, extension: &Curve<f64>) -> Option<(f64, f64)> {
         let d = extension.d0;
         let along = (self.center - extension.b0).dot(d);
@@ -228,7 +229,7 @@ fn rebased(segment: &Segment<f64>, origin: DVec3, unit: f64) -> Segment<f64> {
     Segment { curve: moved, arc_start: segment.arc_start / unit, ..*segment }
 }
 
-/// Least power of two that is at least `x`.
+/// Returns the least power of two that is at least `x`.
 fn power_of_two_above(x: f64) -> f64 {
     libm::ldexp(1.0, libm::ceil(libm::log2(x)) as i32)
 }

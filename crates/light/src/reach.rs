@@ -10,7 +10,7 @@ use crate::{CheckedLight, LightRays, MAX_EXTENT};
 pub struct SceneBounds {
     /// Centre of the box, in the world.
     pub center: DVec3,
-    /// Half the size. The box reaches from minus to plus this about the centre.
+    /// Half the size of the box along each axis. The box extends this far from its centre in both directions.
     pub half_extent: DVec3,
 }
 
@@ -24,7 +24,7 @@ pub enum UndrawableLight {
     )]
     TooFar {
         name: String,
-        /// In world units.
+        /// Distance in world units of the farthest part of the light from the scene's centre.
         distance: f64,
     },
     /// Light that is too small for its distance to the far end of the scene.
@@ -34,7 +34,7 @@ pub enum UndrawableLight {
     )]
     TooSmall {
         name: String,
-        /// Distance in sizes of the light.
+        /// Greatest distance of the scene from the light, as a multiple of the light's size.
         sizes: f64,
     },
 }

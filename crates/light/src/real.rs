@@ -18,7 +18,7 @@ pub trait Real: Lanes<Mask = bool, Vec3: PartialEq> + PartialOrd + Debug {
     /// Converts to an `f64` vector, exactly.
     fn vec_f64(v: Self::Vec3) -> DVec3;
 
-    /// Unit vector along `v`; `None` if `v` is zero.
+    /// Returns the unit vector along `v`; `None` if `v` is zero.
     fn unit(v: Self::Vec3) -> Option<Self::Vec3> {
         let length = Self::length(v);
         (length > Self::of(0.0)).then(|| v * (Self::of(1.0) / length))

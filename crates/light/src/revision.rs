@@ -10,19 +10,20 @@ use crate::{Light, Parameter, ParameterOwner, ParameterTouches, Value};
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LightDigest(pub [u8; 32]);
 
-/// Keys of the data that caches keep of a light. A change gives new keys to everything that it touches
-/// ([`ParameterTouches`]), and an undo restores the earlier keys.
+/// Digests by which caches identify the data that they keep of a light. A change gives new digests to everything that
+/// it touches ([`ParameterTouches`]), and an undo restores the earlier digests.
 ///
-/// The keys are digests of the values themselves. A counter of changes would give one number to two contents: a drag
-/// and an edit can both start from one document.
+/// They are computed from the values themselves. A counter of changes would give one number to two different contents,
+/// because a drag and an edit can both start from one document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Revisions {
     /// Digest of the values that the shadow map depends on, besides the scene.
     pub shadow_map: LightDigest,
-    /// Digest of the values that the radiance towards the eye depends on, the shadow map included, but not of the
-    /// factors of all of it ([`LightProfile::lobe_weights`](crate::LightProfile::lobe_weights)).
+    /// Digest of the values that the radiance towards the eye depends on, the shadow map included, but not on the
+    /// factors by which all of the radiance is multiplied
+    /// ([`LightProfile::lobe_weights`](crate::LightProfile::lobe_weights)).
     pub radiance: LightDigest,
-    /// Digest of the values that the picture depends on, those factors included.
+    /// Digest of the values that the picture depends on, including the factors that `radiance` leaves out.
     pub picture: LightDigest,
     /// Digest of all values.
     pub content: LightDigest,

@@ -18,7 +18,7 @@ pub struct Segment<F: Lanes> {
 }
 
 impl<F: Lanes> Segment<F> {
-    /// Emission at `u`: colour times intensity, linear RGB.
+    /// Returns the emission at `u`: colour times intensity, linear RGB.
     #[inline(always)]
     pub fn emission(&self, u: F) -> F::Vec3 {
         let w = F::of(1.0) - u;

@@ -20,8 +20,8 @@ const MAX_TURN_COS: f64 = 0.965_925_826_289_068_3;
 const MAX_SPEED_RATIO: f64 = 1.4;
 /// Maximum number of halvings of a segment, for `2^MAX_HALVINGS` slabs. Only a cusp needs so many.
 const MAX_HALVINGS: usize = 6;
-/// Further halvings of a slab, which keep its box on this side of the evolute. Half the turn adds `1 - cos` of it to
-/// `R kappa`, so each halving reduces the excess to a quarter.
+/// Maximum number of further halvings of a slab. They keep its box on the curve's side of the evolute. Half the turn
+/// adds `1 - cos` of it to `R kappa`, so each halving reduces the excess to a quarter.
 const MAX_TIGHT_HALVINGS: usize = 4;
 /// Maximum share of the distance from the rim to the evolute that the box may take.
 const MAX_EVOLUTE_SHARE: f64 = 0.75;

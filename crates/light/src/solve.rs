@@ -26,7 +26,7 @@ pub struct Roots<F: Lanes> {
 }
 
 impl<F: Lanes> Roots<F> {
-    /// Roots with both masks false.
+    /// Makes roots with both masks false.
     #[inline(always)]
     pub fn none() -> Self {
         let (none, never) = (F::of(0.0), F::Mask::of(false));
@@ -35,14 +35,14 @@ impl<F: Lanes> Roots<F> {
 }
 
 impl<F: Real> Roots<F> {
-    /// Existing roots in ascending order.
+    /// Iterates over the existing roots in ascending order.
     pub fn found(self) -> impl Iterator<Item = F> {
         let Self { left, right, has_left, has_right } = self;
         [has_left.then_some(left), has_right.then_some(right)].into_iter().flatten()
     }
 }
 
-/// Quotient limited to +-64 and never NaN: `0 / 0` is 0, `n / 0` is 64 with the sign of `n`.
+/// Computes a quotient limited to +-64, which is never NaN: `0 / 0` is 0, and `n / 0` is 64 with the sign of `n`.
 #[inline(always)]
 fn sdiv<F: Lanes>(n: F, d: F) -> F {
     let (zero, limit) = (F::of(0.0), F::of(64.0));
@@ -56,7 +56,7 @@ fn mask_equal<M: Mask>(a: M, b: M) -> M {
     (a & b) | !(a | b)
 }
 
-/// Coefficients of `f` that give its slope and half its curvature.
+/// Coefficients of `f` in the form in which its slope and half its curvature at a point are computed.
 #[derive(Clone, Copy)]
 struct Cubic<F> {
     c1: F,
@@ -109,13 +109,14 @@ fn polish<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F, low: F, high: F) -> F {
     (u + step).within(low, high)
 }
 
-/// Half the derivative of the squared distance.
+/// Computes `f` at `u`, which is half the derivative of the squared distance to the curve.
 #[inline(always)]
 fn f_at<F: Lanes>(curve: &Curve<F>, q: F::Vec3, u: F) -> F {
     -F::dot(curve.offset(q, u), curve.d(u))
 }
 
-/// Value at a piece's split point: the caller's at an end, the cubic's inside.
+/// Returns the value of `f` at the split point of a piece: the caller's value at an end of the segment, and the cubic's
+/// inside.
 #[inline(always)]
 fn at_split<F: Lanes>(u: F, start: F, end: F, inside: F) -> F {
     F::select(u.equals(F::of(0.0)), start, F::select(u.equals(F::of(1.0)), end, inside))

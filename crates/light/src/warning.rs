@@ -36,9 +36,9 @@ impl fmt::Display for LightWarning {
     }
 }
 
-/// Number of tested points along a segment.
+/// Number of points along a segment that are tested for overlaps.
 const ALONG: usize = 16;
-/// Number of tested points around the axis.
+/// Number of points around the axis that are tested for overlaps.
 const AROUND: usize = 12;
 
 impl Tube<f64> {

@@ -40,7 +40,8 @@ impl Bvh {
         self.first_bent_hit_budgeted(path, t_end, |_| true, accept)
     }
 
-    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`]. Segments and chords cost steps too.
+    /// Finds the first triangle as `Self::first_bent_hit` does, and counts steps as [`Self::first_hit_budgeted`]
+    /// does. Segments and chords also cost steps.
     pub fn first_bent_hit_budgeted(
         &self,
         path: &BentPath,
@@ -51,7 +52,7 @@ impl Bvh {
         self.first_bent_hit_in_bounds(path, t_end, &self.hierarchy.bounds()?, (&spend, &accept))
     }
 
-    /// Does the same for triangles within `bounds`.
+    /// Finds the first triangle as `Self::first_bent_hit_budgeted` does, among the triangles within `bounds`.
     pub(crate) fn first_bent_hit_in_bounds(
         &self,
         path: &BentPath,
@@ -149,7 +150,7 @@ struct Plane<'a> {
     segment: usize,
     normal: DVec3,
     corner: DVec3,
-    /// Largest height that rounding gives a point of the plane.
+    /// Greatest height over the plane that rounding gives a point of the plane.
     rounding: f64,
 }
 
@@ -158,8 +159,8 @@ impl Plane<'_> {
         self.normal.dot(self.path.position_at(self.segment, u) - self.corner)
     }
 
-    /// Returns the first value that `take` gives for a crossing between two parameters with their heights. `bend`
-    /// bounds the second derivative of the height.
+    /// Returns the first value that `take` returns for a crossing of the path with the plane, between two parameters
+    /// whose heights over the plane are given. `bend` bounds the second derivative of the height.
     fn first_crossing<T>(
         &self,
         [low, high]: [(f64, f64); 2],

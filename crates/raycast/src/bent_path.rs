@@ -47,7 +47,7 @@ pub struct Chord {
     /// Parameters of the two ends in that segment.
     pub u: [f64; 2],
     pub ends: [DVec3; 2],
-    /// Bound of `|C''|` over the piece, in u, in world lengths.
+    /// Upper bound of `|C''|` over the piece, where C is the path as a function of u, in world lengths.
     pub second_derivative_bound: f64,
 }
 
@@ -61,14 +61,14 @@ impl Chord {
         (from.min(to) - reach).cmpgt(bounds.max).any() || (from.max(to) + reach).cmplt(bounds.min).any()
     }
 
-    /// Bound of the distance between the line and the path at equal u: `|C''| h^2 / 8`.
+    /// Returns the bound of the distance between the line and the path at equal u: `|C''| h^2 / 8`.
     pub fn error(&self) -> f64 {
         let h = self.u[1] - self.u[0];
         // A straight piece may be infinite in u, and 0 times infinity is no bound.
         if self.second_derivative_bound == 0.0 { 0.0 } else { self.second_derivative_bound * h * h / 8.0 }
     }
 
-    /// Length of the straight line.
+    /// Returns the length of the straight line.
     pub(crate) fn length(&self) -> f64 {
         self.ends[0].distance(self.ends[1])
     }
@@ -80,7 +80,7 @@ impl<'a> BentPath<'a> {
         Self { tube, v, w, source: tube.placement.translation - origin_in_world }
     }
 
-    /// Position in scene space at parameter `u` of a segment.
+    /// Returns the position in scene space at parameter `u` of a segment.
     pub fn position_at(&self, segment: usize, u: f64) -> DVec3 {
         let s = &self.tube.segments[segment].curve;
         let (v_hat, w_hat) = self.tube.cross_section(s, s.u_hat(u));
@@ -141,11 +141,11 @@ impl<'a> BentPath<'a> {
         }
     }
 
-    /// Bound of `|C''|` over a piece, in u, in world lengths.
+    /// Returns the bound of `|C''|` over a piece, in u, in world lengths.
     ///
-    /// With `e = v v_hat + w w_hat`, `rho = |e|`, `C'' = P'' + R'' e + 2 R' e' + R e''`. The tangent turns by
-    /// `omega = |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that twists
-    /// by `tau` has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
+    /// With `e = v v_hat + w w_hat`, `rho = |e|`, `C'' = P'' + R'' e + 2 R' e' + R e''`. The tangent turns by `omega =
+    /// |u_hat'| = |d0 x a| / |d|^2`, whose own derivative is at most `2 omega |a| / |d|`. A frame that twists by `tau`
+    /// has `e' = -(e.u_hat') u_hat + tau (u_hat x e)`.
     fn second_derivative_bound(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
         let s = &self.tube.segments[segment].curve;
         let rho = libm::hypot(self.v, self.w);
@@ -169,7 +169,7 @@ impl<'a> BentPath<'a> {
     }
 }
 
-/// Bounds of the tangent's turn over a piece, in u.
+/// Upper bounds for the turn of the tangent over a piece, in u.
 #[derive(Clone, Copy)]
 struct Turn {
     /// Bound of `|u_hat'|`.
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
     use crate::hierarchy::ThickLine;
 
-    /// Wavy field of 2 n^2 triangles, 10 units wide.
+    /// Returns a wavy field of 2 n^2 triangles, 10 units wide.
     fn field(n: u32) -> Scene {
         let corner = |k: u32| {
             let (x, z) = ((k % (n + 1)) as f32 / n as f32, (k / (n + 1)) as f32 / n as f32);
@@ -253,7 +253,8 @@ mod tests {
         }
     }
 
-    /// Light `size` units long that bends by a right angle at the centre of the field and is 3 units wide there.
+    /// Returns a light `size` units long that bends by a right angle at the centre of the field and is 3 units wide
+    /// there.
     fn light_of(size: f64) -> Tube<f64> {
         let direction = DVec3::new(0.6, -0.64, 0.48);
         let aside = direction.any_orthonormal_vector();
@@ -263,7 +264,7 @@ mod tests {
         Tube::new(&light.with(TRANSLATION, -middle)).expect("a light")
     }
 
-    /// Mean number of triangles whose boxes a path's chords touch, over paths all over the light.
+    /// Returns the mean number of triangles whose boxes a path's chords touch, over paths all over the light.
     fn triangles_tested_per_path(bvh: &Bvh, tube: &Tube<f64>, bounds: &Aabb64) -> f64 {
         let mut asked = 0;
         for k in 0..64 {
@@ -294,7 +295,7 @@ mod tests {
         for size in [1e3, 1e4, 1e6, 1e9] {
             let tube = light_of(size);
             let asked = triangles_tested_per_path(&bvh, &tube, &bounds);
-            // Planted fault: chords that are cut by their own length alone.
+            // Deliberate fault that the check must detect: chords that are cut by their own length alone.
             let uncut = triangles_tested_per_path(&bvh, &tube, &Aabb64::INFINITE);
             println!(
                 "{size:e} units: {asked:.0} triangles a path, cut by length alone {uncut:.0}; 30 units: {ordinary:.0}"

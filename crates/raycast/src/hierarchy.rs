@@ -24,7 +24,7 @@ pub(crate) struct ThickLine {
     pub radius: f64,
 }
 
-/// Cost of a node in steps: one for its boxes, six for each of its triangles.
+/// Returns the cost of visiting a node, in steps: one for the boxes, six for each triangle.
 fn node_cost_steps(node: &HierarchyNode) -> u64 {
     1 + if node.is_leaf() { 6 * u64::from(node.count) } else { 0 }
 }
@@ -34,13 +34,13 @@ impl TriangleHierarchy {
         Self(hierarchy::Hierarchy::new(triangles.iter().map(outward_box)))
     }
 
-    /// Box around all triangles; `None` if there are none.
+    /// Returns the box around all triangles; `None` if there are none.
     pub fn bounds(&self) -> Option<Aabb64> {
         let hierarchy::Aabb { min, max } = self.0.nodes.first()?.bounds;
         Some(Aabb64 { min: min.as_dvec3(), max: max.as_dvec3() })
     }
 
-    /// Distance from `point` beyond which there are no triangles.
+    /// Returns the distance from `point` beyond which there are no triangles.
     pub fn max_distance_from(&self, point: DVec3) -> f64 {
         self.0.nodes.first().map_or(0.0, |root| {
             let hierarchy::Aabb { min, max } = root.bounds;
@@ -48,8 +48,8 @@ impl TriangleHierarchy {
         })
     }
 
-    /// Calls `meet` with every triangle whose box is within the distance that `meet` last returned from `point`, at
-    /// first `within`. Stops if `spend` refuses the next steps.
+    /// Calls `meet` with every triangle whose box is close enough to `point`: within the distance that `meet` returned
+    /// last, and at first within `within`. Stops if `spend` refuses further steps.
     pub fn visit_near_point(
         &self,
         point: DVec3,
@@ -80,8 +80,8 @@ impl TriangleHierarchy {
         }
     }
 
-    /// Calls `meet` with every triangle whose box the line may touch before the share of its length that `meet` last
-    /// returned, nearer boxes first. Stops if `spend` refuses the next steps.
+    /// Calls `meet` with every triangle whose box the line may touch. Nearer boxes come first. Boxes beyond the share
+    /// of the line's length that `meet` returned last are skipped. Stops if `spend` refuses further steps.
     pub fn visit_along_line(
         &self,
         line: ThickLine,
@@ -137,7 +137,7 @@ impl PreparedLine {
         Self { from, step: to - from, inverse: (to - from).recip(), radius: radius + slack }
     }
 
-    /// Share of the length at which the line enters the box; `None` if it misses.
+    /// Returns the share of the length at which the line enters the box; `None` if it misses.
     fn entry_share(&self, bounds: hierarchy::Aabb) -> Option<f64> {
         let low = bounds.min.as_dvec3() - self.from - self.radius;
         let high = bounds.max.as_dvec3() - self.from + self.radius;
@@ -158,7 +158,7 @@ impl PreparedLine {
     }
 }
 
-/// Box of a triangle, with each side rounded outwards.
+/// Returns the box of a triangle, with each side rounded outwards.
 fn outward_box(triangle: &Triangle) -> hierarchy::Aabb {
     let [a, b, c] = triangle.corners;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));

@@ -7,9 +7,9 @@ use scene::PosedScene;
 /// Nodes that a light affects. By default it affects all.
 #[derive(Clone, Debug, Default)]
 pub struct LinkedNodes {
-    /// For each node: true if it is lit. `None` if all are.
+    /// One entry for each node, true if the light illuminates it. `None` if the light illuminates all nodes.
     lit: Option<Vec<bool>>,
-    /// For each node: true if it casts shadows. `None` if all do.
+    /// One entry for each node, true if it casts shadows. `None` if all nodes do.
     casting: Option<Vec<bool>>,
 }
 

@@ -26,7 +26,7 @@ impl Bvh {
         self.nearest_budgeted(point, within, |_| true, accept)
     }
 
-    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`].
+    /// Finds the nearest point as `Self::nearest` does, and counts steps as [`Self::first_hit_budgeted`] does.
     pub fn nearest_budgeted(
         &self,
         point: DVec3,

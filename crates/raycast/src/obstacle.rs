@@ -28,7 +28,7 @@ pub enum LightPath<'a> {
     FromDirection {
         /// Unit vector towards the light.
         to_light: DVec3,
-        /// Triangle of the point.
+        /// Triangle that the point lies on.
         own_triangle: usize,
     },
 }

@@ -12,14 +12,14 @@ use crate::{BentPath, Chord};
 /// 40.
 const MAX_ERROR_SHARE: f64 = 1.0 / 4096.0;
 
-/// Relative change of a piece's length at which halving stops.
+/// Relative change of a piece's length, from one halving to the next, at which halving stops.
 const LENGTH_ERROR: f64 = 1e-7;
 
 /// Path as straight pieces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polyline {
     pub points: Vec<DVec3>,
-    /// Bound of the distance of the path from the pieces, in world units.
+    /// Upper bound of the distance between the path and the straight pieces, in world units.
     pub max_error: f64,
     /// Length of the path itself, in world units, to about a millionth.
     pub length: f64,
@@ -58,7 +58,7 @@ impl BentPath<'_> {
         Polyline { points: points.collect(), max_error: stray, length }
     }
 
-    /// Length of the path between two parameters of a segment, by halving until that makes no difference.
+    /// Returns the length of the path between two parameters of a segment, by halving until that makes no difference.
     fn arc_length_between(&self, segment: usize, [start, end]: [f64; 2], halvings: u32) -> f64 {
         let middle = f64::midpoint(start, end);
         let (whole, halves) =
@@ -70,7 +70,8 @@ impl BentPath<'_> {
         halves.iter().map(|half| self.arc_length_between(segment, *half, halvings + 1)).sum()
     }
 
-    /// Length by Richardson's extrapolation: halving removes three quarters of the error of the straight length.
+    /// Returns the length by Richardson's extrapolation: halving removes three quarters of the error of the straight
+    /// length.
     fn extrapolated_length(&self, segment: usize, [start, end]: [f64; 2]) -> f64 {
         let [from, middle, to] =
             [start, f64::midpoint(start, end), end].map(|u| self.position_at(segment, u));
@@ -78,8 +79,8 @@ impl BentPath<'_> {
     }
 }
 
-/// Bound of the distance between a path and its chord. Where the curve stops there is none, but a piece of 2^-24 of a
-/// segment is as good as a point.
+/// Returns an upper bound of the distance between a path and its chord. There is no bound where the curve stops. A
+/// piece of 2^-24 of a segment then counts as a point.
 fn chord_error_bound(chord: &Chord) -> f64 {
     let shortest = 1.0 / f64::from(1 << MAX_HALVINGS);
     let error = chord.error();

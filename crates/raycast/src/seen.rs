@@ -28,8 +28,8 @@ pub struct SeenPoint {
 }
 
 impl SeenPoint {
-    /// Point in scene space at which visibility of the light is evaluated. It lies in front of the triangle by the
-    /// height of the smooth surface that the vertex normals describe, so that facets do not shadow each other at
+    /// Returns the point in scene space at which visibility of the light is evaluated. It lies in front of the triangle
+    /// by the height of the smooth surface that the vertex normals describe, so that facets do not shadow each other at
     /// grazing light.
     ///
     /// `P + h n`, `h = sum b_i |(p_i - P) . (n_i - m)|` over the corners `p_i` with their normals `n_i` and the point's
@@ -42,7 +42,7 @@ impl SeenPoint {
         self.position + self.normal * self.terminator_offset
     }
 
-    /// Unit vector towards a light whose mirror reflection here reaches the viewer.
+    /// Returns the unit vector towards a light whose mirror reflection here reaches the viewer.
     pub fn mirror_direction(&self) -> DVec3 {
         self.normal * (2.0 * self.normal.dot(self.to_eye)) - self.to_eye
     }
@@ -55,7 +55,8 @@ impl Bvh {
         self.visible_point_budgeted(ray, |_| true)
     }
 
-    /// Does the same with a count of steps, as in [`Self::first_hit_budgeted`].
+    /// Finds the first visible surface as `Self::visible_point` does, and counts steps as
+    /// [`Self::first_hit_budgeted`] does.
     pub fn visible_point_budgeted(&self, ray: &ViewRay, spend: impl Fn(u64) -> bool) -> Option<SeenPoint> {
         let hit = self.first_hit_budgeted(ray.origin, ray.direction, ray.depth_range, spend, |hit| {
             let triangle = &self.triangles[hit.triangle];

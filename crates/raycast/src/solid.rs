@@ -6,7 +6,7 @@ use scene::{Image, Material, Primitive, TextureRef};
 use crate::{Bvh, Triangle};
 
 impl Bvh {
-    /// Geometry of a triangle.
+    /// Returns the geometry of a triangle.
     pub fn primitive(&self, triangle: &Triangle) -> &Primitive {
         self.posed.geometry(&self.posed.primitives[triangle.primitive])
     }
@@ -15,7 +15,7 @@ impl Bvh {
         &self.posed.scene.materials[self.primitive(triangle).material]
     }
 
-    /// Texture coordinates at a point of a triangle, by its barycentric weights.
+    /// Returns the texture coordinates at a point of a triangle, by its barycentric weights.
     pub fn uv(&self, triangle: &Triangle, weights: DVec3) -> DVec2 {
         let uvs = &self.primitive(triangle).uvs;
         if uvs.is_empty() {
@@ -42,7 +42,7 @@ impl Bvh {
     }
 }
 
-/// Alpha of an image at full size.
+/// Returns the alpha of an image at full size.
 fn alpha(image: &Image, texture: TextureRef, uv: DVec2) -> f64 {
     let sampler = texture.sampler;
     let texel = |x: f64, y: f64| {

@@ -33,8 +33,8 @@ impl Bvh {
         self.first_hit_budgeted(origin, direction, range, |_| true, accept)
     }
 
-    /// Does the same with a count of steps. `spend` is called before steps are taken, for boxes and triangles near the
-    /// ray. If it refuses, the search stops and its result has no meaning.
+    /// Finds the nearest triangle as `Self::first_hit` does, and counts steps for boxes and triangles near the ray.
+    /// `spend` is called before steps are taken. If it returns false, the search stops and its result has no meaning.
     pub fn first_hit_budgeted(
         &self,
         origin: DVec3,

@@ -8,9 +8,9 @@ pub struct Triangle {
     /// Positions, counter-clockwise seen from the front, also on mirrored nodes.
     pub corners: [DVec3; 3],
     pub node: usize,
-    /// Index of its primitive in [`scene::PosedScene::primitives`].
+    /// Index of the triangle's primitive in [`scene::PosedScene::primitives`].
     pub primitive: usize,
-    /// Indices of its three vertices in that primitive, in the order of `corners`.
+    /// Indices of the triangle's vertices in that primitive, in the order of `corners`.
     pub vertices: [u32; 3],
 }
 
@@ -19,13 +19,13 @@ pub struct Triangle {
 const OVERLAP: f64 = 1e-12;
 
 impl Triangle {
-    /// Normal towards the front, with twice the area as its length; zero for a triangle without area.
+    /// Returns the normal towards the front, with twice the area as its length; zero for a triangle without area.
     pub fn normal(&self) -> DVec3 {
         let [a, b, c] = self.corners;
         (b - a).cross(c - a)
     }
 
-    /// Barycentric weights of the corners at a point of the triangle's plane; `None` outside the triangle.
+    /// Returns the barycentric weights of the corners at a point of the triangle's plane; `None` outside the triangle.
     pub fn barycentrics_at(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let (normal, at) = (self.normal(), point - a);
@@ -36,7 +36,7 @@ impl Triangle {
         (weights.min_element() >= -OVERLAP).then_some(weights)
     }
 
-    /// Barycentric weights of the triangle's point nearest to `point`; `None` for a triangle without area.
+    /// Returns the barycentric weights of the triangle's point nearest to `point`; `None` for a triangle without area.
     pub fn nearest_barycentrics(&self, point: DVec3) -> Option<DVec3> {
         let [a, b, c] = self.corners;
         let normal = self.normal();
@@ -55,7 +55,7 @@ impl Triangle {
         nearest.filter(|_| normal != DVec3::ZERO)
     }
 
-    /// Position at barycentric weights.
+    /// Returns the position at barycentric weights.
     pub fn position_at(&self, weights: DVec3) -> DVec3 {
         let [a, b, c] = self.corners;
         a * weights.x + b * weights.y + c * weights.z

@@ -6,7 +6,7 @@ use scene::PosedScene;
 
 use crate::ReferenceLight;
 
-/// Light, with the nodes that it lights and those that cast its shadows.
+/// Light, with the nodes that it illuminates and the nodes that cast shadows in it.
 #[derive(Clone, Debug)]
 pub struct LinkedReferenceLight {
     source: ReferenceLight,

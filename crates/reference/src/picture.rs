@@ -59,7 +59,8 @@ impl Reference {
         sum
     }
 
-    /// Returns the AOV's value at a surface, or `None` outside the light that the AOV belongs to.
+    /// Returns the AOV's value at a surface. `None` if the AOV belongs to a light and the surface is outside this
+    /// light.
     fn value(
         &self,
         view: &View,

@@ -54,7 +54,7 @@ pub struct LightProbe {
     pub irradiance: DVec3,
     /// Radiance that the light adds towards the viewer, linear RGB.
     pub radiance: DVec3,
-    /// Share of that radiance in the luminance of all lights together, 0 to 1. All shares are 0 if that
+    /// Share of `radiance` in the luminance that all lights together add, from 0 to 1. All shares are 0 if that
     /// luminance is 0.
     pub share: f64,
     /// Light path to the surface, as a polyline in world space. It starts at the source, or outside the scene
@@ -107,7 +107,7 @@ pub struct ProbedCaster {
 pub struct ProbedPlace {
     /// Coordinates along and across the light, and the direction towards it.
     pub coords: LightCoords,
-    /// Radius of the tube or cone there, in world units; `None` for other lights.
+    /// Radius of the tube or cone at the surface, in world units; `None` for other lights.
     pub radius: Option<f64>,
     /// Length of the light path from the source, in world units; `None` if the source is infinitely far away.
     pub path_length: Option<f64>,
@@ -266,7 +266,7 @@ impl Reference {
     }
 }
 
-/// Computes the share of each light.
+/// Computes the share of each light in the luminance that all lights together add.
 fn share_out(lights: &mut [LightProbe]) {
     let luminance = |light: &LightProbe| light.radiance.dot(LUMINANCE).min(f64::MAX);
     let largest = lights.iter().map(luminance).fold(0.0, f64::max);

@@ -24,7 +24,7 @@ struct Level {
     texels: Vec<DVec4>,
 }
 
-/// Mip levels by index of the image; the flag is true for sRGB images.
+/// Mip levels of each image, by the index of the image and a flag. The flag is true if the image is decoded as sRGB.
 type Chains = HashMap<(usize, bool), OnceLock<Vec<Level>>>;
 
 /// Textures of a scene.

@@ -82,7 +82,7 @@ impl Reference {
         surface.normal.dot(sample.along_path) <= 0.0 || is_in_its_own_way()
     }
 
-    /// Returns true if no other surface blocks the light.
+    /// Returns true if no other surface blocks the light on its path to the surface.
     pub(crate) fn has_line_of_sight(
         &self,
         (source, linked): (&ReferenceLight, &LinkedNodes),
@@ -177,8 +177,8 @@ impl Reference {
         self.is_ray_unblocked(surface, towards, [near, f64::INFINITY], linked)
     }
 
-    /// Returns true if no triangle but the surface's own lies between `near` and `far` lengths of `way` from
-    /// it.
+    /// Returns true if no triangle except the surface's own is met along `way` from the surface, between `near` and
+    /// `far` lengths of `way`.
     fn is_ray_unblocked(
         &self,
         surface: &ShadedPoint,

@@ -35,7 +35,7 @@ pub enum LayerTerms<'a> {
 pub struct LayerSum(Vec<Vec3s>);
 
 impl LayerSum {
-    /// Number of blocks of surfaces.
+    /// Returns the number of blocks of surfaces.
     pub fn block_count(&self) -> usize {
         self.0.len()
     }

@@ -25,17 +25,17 @@ impl DepthMap {
         Self { side, faces, texels: vec![0.0; faces * side * stride(side)] }
     }
 
-    /// Number of texels along each side of a face.
+    /// Returns the number of texels along each side of a face.
     pub fn side(&self) -> usize {
         self.side
     }
 
-    /// Number of faces.
+    /// Returns the number of faces.
     pub fn faces(&self) -> usize {
         self.faces
     }
 
-    /// Number of texels from one row to the next.
+    /// Returns the number of texels from one row to the next.
     pub(crate) fn stride(&self) -> usize {
         stride(self.side)
     }

@@ -104,7 +104,7 @@ impl Not for Masks {
 }
 
 impl Masks {
-    /// Value of one lane.
+    /// Returns the value of one lane.
     #[inline(always)]
     pub fn lane(self, lane: usize) -> bool {
         self.0[lane] != 0
@@ -187,7 +187,7 @@ impl Vec3s {
     pub fn splat([x, y, z]: [f32; 3]) -> Self {
         Self { x: F32s::splat(x), y: F32s::splat(y), z: F32s::splat(z) }
     }
-    /// Vector of one lane.
+    /// Returns the vector of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> glam::Vec3 {
         glam::Vec3::new(self.x.0[lane], self.y.0[lane], self.z.0[lane])

@@ -19,7 +19,7 @@ pub(crate) struct ReceiverPoint {
 }
 
 impl ReceiverPoint {
-    /// Point at which light must arrive for the surface to be lit.
+    /// Returns the point at which light must arrive for the surface to be lit.
     pub fn shadow_position(&self) -> Vec3 {
         self.position + self.terminator_offset * self.normal
     }

@@ -132,22 +132,22 @@ impl Surfaces {
         Ok(surfaces)
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size
     }
 
-    /// Number of blocks of sixteen pixels that show a surface.
+    /// Returns the number of blocks of sixteen pixels that show a surface.
     pub fn block_count(&self) -> usize {
         self.blocks.len()
     }
 
-    /// Size of the contents in bytes.
+    /// Returns the size of the contents in bytes.
     pub fn bytes(&self) -> u64 {
         Self::bytes_of(self.block_count())
     }
 
-    /// Largest number of blocks of a picture of this size.
+    /// Returns the largest number of blocks of a picture of this size.
     pub fn max_blocks(size: [u32; 2]) -> usize {
         size.map(|side| (side as usize).div_ceil(BLOCK_SIDE)).iter().product()
     }

@@ -250,7 +250,7 @@ fn self_shadowed_lanes(scene: &CasterScene, surface: &SurfaceLanes, arriving: Ve
 }
 
 impl SurfaceLanes {
-    /// Point at which light must arrive for each surface to be lit.
+    /// Returns the point at which light must arrive for each surface to be lit.
     #[inline(always)]
     pub fn shadow_position(&self) -> Vec3s {
         self.position + self.normal * self.terminator_offset

@@ -13,7 +13,7 @@ pub enum Backend {
 }
 
 impl Backend {
-    /// Name on command lines and in reports.
+    /// Returns the name on command lines and in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Wgpu => "wgpu",
@@ -21,7 +21,7 @@ impl Backend {
         }
     }
 
-    /// Default for `adapter`: the CPU if the graphics device itself is a CPU.
+    /// Returns the default for `adapter`: the CPU if the graphics device itself is a CPU.
     pub(crate) fn of(adapter: &Adapter) -> Self {
         let is_processor = adapter.get_info().device_type == DeviceType::Cpu;
         if is_processor && Self::Native.works_with(adapter) { Self::Native } else { Self::Wgpu }

@@ -28,7 +28,8 @@ impl BakedFilter {
         }
     }
 
-    /// Samples with each value of each field at least once; the first is that of most lights.
+    /// Returns sets of constants in which each field has each of its values at least once. Most lights have those of
+    /// the first.
     #[cfg(test)]
     pub fn samples() -> [Self; 4] {
         let plain = Self {

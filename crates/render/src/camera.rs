@@ -48,7 +48,8 @@ impl CameraRaster {
         Ok(Self { world_from_camera, projection, width: view.width, height: view.height })
     }
 
-    /// Half the width and height of the view: at distance 1 in perspective, at any distance in orthographic projection.
+    /// Returns half the width and height of the view: at distance 1 in perspective, at any distance in orthographic
+    /// projection.
     fn half_size(&self) -> DVec2 {
         let aspect = f64::from(self.width) / f64::from(self.height);
         let y = match self.projection {
@@ -60,7 +61,7 @@ impl CameraRaster {
         DVec2::new(y * aspect, y)
     }
 
-    /// Projection with reversed z: 1 at the near plane, 0 at the far plane or at infinity.
+    /// Returns the projection with reversed z: 1 at the near plane, 0 at the far plane or at infinity.
     pub fn clip_from_world(&self) -> DMat4 {
         let scale = self.half_size().recip();
         // z_clip = a z + b and w_clip = c z + d, for z in camera space.
@@ -83,8 +84,8 @@ impl CameraRaster {
         clip_from_camera * self.world_from_camera.inverse()
     }
 
-    /// Uniform for samples offset by `jitter` pixels, right and down, from the centers of pixels, in a target whose
-    /// first pixel is `tile_origin` of the picture. `fill_factor` is [`View::fill`].
+    /// Returns the uniform for samples offset by `jitter` pixels, right and down, from the centers of pixels, in a
+    /// target whose first pixel is `tile_origin` of the picture. `fill_factor` is [`View::fill`].
     pub fn uniform(
         &self,
         jitter: DVec2,
@@ -139,13 +140,13 @@ impl CameraRaster {
         }
     }
 
-    /// All pixels, as `[x, y, width, height]`.
+    /// Returns all pixels, as `[x, y, width, height]`.
     pub fn all_pixels(&self) -> [u32; 4] {
         [0, 0, self.width, self.height]
     }
 
-    /// The pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`; of size 0 if it touches
-    /// none.
+    /// Returns the pixels that the convex hull of `corners` may touch, as `[x, y, width, height]`; of size 0 if it
+    /// touches none.
     ///
     /// Returns all pixels if a corner is behind the camera, since its projection is meaningless, unless all of the hull
     /// is behind the camera or beyond one side of the picture.
@@ -183,12 +184,12 @@ impl CameraRaster {
     }
 }
 
-/// Columns of a matrix, in f32.
+/// Returns the columns of a matrix, in f32.
 pub(crate) fn columns(m: &DMat4) -> Mat4 {
     m.as_mat4().to_cols_array_2d()
 }
 
-/// Offset of sample `index` of `count` from the pixel's center, in pixels.
+/// Returns the offset of sample `index` of `count` from the pixel's center, in pixels.
 ///
 /// Samples form a centered Fibonacci lattice, so their mean is the center. A single sample is the center itself.
 pub(crate) fn sample_offset(index: u32, count: u32) -> DVec2 {

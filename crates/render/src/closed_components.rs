@@ -155,7 +155,7 @@ pub(crate) fn connected(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<u32>
 mod tests {
     use super::*;
 
-    /// A box whose faces have separate corners, as normals require.
+    /// Returns a box whose faces have separate corners, as normals require.
     fn cube(at: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
         let corner = |k: usize| [at + (k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2) as f32];
         let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];

@@ -49,7 +49,7 @@ impl Renderer {
     }
 }
 
-/// Three squares: one-sided, double-sided and alpha-tested. Each is drawn by another pipeline.
+/// Returns a scene of three squares: one-sided, double-sided and alpha-tested. Each is drawn by another pipeline.
 fn scene() -> Scene {
     let square = |material| Primitive {
         positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -74,7 +74,7 @@ fn scene() -> Scene {
     }
 }
 
-/// A view from above. Its sides are not powers of two, because drivers may compile those separately.
+/// Returns a view from above. Its sides are not powers of two, because drivers may compile those separately.
 fn view() -> View {
     let camera = Camera {
         name: String::new(),
@@ -85,13 +85,13 @@ fn view() -> View {
     View::beauty(camera, [42, 22])
 }
 
-/// A light over the middle of the squares.
+/// Returns a light over the middle of the squares.
 fn spot() -> Light {
     let transform = Transform { translation: DVec3::Y * 2.0, rotation: downwards(), scale: 1.0 };
     Light::spot().with_transform(transform).with(RANGE, Some(4.0)).with(DECAY, Decay::None)
 }
 
-/// Rotation from -Z to -Y.
+/// Returns the rotation from -Z to -Y.
 fn downwards() -> DQuat {
     DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2)
 }

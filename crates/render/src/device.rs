@@ -150,7 +150,7 @@ impl Gpu {
         self.advice.as_deref()
     }
 
-    /// Name and version that the driver reports.
+    /// Returns the name and version that the driver reports.
     pub fn driver(&self) -> &str {
         &self.driver
     }
@@ -164,12 +164,12 @@ impl Gpu {
         self.is_cpu
     }
 
-    /// Backend of shadows and lights in the beauty.
+    /// Returns the backend of shadows and lights in the beauty.
     pub fn backend(&self) -> Backend {
         self.backend
     }
 
-    /// Backend of `aov`. wgpu draws every AOV that does not depend on shadow maps.
+    /// Returns the backend of `aov`. wgpu draws every AOV that does not depend on shadow maps.
     pub(crate) fn backend_of(&self, aov: Aov) -> Backend {
         if matches!(aov, Aov::Beauty | Aov::Visibility) { self.backend } else { Backend::Wgpu }
     }
@@ -179,7 +179,7 @@ impl Gpu {
         (self.backend == Backend::Native).then(make)
     }
 
-    /// Threads of the native backend.
+    /// Returns the threads of the native backend.
     pub(crate) fn workers(&self) -> &Workers {
         self.workers.get_or_init(|| Workers::new().with_yield_policy(self.yielding.clone()))
     }
@@ -261,7 +261,7 @@ fn one_line(error: &dyn std::fmt::Display) -> String {
     error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// The best adapter of the first interface that has one. GL counts only if Vulkan has none.
+/// Returns the best adapter of the first interface that has one. GL counts only if Vulkan has none.
 fn choose_adapter() -> Result<Adapter, RenderError> {
     let mut unfit = Vec::new();
     for backends in [Backends::VULKAN, Backends::GL] {
@@ -284,7 +284,7 @@ fn choose_adapter() -> Result<Adapter, RenderError> {
     }))
 }
 
-/// Rank of an adapter; the smallest is best.
+/// Returns the rank of an adapter; the smallest is best.
 fn preference(adapter: &Adapter) -> u8 {
     match adapter.get_info().device_type {
         DeviceType::DiscreteGpu => 0,
@@ -295,7 +295,7 @@ fn preference(adapter: &Adapter) -> u8 {
     }
 }
 
-/// WebGPU's default limits as far as the adapter has them, and the adapter's own for sizes.
+/// Returns WebGPU's default limits as far as the adapter has them, and the adapter's own for sizes.
 fn limits(adapter: &Limits) -> Limits {
     Limits {
         max_texture_dimension_2d: adapter.max_texture_dimension_2d,

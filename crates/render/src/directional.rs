@@ -49,7 +49,7 @@ pub(crate) struct GpuDirectional {
     pub views: MapViews,
 }
 
-/// World positions whose convex hull contains everything that a light can light in a scene.
+/// Returns the world positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(parallel: &Parallel, posed: &PosedScene) -> [DVec3; 8] {
     let window = window(parallel, posed);
     let corner = |k: usize| {
@@ -77,7 +77,7 @@ struct Extent {
 impl Extent {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, top: f64::NEG_INFINITY };
 
-    /// Extent of a box within `window`; `None` if none of it is inside.
+    /// Returns the extent of a box within `window`; `None` if none of it is inside.
     fn of(cluster: &ClusterBounds, light_from_scene: &DMat3, window: &Self) -> Option<Self> {
         let rows = light_from_scene.transpose();
         let [x, y, height] = [rows.x_axis, rows.y_axis, rows.z_axis].map(|row| cluster.range(row, 0.0));
@@ -95,7 +95,7 @@ impl Extent {
     }
 }
 
-/// The light's window around the scene's origin, clipped to the scene.
+/// Returns the light's window around the scene's origin, clipped to the scene.
 fn window(parallel: &Parallel, posed: &PosedScene) -> Extent {
     let light_from_scene = parallel.rotation.transpose();
     let whole = ClusterBounds { center: DVec3::ZERO, half: posed.half_extent };

@@ -15,7 +15,7 @@ pub(crate) const FORMAT: TextureFormat = TextureFormat::Rgba8Unorm;
 /// Limit of exposed radiance, so that it stays finite.
 const BRIGHTEST: f32 = 1e30;
 
-/// Factor of radiance for an exposure in stops.
+/// Returns the factor of radiance for an exposure in stops.
 pub(crate) fn exposure_factor(exposure: f64) -> f32 {
     exposure.exp2() as f32
 }

@@ -5,7 +5,7 @@ use wgpu::AdapterInfo;
 /// First Mesa version whose software driver skips shader branches that no pixel takes. Older ones run both sides.
 const MIN_FAST_MESA: u32 = 25;
 
-/// Name of the device, with the interface and the driver's version.
+/// Returns the name of the device, with the interface and the driver's version.
 pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
     let AdapterInfo { name, backend, driver_info, .. } = info;
     if driver_info.is_empty() {
@@ -15,7 +15,7 @@ pub(crate) fn adapter_name(info: &AdapterInfo) -> String {
     }
 }
 
-/// Advice, as a sentence, if another version of the driver would draw much faster.
+/// Returns advice, as a sentence, if another version of the driver would draw much faster.
 pub(crate) fn advice(info: &AdapterInfo) -> Option<String> {
     let version = info.driver_info.strip_prefix("Mesa ").filter(|_| info.driver == "llvmpipe")?;
     let version = version.split(' ').next()?;
@@ -27,7 +27,7 @@ pub(crate) fn advice(info: &AdapterInfo) -> Option<String> {
     })
 }
 
-/// Major version: 22 for `22.3.6` or `22.3.6-devel`; `None` if there is no version.
+/// Returns the major version: 22 for `22.3.6` or `22.3.6-devel`; `None` if there is no version.
 fn major(version: &str) -> Option<u32> {
     let (major, rest) = version.split_once('.')?;
     let digit = |c: u8| c.is_ascii_digit();

@@ -22,9 +22,9 @@ pub enum RenderError {
     TooLarge {
         /// Name of the oversized thing, as the start of a sentence.
         what: &'static str,
-        /// Its size.
+        /// Size that was requested.
         size: f64,
-        /// Its largest permitted size.
+        /// Largest permitted size.
         limit: f64,
     },
     /// f32 cannot represent the light relative to the scene.

@@ -71,12 +71,12 @@ fn channels_of(aov: Aov) -> &'static [(&'static str, usize, bool)] {
 }
 
 impl ExrFile {
-    /// A file without channels, for pictures of `size`.
+    /// Makes a file without channels, for pictures of `size`.
     pub fn new(size: [u32; 2]) -> Self {
         Self { size, channels: Vec::new() }
     }
 
-    /// Bytes per pixel of an AOV, with its alpha.
+    /// Returns the bytes per pixel of an AOV, with its alpha.
     pub fn bytes_a_pixel(aov: Aov) -> usize {
         let of = |&(_, _, half): &(&str, usize, bool)| if half { 2 } else { 4 };
         channels_of(aov).iter().chain([&ALPHA]).map(of).sum()
@@ -193,17 +193,19 @@ fn attributes(view: &View, origin: &PictureOrigin) -> LayerAttributes {
     attributes
 }
 
-/// UTF-8 text, as programs write it, though the format specifies only bytes.
+/// Encodes text as UTF-8, as programs write it, though the format specifies only bytes.
 fn text(text: &str) -> Text {
     Text::from_slice_unchecked(text.as_bytes())
 }
 
-/// OpenEXR multiplies row vectors from the left.
+/// Returns the matrix in OpenEXR's layout. OpenEXR multiplies row vectors from the left, so its rows are the columns
+/// here.
 fn matrix(from_columns: DMat4) -> [f32; 16] {
     from_columns.to_cols_array().map(|x| x as f32)
 }
 
-/// Matrix from camera space (along -Z, +Y up) to -1 to 1 over the picture, y up, and from the near to the far plane.
+/// Returns the matrix from camera space (along -Z, +Y up) to -1 to 1 over the picture, y up, and from the near to the
+/// far plane.
 fn ndc_from_camera(camera: &Camera, size: [u32; 2]) -> DMat4 {
     let [near, far] = planes(&camera.projection);
     // The picture's upper right corner, at a depth of 1.

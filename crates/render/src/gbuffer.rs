@@ -94,7 +94,7 @@ impl GbufferKey {
 }
 
 impl GbufferTexels {
-    /// Bytes of the texels of `size` pixels.
+    /// Returns the bytes of the texels of `size` pixels.
     pub fn bytes_of([width, height]: [u32; 2]) -> u64 {
         let [of_packed, of_offset, of_depth] = TEXEL_BYTES.map(|texel| texel * width as usize);
         let staged = if fits_one_readback([width, height]) {
@@ -106,7 +106,7 @@ impl GbufferTexels {
         u64::from(width) * u64::from(height) * BYTES_PER_PIXEL + staged
     }
 
-    /// Bytes of the arrays and of the readback buffer.
+    /// Returns the bytes of the arrays and of the readback buffer.
     pub fn bytes(&self) -> u64 {
         self.packed.len() as u64 * BYTES_PER_PIXEL + self.staging.as_ref().map_or(0, Buffer::size)
     }

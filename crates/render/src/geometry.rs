@@ -114,12 +114,13 @@ impl Vertices {
     }
 }
 
-/// Sort key of draws. Those without an alpha test come first, in one run that a shadow pass draws with one call.
+/// Returns the sort key of draws. Those without an alpha test come first, in one run that a shadow pass draws with one
+/// call.
 fn draw_order(materials: &[Material], index: usize) -> (bool, usize) {
     (materials[index].alpha_cutoff.is_some(), index)
 }
 
-/// Unit normal of the counter-clockwise side, and its dot product with the corners.
+/// Returns the unit normal of the counter-clockwise side, and its dot product with the corners.
 ///
 /// Computed from the rounded corners, the product with the rounded normal. Only the rounding of the product remains,
 /// one ulp of the distance from the scene's center.
@@ -157,7 +158,7 @@ pub(crate) struct HostGeometry {
 }
 
 impl HostGeometry {
-    /// Bytes of the arrays, without those that grow only with materials and nodes.
+    /// Returns the bytes of the arrays, without those that grow only with materials and nodes.
     fn bytes(&self) -> u64 {
         let Vertices { positions, attributes, indices, planes, .. } = &self.vertices;
         let of_triangles = size_of_val(&indices[..]) + size_of_val(&planes[..]);
@@ -168,7 +169,7 @@ impl HostGeometry {
 }
 
 impl Geometry {
-    /// Bytes of the buffers and of arrays in CPU memory.
+    /// Returns the bytes of the buffers and of arrays in CPU memory.
     pub fn bytes(&self) -> u64 {
         let geometry = [&self.positions, &self.attributes, &self.indices, &self.planes];
         let buffers = geometry.into_iter().chain([&self.hierarchy, &self.hierarchy_triangles]);
@@ -236,7 +237,7 @@ mod tests {
 
     use super::*;
 
-    /// A triangle in the plane z = 0 that faces +z, transformed by `world_from_local`.
+    /// Returns a triangle in the plane z = 0 that faces +z, transformed by `world_from_local`.
     fn scene_with(world_from_local: DAffine3) -> Scene {
         let primitive = Primitive {
             positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],

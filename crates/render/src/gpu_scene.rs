@@ -75,8 +75,8 @@ const FRAGMENTS_AT_ONCE: f64 = 32e6;
 const SOFTWARE_FRAGMENTS_AT_ONCE: f64 = 4e6;
 
 impl GpuScene {
-    /// Number of parts for drawing the triangles onto `pixels`, or for ray tests near those pixels. It is 1 except for
-    /// scenes with a great depth complexity.
+    /// Returns the number of parts for drawing the triangles onto `pixels`, or for ray tests near those pixels. It is 1
+    /// except for scenes with a great depth complexity.
     pub fn part_count(&self, gpu: &Gpu, pixels: u64) -> u32 {
         let at_once = if gpu.is_cpu() { SOFTWARE_FRAGMENTS_AT_ONCE } else { FRAGMENTS_AT_ONCE };
         (self.posed.depth_complexity() * pixels as f64 / at_once).ceil().clamp(1.0, 65_536.0) as u32
@@ -86,7 +86,7 @@ impl GpuScene {
         &self.draws[self.draws.partition_point(|draw| !draw.is_alpha_tested)..]
     }
 
-    /// Shadow casters of lights without links.
+    /// Returns the shadow casters of lights without links.
     pub fn caster_set(&self) -> CasterSet<'_> {
         CasterSet {
             casters: &self.casters,
@@ -95,7 +95,7 @@ impl GpuScene {
         }
     }
 
-    /// Casters within `mesh_error` of the surface, in world units.
+    /// Returns the casters within `mesh_error` of the surface, in world units.
     pub fn casters_within(&self, gpu: &Gpu, mesh_error: f64) -> Result<Casters, RenderError> {
         Casters::new(gpu, (&Vertices::new(&self.posed)?, self.opaque_indices as usize), mesh_error)
     }
@@ -128,7 +128,7 @@ impl GpuScene {
         Ok(scene)
     }
 
-    /// The part that other renderers can share.
+    /// Returns the part that other renderers can share.
     pub fn on_device(&self) -> &SceneOnDevice {
         &self.uploaded
     }

@@ -29,7 +29,7 @@ impl Hierarchy {
     }
 }
 
-/// The nodes in depth-first order, first children first.
+/// Returns the nodes in depth-first order, first children first.
 fn depth_first(built: &hierarchy::Hierarchy) -> Vec<HierarchyNode> {
     let mut nodes = Vec::with_capacity(built.nodes.len());
     let mut open: Vec<u32> = vec![0];

@@ -5,7 +5,7 @@ use relight::{AlphaTests, CasterHierarchy, CasterLinks, CasterScene};
 use crate::gpu_scene::GpuScene;
 use crate::linked::LinkedCasters;
 
-/// The scene as shadow casters, reduced by `linked`.
+/// Returns the scene as shadow casters, reduced by `linked`.
 pub(crate) fn caster_scene<'a>(scene: &'a GpuScene, linked: Option<&'a LinkedCasters>) -> CasterScene<'a> {
     let host = scene.geometry.host.as_deref().expect("it is there where the processor draws");
     let vertices = &host.vertices;

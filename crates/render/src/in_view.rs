@@ -13,9 +13,9 @@ use crate::shadow_settings::Culling;
 /// Size of a source as a share of its distance, for rounding.
 const ROUNDING: f64 = 1e-6;
 
-/// Index ranges of opaque leaves that `clip_from_scene` may see, with their component in that view: `Closed` if front
-/// faces are counter-clockwise. Light begins at `source`, in scene space; `None` means outside the scene. Closed
-/// components around the source count as `Open`.
+/// Returns the index ranges of opaque leaves that `clip_from_scene` may see, with their component in that view:
+/// `Closed` if front faces are counter-clockwise. Light begins at `source`, in scene space; `None` means outside the
+/// scene. Closed components around the source count as `Open`.
 pub(crate) fn visible_runs(
     casters: &Casters,
     clip_from_scene: &Mat4,
@@ -76,7 +76,7 @@ fn in_f64(matrix: &Mat4) -> DMat4 {
     DMat4::from_cols_array_2d(&matrix.map(|column| column.map(f64::from)))
 }
 
-/// Planes of the four sides of the picture, with `normal . p + offset` zero or more inside.
+/// Returns the planes of the four sides of the picture, with `normal . p + offset` zero or more inside.
 fn planes(clip_from_scene: &DMat4) -> [(DVec3, f64); 4] {
     let [x, y, w] = [0, 1, 3].map(|row| clip_from_scene.row(row));
     [w + x, w - x, w + y, w - y].map(|plane| (plane.truncate(), plane.w))

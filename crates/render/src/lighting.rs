@@ -76,8 +76,8 @@ impl LightingPass {
         }
     }
 
-    /// A pass of a light. `groups` are the layouts of the view, the surface, the light and links. Without `linked`, all
-    /// triangles count, which is compiled in.
+    /// Makes a pass of a light. `groups` are the layouts of the view, the surface, the light and links. Without
+    /// `linked`, all triangles count, which is compiled in.
     pub fn of_light(gpu: &Gpu, label: &str, wgsl: &str, linked: bool, groups: [&BindGroupLayout; 4]) -> Self {
         let count = if linked { 4 } else { 3 };
         Self::new(gpu, label, &shaders::lighting_pass(wgsl, linked, gpu.has_subgroups()), &groups[..count])

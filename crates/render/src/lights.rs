@@ -389,7 +389,7 @@ fn is_needed(users: &[MapUser], map: MapKey) -> bool {
     of_light.next() == Some(&map) || users.iter().any(|user| !user.is_finished && user.maps.contains(&map))
 }
 
-/// Pixels that `light` may reach, `[x, y, width, height]`; `None` if it reaches none.
+/// Returns the pixels that `light` may reach, `[x, y, width, height]`; `None` if it reaches none.
 pub(crate) fn reachable_pixels(
     light: &CheckedLight,
     (scene, raster): (&GpuScene, &CameraRaster),
@@ -406,7 +406,8 @@ pub(crate) fn reachable_pixels(
     Some(raster.bounds_of(&corners_in_world)).filter(|[_, _, width, height]| *width > 0 && *height > 0)
 }
 
-/// Size of the map of `light`. A light without shadows has the smallest size, because a binding must not be empty.
+/// Returns the size of the map of `light`. A light without shadows has the smallest size, because a binding must not be
+/// empty.
 fn map_size_of(light: &CheckedLight, shadows: &ShadowSettings) -> MapSize {
     let size = match StraightLight::of(light) {
         Some(straight) => straight.map_size(shadows),

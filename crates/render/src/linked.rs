@@ -76,8 +76,8 @@ impl KnownLinks {
     }
 }
 
-/// Shadow casters of a light, selected by its links if it has any. They are within `mesh_error` of the surface, in
-/// world units.
+/// Returns the shadow casters of a light, selected by its links if it has any. They are within `mesh_error` of the
+/// surface, in world units.
 pub(crate) fn caster_set<'a>(
     gpu: &Gpu,
     scene: &'a GpuScene,

@@ -22,7 +22,7 @@ impl MapKey {
         self.light
     }
 
-    /// Cause for drawing a map with this key after one of the same light with the key `before`.
+    /// Returns the cause for drawing a map with this key after one of the same light with the key `before`.
     pub fn cause_after(&self, before: &Self) -> Cause {
         if before.scene != self.scene {
             Cause::Scene

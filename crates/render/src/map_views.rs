@@ -16,7 +16,7 @@ pub(crate) struct MapViews {
 }
 
 impl MapViews {
-    /// Uniforms, one per face of the map; `None` for a face without casters.
+    /// Returns the uniforms, one per face of the map; `None` for a face without casters.
     pub fn shadow_views(&self) -> Vec<Option<gpu_structs::ShadowView>> {
         let view = |clip_from_light: &DMat4| {
             let clip_from_scene = columns(&(*clip_from_light * self.light_from_scene));

@@ -119,7 +119,7 @@ struct Textures<'a> {
 }
 
 impl Textures<'_> {
-    /// Width, height and pixels of `texture`, or a white texel.
+    /// Returns the width, height and pixels of `texture`, or a white texel.
     fn image(&self, texture: Option<TextureRef>) -> (u32, u32, &[u8]) {
         texture.map_or((1, 1, &[255; 4]), |texture| {
             let image = &self.scene.images[texture.image];
@@ -127,7 +127,7 @@ impl Textures<'_> {
         })
     }
 
-    /// View and sampler of `texture`, which is uploaded at first use.
+    /// Returns the view and sampler of `texture`, which is uploaded at first use.
     fn get(
         &mut self,
         texture: Option<TextureRef>,
@@ -164,7 +164,7 @@ impl Textures<'_> {
     }
 }
 
-/// Texture format of an encoding. Colors are decoded once and stored as linear values. Samplers decode sRGB
+/// Returns the texture format of an encoding. Colors are decoded once and stored as linear values. Samplers decode sRGB
 /// approximately, while 16 bits round by at most a fortieth of the smallest step of sRGB. A device without such a
 /// format uses halves, which round by at most 1/2048 of a color.
 fn format(gpu: &Gpu, encoding: Encoding) -> TextureFormat {

@@ -77,7 +77,7 @@ fn halved(level: &[[f32; 4]], width: usize, height: usize) -> (Vec<[f32; 4]>, us
     (out, half_width, half_height)
 }
 
-/// The texels of `full` that texel `index` of `half` covers, each with its share.
+/// Returns the texels of `full` that texel `index` of `half` covers, each with its share.
 ///
 /// `full` is `2 half`, `2 half + 1`, or 1 with `half` 1.
 fn taps(index: usize, full: usize, half: usize) -> [(usize, f32); 3] {

@@ -57,13 +57,13 @@ fn camera(view: &gpu_structs::View) -> CameraRays {
 }
 
 impl NativeTargets {
-    /// Largest size in bytes, without layers, for pictures of `size`.
+    /// Returns the largest size in bytes, without layers, for pictures of `size`.
     pub fn max_bytes(size: [u32; 2]) -> u64 {
         let (blocks, [width, height]) = (Surfaces::max_blocks(size), size.map(u64::from));
         Surfaces::bytes_of(blocks) + LayerSum::bytes(blocks) + width * height * size_of::<[f32; 4]>() as u64
     }
 
-    /// Bytes, without layers.
+    /// Returns the bytes, without layers.
     pub fn bytes(&self) -> u64 {
         let surfaces = self.surfaces.as_ref().map_or(0, Surfaces::bytes);
         surfaces + LayerSum::bytes(self.sample_sum.block_count()) + size_of_val(&self.radiance[..]) as u64
@@ -175,7 +175,7 @@ impl NativeTargets {
         gpu.stages.record_stage(FrameStage::Sum);
     }
 
-    /// Sum of the samples: linear RGBA, rows from the top.
+    /// Returns the sum of the samples: linear RGBA, rows from the top.
     pub fn radiance(&self) -> &[[f32; 4]] {
         &self.radiance
     }

@@ -24,7 +24,8 @@ pub(crate) struct GpuOmni {
     pub views: MapViews,
 }
 
-/// World positions whose convex hull contains everything that a light can light in a scene; empty if it lights nothing.
+/// Returns the world positions whose convex hull contains everything that a light can light in a scene; empty if it
+/// lights nothing.
 pub(crate) fn corners_in_world(omni: &Omni, posed: &PosedScene) -> Vec<DVec3> {
     let source = omni.translation - posed.origin_in_world;
     // The part of the scene's box within the light's range.

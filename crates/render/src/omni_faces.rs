@@ -41,7 +41,7 @@ fn axes(index: usize) -> ([usize; 2], usize, f64) {
 }
 
 impl CubeFace {
-    /// Projection with reversed depth, from `near` to infinity.
+    /// Returns the projection with reversed depth, from `near` to infinity.
     pub fn clip_from_light(&self, near: f64) -> DMat4 {
         let ([right, up], ahead, sign) = axes(self.index);
         let mut columns = [DVec4::ZERO; 3];
@@ -65,7 +65,8 @@ struct Cover {
 impl Cover {
     const NOTHING: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, nearest: f64::INFINITY };
 
-    /// Cover of a box along the light's axes on a face with slopes up to `widest`; `None` if no part of it is there.
+    /// Returns the cover of a box along the light's axes on a face with slopes up to `widest`; `None` if no part of it
+    /// is there.
     fn of((min, max): (DVec3, DVec3), index: usize, widest: f64) -> Option<Self> {
         let ([right, up], ahead, sign) = axes(index);
         let [a, b] = [min[ahead] * sign, max[ahead] * sign];

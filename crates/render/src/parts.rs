@@ -1,6 +1,6 @@
 //! Parts of pixel rectangles, between which work can yield.
 
-/// Number of pixels of `[x, y, width, height]`.
+/// Returns the number of pixels of `[x, y, width, height]`.
 pub(crate) fn area([_, _, width, height]: [u32; 4]) -> u64 {
     u64::from(width) * u64::from(height)
 }

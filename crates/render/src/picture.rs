@@ -70,7 +70,7 @@ impl FileNeeds {
 }
 
 impl Pixels {
-    /// The linear values, if present.
+    /// Returns the linear values, if present.
     pub fn values(&self) -> Option<&Picture> {
         match self {
             Self::Raw(picture) | Self::Both(picture, _) => Some(picture),
@@ -128,7 +128,7 @@ impl Picture {
         png_of(view, color_type, &bytes)
     }
 
-    /// Beauty of the surfaces alone, without the share of black background in edge pixels.
+    /// Returns the beauty of the surfaces alone, without the share of black background in edge pixels.
     fn without_background(&self, aov: Aov) -> Self {
         let mut picture = self.clone();
         if aov == Aov::Beauty {
@@ -155,7 +155,7 @@ fn png_of(view: &View, color_type: ColorType, bytes: &[u8]) -> Result<Vec<u8>, R
     Ok(file)
 }
 
-/// End of t's range in a light: its number of segments, 1 for a spotlight.
+/// Returns the end of t's range in a light: its number of segments, 1 for a spotlight.
 fn segments(instance: Option<&LightInstance>) -> usize {
     instance.and_then(|instance| instance.light.tube()).map_or(1, |tube| tube.n)
 }
@@ -163,7 +163,7 @@ fn segments(instance: Option<&LightInstance>) -> usize {
 /// A screen color, each channel 0 to 1.
 type Color = [f32; 3];
 
-/// The picture of `view` for a screen; black where a pixel has no value. `segments` is the end of t's range.
+/// Returns the picture of `view` for a screen; black where a pixel has no value. `segments` is the end of t's range.
 ///
 /// - depth: near is bright, far is dark, over the range in the picture;
 /// - position: x, y and z over the range of each;
@@ -237,7 +237,7 @@ fn has_value([.., alpha]: [f32; 4]) -> bool {
     alpha > 0.0
 }
 
-/// Smallest and largest value of a channel.
+/// Returns the smallest and largest value of a channel.
 fn range(picture: &Picture, channel: usize) -> (f32, f32) {
     let values = picture.pixels.iter().filter(|pixel| has_value(**pixel)).map(|pixel| pixel[channel]);
     values.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
@@ -263,7 +263,7 @@ fn is_in_tube(picture: &Picture, index: usize) -> bool {
     from_middle(index % width, width).hypot(from_middle(index / width, height)) <= width.min(height) as f32
 }
 
-/// A ramp from dark blue over green to yellow, uniform in lightness, for `x` from 0 to 1.
+/// Returns a ramp from dark blue over green to yellow, uniform in lightness, for `x` from 0 to 1.
 fn ramp(x: f32) -> Color {
     const STOPS: [Color; 5] =
         [[0.17, 0.11, 0.42], [0.12, 0.34, 0.60], [0.10, 0.56, 0.55], [0.45, 0.75, 0.33], [0.99, 0.91, 0.24]];
@@ -273,7 +273,7 @@ fn ramp(x: f32) -> Color {
     std::array::from_fn(|k| STOPS[i][k] + (STOPS[i + 1][k] - STOPS[i][k]) * share)
 }
 
-/// Hue by the angle of (v, w), red along +v; from gray on the curve to full saturation at the tube's edge.
+/// Returns the hue by the angle of (v, w), red along +v; from gray on the curve to full saturation at the tube's edge.
 fn hue_around(v: f32, w: f32) -> Color {
     let (turn, rho) = (w.atan2(v) / std::f32::consts::TAU, v.hypot(w).min(1.0));
     std::array::from_fn(|k| {
@@ -290,7 +290,7 @@ mod tests {
 
     use super::*;
 
-    /// Bytes of a row of pixels.
+    /// Returns the bytes of a row of pixels.
     fn row(aov: Aov, pixels: &[[f32; 4]]) -> Vec<[u8; 3]> {
         let picture = Picture { width: pixels.len() as u32, height: 1, pixels: pixels.to_vec() };
         let view = View {

@@ -48,7 +48,7 @@ const fn texture(sample_type: TextureSampleType) -> BindingType {
 }
 
 impl Gpu {
-    /// A layout with `bindings[i]` as binding `i`, visible to vertex and fragment shaders.
+    /// Returns a layout with `bindings[i]` as binding `i`, visible to vertex and fragment shaders.
     pub(crate) fn bind_group_layout(&self, label: &str, bindings: &[BindingType]) -> BindGroupLayout {
         let entries: Vec<_> = (0..)
             .zip(bindings)
@@ -65,7 +65,7 @@ impl Gpu {
         })
     }
 
-    /// A bind group with `resources[i]` as binding `i`.
+    /// Returns a bind group with `resources[i]` as binding `i`.
     pub(crate) fn bind_group(
         &self,
         label: &str,
@@ -101,7 +101,8 @@ impl Gpu {
         })
     }
 
-    /// A pipeline that draws `vs_fullscreen` with `entry_point`, and adds to or replaces the content of each target.
+    /// Returns a pipeline that draws `vs_fullscreen` with `entry_point`, and adds to or replaces the content of each
+    /// target.
     pub(crate) fn fullscreen_pipeline(
         &self,
         layout: &PipelineLayout,
@@ -135,7 +136,7 @@ impl Gpu {
         })
     }
 
-    /// An uninitialized uniform buffer for a `T`.
+    /// Returns an uninitialized uniform buffer for a `T`.
     pub(crate) fn uniform_buffer<T>(&self, label: &str) -> wgpu::Buffer {
         self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -145,7 +146,7 @@ impl Gpu {
         })
     }
 
-    /// A texture to draw to, and then to read in shaders or copy.
+    /// Returns a texture to draw to, and then to read in shaders or copy.
     pub(crate) fn target(
         &self,
         label: &str,
@@ -193,12 +194,12 @@ impl Gpu {
     }
 }
 
-/// Depth test with reversed z: nearer points have greater depths.
+/// Returns the depth test with reversed z: nearer points have greater depths.
 pub(crate) fn reversed_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Greater)
 }
 
-/// Depth test of bent shadow maps, whose depth increases along the light.
+/// Returns the depth test of bent shadow maps, whose depth increases along the light.
 pub(crate) fn least_depth_test() -> wgpu::DepthStencilState {
     depth_test(wgpu::CompareFunction::Less)
 }
@@ -213,7 +214,7 @@ fn depth_test(passes: wgpu::CompareFunction) -> wgpu::DepthStencilState {
     }
 }
 
-/// A depth attachment that is cleared to infinity, or loaded.
+/// Returns a depth attachment that is cleared to infinity, or loaded.
 pub(crate) fn depth_attachment(
     view: &wgpu::TextureView,
     clear: bool,
@@ -226,14 +227,14 @@ pub(crate) fn depth_attachment(
     }
 }
 
-/// A color attachment that is cleared to zero, or loaded.
+/// Returns a color attachment that is cleared to zero, or loaded.
 pub(crate) fn color_attachment(view: &wgpu::TextureView, clear: bool) -> wgpu::RenderPassColorAttachment<'_> {
     let load = if clear { wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT) } else { wgpu::LoadOp::Load };
     let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
     wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops }
 }
 
-/// Vertex buffers: positions alone, and the other attributes.
+/// Returns the vertex buffers: positions alone, and the other attributes.
 pub(crate) fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
     const POSITION: &[wgpu::VertexAttribute] = &wgpu::vertex_attr_array![0 => Float32x3];
     const REST: &[wgpu::VertexAttribute] =

@@ -5,7 +5,7 @@ use scene::ViewRay;
 
 use crate::{Aov, Picture, View};
 
-/// The AOV to draw for `aov`: positions are computed from depths.
+/// Returns the AOV to draw for `aov`: positions are computed from depths.
 pub(crate) fn rendered_aov(aov: Aov) -> Aov {
     if aov == Aov::Position { Aov::Depth } else { aov }
 }

@@ -98,12 +98,12 @@ pub(crate) fn read_rows<const N: usize>(
     Ok(())
 }
 
-/// Bytes of the staging buffer for textures of one height, from the bytes of their rows.
+/// Returns the bytes of the staging buffer for textures of one height, from the bytes of their rows.
 pub(crate) fn padded_bytes<const N: usize>(rows: [usize; N], height: u32) -> u64 {
     rows.map(|row| (padded(row) * height as usize) as u64).iter().sum()
 }
 
-/// Bytes from one row of a copied texture to the next.
+/// Returns the bytes from one row of a copied texture to the next.
 fn padded(row: usize) -> usize {
     row.next_multiple_of(COPY_BYTES_PER_ROW_ALIGNMENT as usize)
 }

@@ -45,13 +45,14 @@ pub struct Renderer {
 }
 
 impl Renderer {
-    /// A renderer with an empty scene.
+    /// Makes a renderer with an empty scene.
     pub fn new(gpu: Arc<Gpu>) -> Result<Self, RenderError> {
         let passes = gpu.with_error_scopes(|| Ok(Passes::new(&gpu)))?;
         Self::with(gpu, Arc::new(passes))
     }
 
-    /// A renderer with an empty scene of its own that shares this one's pipelines, including those compiled later.
+    /// Makes a renderer with an empty scene of its own that shares this one's pipelines, including those compiled
+    /// later.
     pub fn with_same_pipelines(&self) -> Result<Self, RenderError> {
         Self::with(Arc::clone(&self.gpu), Arc::clone(&self.passes))
     }
@@ -88,7 +89,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// The uploaded scene, for [`Self::share_scene`].
+    /// Returns the uploaded scene, for [`Self::share_scene`].
     pub fn scene_on_device(&self) -> SceneOnDevice {
         self.scene.on_device().clone()
     }
@@ -106,7 +107,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Number of runs of each pass.
+    /// Returns the number of runs of each pass.
     pub fn counts(&self) -> PassCounts {
         self.pass_runs.counts
     }

@@ -110,7 +110,8 @@ pub(crate) const DISPLAY: &str = wgsl!("encoding", "fullscreen", "display");
 pub(crate) const COMPOSITE: &str = wgsl!("encoding", "fullscreen", "display", "terms", "composite");
 pub(crate) const SUM: &str = wgsl!("encoding", "fullscreen", "terms", "sum");
 
-/// The complete module of a lighting pass, for lights with or without links, and for devices with or without subgroups.
+/// Returns the complete module of a lighting pass, for lights with or without links, and for devices with or without
+/// subgroups.
 pub(crate) fn lighting_pass(wgsl: &str, linked: bool, has_subgroups: bool) -> String {
     let links = if linked { LINKS } else { NO_LINKS };
     let subgroups = if has_subgroups { SUBGROUPS } else { NO_SUBGROUPS };
@@ -156,7 +157,7 @@ mod tests {
         }
     }
 
-    /// Names of the functions of `module`, and of those that an entry point calls.
+    /// Returns the names of the functions of `module`, and of those that an entry point calls.
     fn functions(module: &Module) -> (BTreeSet<&str>, BTreeSet<&str>) {
         fn calls(block: &Block, found: &mut Vec<Handle<Function>>) {
             for statement in block {
@@ -199,7 +200,7 @@ mod tests {
         }
         assert!(all.len() >= 10);
         assert_eq!(all.difference(&reached).collect::<Vec<_>>(), Vec::<&&str>::new());
-        // Planted fault.
+        // Deliberate fault that the check must detect: a function that no entry point calls.
         let module =
             parse("fault", "fn lost() {} fn used() {} @compute @workgroup_size(1) fn main() { used(); }");
         assert_eq!(functions(&module), (["lost", "used"].into(), ["used"].into()));
@@ -224,7 +225,7 @@ mod tests {
         module.types.iter().filter_map(|(_, t)| Some((t.name.clone()?, of_type(&t.inner)?))).collect()
     }
 
-    /// Difference between a struct in Rust and in WGSL; `None` if they agree.
+    /// Returns the difference between a struct in Rust and in WGSL; `None` if they agree.
     fn difference(rust: &StructLayout, wgsl: &BTreeMap<String, WgslLayout>) -> Option<String> {
         let (name, size, fields) = rust;
         let Some((wgsl_size, wgsl_fields)) = wgsl.get(*name) else {
@@ -243,7 +244,7 @@ mod tests {
         for rust in rust_structs() {
             assert_eq!(difference(rust, &wgsl), None);
         }
-        // Planted faults: a field that moved, and one with another name.
+        // Deliberate faults that the check must detect: a field that moved, and one with another name.
         assert!(difference(&("Fill", 32, &[("sky", 0), ("ground", 12)]), &wgsl).is_some());
         assert!(difference(&("Fill", 32, &[("sky", 0), ("earth", 16)]), &wgsl).is_some());
     }

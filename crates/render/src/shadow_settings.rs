@@ -75,8 +75,8 @@ impl MapSize {
 }
 
 impl ShadowSettings {
-    /// Size of a map with that number of faces. Each of several faces, a quarter turn wide, has half the texels a side.
-    /// They are then as wide as those of one face of 60 degrees to each side: 0.11 degrees.
+    /// Returns the size of a map with that number of faces. Each of several faces, a quarter turn wide, has half the
+    /// texels a side. They are then as wide as those of one face of 60 degrees to each side: 0.11 degrees.
     pub(crate) fn map_size(&self, faces: usize) -> MapSize {
         let side = if faces == 1 { self.resolution } else { (self.resolution / 2).max(Self::MIN_RESOLUTION) };
         MapSize { side, layers: faces as u32 }
@@ -128,9 +128,10 @@ impl ShadowSettings {
         self.edge_error_texels.unwrap_or(f32::MAX)
     }
 
-    /// Distance, in texels, by which a receiver may be behind a bent map's surface and still be lit: the map's own
-    /// error, and a quarter more, because an adjacent facet that rises a little out of the receiver's plane is no
-    /// occluder. A smaller edge error does not make facets flatter: with less tolerance, facets shadowed each other.
+    /// Returns the distance, in texels, by which a receiver may be behind a bent map's surface and still be lit: the
+    /// map's own error, and a quarter more, because an adjacent facet that rises a little out of the receiver's plane
+    /// is no occluder. A smaller edge error does not make facets flatter: with less tolerance, facets shadowed each
+    /// other.
     pub(crate) fn bent_tolerance_texels(&self) -> f32 {
         0.25 + 1.25 * self.edge_error_texels.unwrap_or(0.0).max(Self::EDGE_ERROR_TEXELS)
     }

@@ -26,7 +26,7 @@ pub(crate) struct GpuSpot {
     pub views: MapViews,
 }
 
-/// World positions whose convex hull contains everything that a light can light in a scene.
+/// Returns the world positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(cone: &Cone, posed: &PosedScene) -> [DVec3; 5] {
     let end = cone.range.unwrap_or_else(|| far_distance(cone, posed));
     let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
@@ -99,7 +99,7 @@ fn light_from_scene(cone: &Cone, scene_origin: DVec3) -> DAffine3 {
     DAffine3 { matrix3: cone.rotation, translation: cone.translation - scene_origin }.inverse()
 }
 
-/// Projection with reversed depth, from `near` to infinity.
+/// Returns the projection with reversed depth, from `near` to infinity.
 fn clip_from_face(face: &SpotFace, near: f64) -> DMat4 {
     let (scale, shift) = (face.half.recip(), -face.center / face.half);
     DMat4::from_cols(

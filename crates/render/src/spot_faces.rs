@@ -27,7 +27,7 @@ const CUBE: [DMat3; 5] = [
     DMat3::from_cols(DVec3::X, DVec3::NEG_Z, DVec3::NEG_Y),
 ];
 
-/// Number of faces of a light's map.
+/// Returns the number of faces of a light's map.
 pub(crate) fn face_count(light: &Light) -> usize {
     if light.get(CONE_ANGLE) > MAX_FACE_HALF_ANGLE_DEGREES { CUBE.len() } else { 1 }
 }
@@ -56,7 +56,7 @@ impl FittedFaces {
     /// Faces of a light without a map.
     pub const NONE: Self = Self { faces: Vec::new(), nearest: f64::INFINITY };
 
-    /// Faces of `side` texels, fitted to the part of `clusters` that may be in the light.
+    /// Makes faces of `side` texels, fitted to the part of `clusters` that may be in the light.
     pub fn new(light: &Light, side: f64, light_from_scene: DAffine3, clusters: &Clusters) -> Self {
         let tan_outer = light.get(CONE_ANGLE).to_radians().tan();
         // Casters beyond the edge are drawn as far as the filter reads.
@@ -114,8 +114,8 @@ struct SpotFaceCover {
 impl SpotFaceCover {
     const EMPTY: Self = Self { low: DVec2::INFINITY, high: DVec2::NEG_INFINITY, depth: f64::INFINITY };
 
-    /// Cover of a box with these corners in the face's (x, y, depth), within the slopes `least` to `most`; `None` if no
-    /// part of it is there.
+    /// Returns the cover of a box with these corners in the face's (x, y, depth), within the slopes `least` to `most`;
+    /// `None` if no part of it is there.
     fn of(corners: &[DVec3; 8], least: DVec2, most: DVec2) -> Option<Self> {
         let (min, max) =
             corners.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(a, b), p| (a.min(*p), b.max(*p)));

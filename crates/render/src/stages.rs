@@ -53,7 +53,7 @@ impl FrameStage {
         Self::Readback,
     ];
 
-    /// Name in reports.
+    /// Returns the name in reports.
     pub fn name(self) -> &'static str {
         match self {
             Self::Gbuffer => "gbuffer",
@@ -112,7 +112,7 @@ impl Stopwatch {
     }
 }
 
-/// CPU time of all threads of this process.
+/// Returns the CPU time of all threads of this process.
 fn process_time() -> Duration {
     let time = clock_gettime(ClockId::ProcessCPUTime);
     Duration::new(time.tv_sec.unsigned_abs(), time.tv_nsec as u32)
@@ -143,13 +143,13 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Number of runs of a stage.
+    /// Returns the number of runs of a stage.
     pub fn runs(&self, stage: FrameStage) -> u64 {
         self.runs[stage as usize]
     }
 
-    /// Total cost of a stage's runs. A run begins when the previous stage ends, so CPU work between two stages counts
-    /// for the second.
+    /// Returns the total cost of a stage's runs. A run begins when the previous stage ends, so CPU work between two
+    /// stages counts for the second.
     pub fn cost(&self, stage: FrameStage) -> StageCost {
         self.costs[stage as usize]
     }

@@ -121,7 +121,7 @@ impl<'a> StraightLight<'a> {
         }
     }
 
-    /// World positions whose convex hull contains everything that the light can light in a scene.
+    /// Returns the world positions whose convex hull contains everything that the light can light in a scene.
     pub fn corners_in_world(self, posed: &PosedScene) -> Vec<DVec3> {
         match self {
             Self::Spot(_, cone) => spot::corners_in_world(cone, posed).to_vec(),

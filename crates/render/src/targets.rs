@@ -164,7 +164,7 @@ impl Targets {
         }
     }
 
-    /// Bytes of textures, their copies in CPU memory and the native backend's data; without layers.
+    /// Returns the bytes of textures, their copies in CPU memory and the native backend's data; without layers.
     fn bytes(&self) -> u64 {
         let lit = if self.lit.get().is_some() { LIT_BYTES_PER_PIXEL } else { 0 };
         let device = pixels(self.size) * (gbuffer::BYTES_PER_PIXEL + lit);

@@ -14,7 +14,7 @@ pub(crate) struct Tile {
 }
 
 impl Tile {
-    /// Intersection with `[x, y, width, height]` of the picture, relative to this tile's corner.
+    /// Returns the intersection with `[x, y, width, height]` of the picture, relative to this tile's corner.
     pub fn clip(self, [x, y, width, height]: [u32; 4]) -> [u32; 4] {
         let [left, top] = [x.max(self.x), y.max(self.y)];
         let right = (x + width).min(self.x + self.width);
@@ -93,7 +93,7 @@ impl Tiling {
 mod tests {
     use super::*;
 
-    /// All tiles of a picture with a cost of a microsecond per pixel, and the aim `aim_ms`.
+    /// Returns all tiles of a picture with a cost of a microsecond per pixel, and the aim `aim_ms`.
     fn tiles(size: [u32; 2], triangles: u32, aim_ms: u64) -> Vec<Tile> {
         let mut tiling = Tiling::new(size, triangles);
         let mut tiles = Vec::new();

@@ -86,7 +86,7 @@ impl TiledPicture {
         }
     }
 
-    /// The pixels drawn so far.
+    /// Returns the pixels drawn so far.
     pub fn into_pixels(self) -> Pixels {
         let Self { view, mut pixels, .. } = self;
         if let (Aov::Position, Pixels::Raw(picture)) = (view.aov, &mut pixels) {

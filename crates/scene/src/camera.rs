@@ -41,7 +41,7 @@ impl Camera {
         if self.projection.aspect_ratio().is_some_and(|aspect| !(0.0 < aspect && aspect.is_finite())) {
             return Err("aspect ratio is not a number above 0");
         }
-        // Rounding may leave a unit quaternion slightly off. A larger deviation was meant as something else.
+        // Rounding may leave a unit quaternion slightly off. A larger deviation cannot be due to rounding.
         let unit = (self.rotation.length_squared() - 1.0).abs() < 1e-3;
         if !unit {
             return Err("rotation is not a quaternion of unit length");
@@ -60,7 +60,7 @@ pub enum Projection {
     Perspective {
         /// Full vertical angle of view in radians, more than 0 and less than pi.
         yfov: f64,
-        /// Width over height of the frame, more than 0; that of the picture if `None`.
+        /// Width over height of the frame, more than 0. `None` takes the ratio of the picture.
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, more than 0.
         znear: f64,
@@ -70,7 +70,7 @@ pub enum Projection {
     Orthographic {
         /// Half the height of the view, more than 0.
         ymag: f64,
-        /// Width over height of the frame, more than 0; that of the picture if `None`.
+        /// Width over height of the frame, more than 0. `None` takes the ratio of the picture.
         aspect_ratio: Option<f64>,
         /// Distance of the near plane, 0 or more.
         znear: f64,
@@ -80,8 +80,8 @@ pub enum Projection {
 }
 
 impl Projection {
-    /// Width and height in pixels of a picture without a requested size: 640 by 360, or about as many pixels in the
-    /// camera's aspect ratio, with no side longer than `max_side`.
+    /// Returns the width and height in pixels of a picture without a requested size: 640 by 360, or about as many
+    /// pixels in the camera's aspect ratio, with no side longer than `max_side`.
     pub fn default_size(&self, max_side: u32) -> [u32; 2] {
         const PIXELS: f64 = 640.0 * 360.0;
         let aspect = self.aspect_ratio().unwrap_or(DEFAULT_ASPECT);
@@ -89,7 +89,7 @@ impl Projection {
         [side((PIXELS * aspect).sqrt()), side((PIXELS / aspect).sqrt())]
     }
 
-    /// Width over height of the frame; `None` if the camera has none.
+    /// Returns the width over height of the frame; `None` if the camera has none.
     pub fn aspect_ratio(&self) -> Option<f64> {
         let (Self::Perspective { aspect_ratio, .. } | Self::Orthographic { aspect_ratio, .. }) = *self;
         aspect_ratio

@@ -4,11 +4,11 @@ use glam::DVec3;
 
 use crate::PosedScene;
 
-/// Cells along a side of each of the three grids on which triangles are counted.
+/// Number of cells along each side of the grids on which triangles are counted.
 const CELLS: usize = 16;
 
 impl PosedScene {
-    /// Upper bound of the depth complexity along the three axes, at least 1.
+    /// Returns the upper bound of the depth complexity along the three axes, at least 1.
     ///
     /// Triangles are counted on a coarse grid across each axis. A triangle adds to each cell the share of it that its
     /// bounding box covers. The result is the largest sum. It is too large where triangles do not fill their boxes.
@@ -39,7 +39,7 @@ fn depth_complexity(posed: &PosedScene) -> f64 {
     grids.iter().flatten().fold(1.0, |most, cell| most.max(*cell))
 }
 
-/// Adds to each cell the share of it that the box `u` by `v` covers.
+/// Adds to each cell the share of its area that the box `u` by `v` covers.
 fn add(grid: &mut [f64], u: [f64; 2], v: [f64; 2]) {
     let cells = |[low, high]: [f64; 2]| {
         let [first, last] = [low, high].map(|at| (at as usize).min(CELLS - 1));

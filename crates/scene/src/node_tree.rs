@@ -50,7 +50,7 @@ impl NodeTree {
         tree
     }
 
-    /// The path of a node by its index in [`Scene::nodes`].
+    /// Returns the path of a node by its index in [`Scene::nodes`].
     pub fn path(&self, node: usize) -> String {
         let above = |&node: &usize| self.nodes[node].0;
         let steps = std::iter::successors(Some(node), above).map(|node| self.nodes[node].1.as_str());

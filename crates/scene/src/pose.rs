@@ -22,13 +22,14 @@ pub struct PosedScene {
     pub scene: Arc<Scene>,
     /// Origin of scene space in world space: the centre of the bounds.
     pub origin_in_world: DVec3,
-    /// Half the size of the bounds. In scene space they reach from minus to plus this.
+    /// Half the size of the bounds along each axis. In scene space the bounds extend this far from the origin in both
+    /// directions.
     pub half_extent: DVec3,
     /// Every primitive of every node, in node order.
     pub primitives: Vec<PosedPrimitive>,
     /// Vertices of all primitives in scene space, in the same order.
     pub positions: Vec<DVec3>,
-    /// Built on first use.
+    /// Paths of the nodes, made on first use.
     nodes: OnceLock<NodeTree>,
     pub(crate) depth_complexity: OnceLock<f64>,
 }
@@ -100,7 +101,7 @@ impl PosedScene {
         flat && low && size.x * size.z >= MIN_FLOOR_AREA_SHARE * whole.x * whole.z && whole.y > size.y
     }
 
-    /// Paths of the scene's nodes, built on the first call.
+    /// Returns the paths of the scene's nodes, built on the first call.
     pub fn node_tree(&self) -> &NodeTree {
         self.nodes.get_or_init(|| NodeTree::new(&self.scene))
     }
@@ -109,13 +110,13 @@ impl PosedScene {
         self.primitives.iter().map(|posed| self.geometry(posed).indices.len() / 3).sum()
     }
 
-    /// The geometry of one of [`Self::primitives`].
+    /// Returns the geometry of one of [`Self::primitives`].
     pub fn geometry(&self, posed: &PosedPrimitive) -> &Primitive {
         posed.geometry_in(&self.scene)
     }
 
-    /// Triangles of one of [`Self::primitives`], as indices of its own vertices. They are counter-clockwise seen from
-    /// the front, also in a mirrored primitive.
+    /// Returns the triangles of one of [`Self::primitives`], as indices of its own vertices. They are counter-clockwise
+    /// seen from the front, also in a mirrored primitive.
     pub fn triangles(&self, posed: &PosedPrimitive) -> impl Iterator<Item = [u32; 3]> {
         let mirrors = posed.is_mirrored();
         let triangles = posed.geometry_in(&self.scene).indices.as_chunks::<3>().0.iter();
@@ -134,7 +135,7 @@ impl PosedPrimitive {
         self.world_from_local.matrix3.determinant() < 0.0
     }
 
-    /// Matrix that transforms normals into world space, up to a positive factor.
+    /// Returns the matrix that transforms normals into world space, up to a positive factor.
     ///
     /// The cofactor matrix is `det M` times the inverse transpose and exists for singular matrices too: a mesh
     /// flattened onto a plane gets that plane's normal.
@@ -166,7 +167,7 @@ fn posed_primitives(scene: &Scene) -> impl Iterator<Item = PosedPrimitive> {
     })
 }
 
-/// Least and greatest corner of the bounds in world space; `None` for a scene without vertices.
+/// Returns the least and greatest corner of the bounds in world space; `None` for a scene without vertices.
 pub fn world_bounds(scene: &Scene) -> Option<(DVec3, DVec3)> {
     posed_primitives(scene)
         .flat_map(|posed| {

@@ -14,7 +14,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Decoded pictures, referred to by materials.
     pub images: Vec<Image>,
-    /// Light from everywhere, so that areas that no light reaches stay readable.
+    /// Ambient light from all directions. It keeps areas readable that no light reaches.
     pub fill: Fill,
 }
 
@@ -44,15 +44,15 @@ pub struct Mesh {
 /// `normals` has one unit vector a vertex; `uvs` and `colors` are empty or have one entry a vertex.
 #[derive(Clone, Debug, Default)]
 pub struct Primitive {
-    /// Finite numbers.
+    /// Positions of the vertices; finite numbers.
     pub positions: Vec<Vec3>,
-    /// Unit vectors.
+    /// Normals of the vertices; unit vectors.
     pub normals: Vec<Vec3>,
     /// Texture coordinates, glTF's convention: origin at the top left.
     pub uvs: Vec<Vec2>,
-    /// Linear RGBA that multiplies the base colour.
+    /// Colours of the vertices: linear RGBA that multiplies the base colour.
     pub colors: Vec<Vec4>,
-    /// Three for each triangle, each less than the number of vertices.
+    /// Indices of vertices, three for each triangle; each is less than the number of vertices.
     pub indices: Vec<u32>,
     /// Index in [`Scene::materials`].
     pub material: usize,
@@ -62,9 +62,9 @@ pub struct Primitive {
 #[derive(Clone, Debug)]
 pub struct Material {
     pub name: String,
-    /// Linear RGBA.
+    /// Linear RGBA base colour.
     pub base_color: Vec4,
-    /// In the range 0 to 1.
+    /// Metallic factor, from 0 to 1.
     pub metallic: f32,
     /// Perceptual roughness, 0 to 1. The GGX alpha is its square.
     pub roughness: f32,
@@ -167,19 +167,20 @@ impl Default for Fill {
     }
 }
 
-/// Broken promise in a [`Scene`].
+/// Error of a [`Scene`] that violates one of the conditions on its fields.
 #[derive(Debug, Error, PartialEq, Eq)]
 #[error("{what} {index} is not sound: {why}")]
 pub struct SceneError {
     /// Kind of the broken item ("node", "mesh").
     pub what: &'static str,
     pub index: usize,
-    /// Broken promise, as a clause.
+    /// Condition that is violated, as a clause.
     pub why: &'static str,
 }
 
 impl Scene {
-    /// Verifies every promise stated on the fields: indices in range, parents first, equal lengths, finite numbers.
+    /// Checks all conditions that the fields' documentation states: indices in range, parents before children, equal
+    /// lengths, finite numbers.
     pub fn check(&self) -> Result<(), SceneError> {
         let fail = |what, index, why| Err(SceneError { what, index, why });
         for (i, node) in self.nodes.iter().enumerate() {

@@ -39,7 +39,7 @@ impl View {
     /// Range of [`View::exposure`], in stops. From starlight to the sun in the sky are 32.
     pub const EXPOSURE_RANGE: RangeInclusive<f64> = -32.0..=32.0;
 
-    /// Beauty view from `camera` of that width and height in pixels, with one sample at each pixel's centre.
+    /// Makes a beauty view from `camera` of that width and height in pixels, with one sample at each pixel's centre.
     pub fn beauty(camera: Camera, [width, height]: [u32; 2]) -> Self {
         let (aov, shadow_map, slot) = (Aov::Beauty, MapScale::Full, ViewSlot::default());
         Self { camera, width, height, samples: 1, aov, light: 0, fill: 1.0, exposure: 0.0, shadow_map, slot }
@@ -60,7 +60,7 @@ pub enum MapScale {
 }
 
 impl MapScale {
-    /// Divisor of the number of texels a side.
+    /// Returns the divisor of the number of texels a side.
     pub fn divisor(self) -> u16 {
         match self {
             Self::Full => 1,
@@ -69,8 +69,8 @@ impl MapScale {
     }
 }
 
-/// Identifies a viewer. The renderer keeps the last results of each, so that viewers with different cameras do not
-/// evict each other's caches. Any number will do. A single viewer has the default.
+/// Identifies a viewer. The renderer keeps the latest results of each viewer apart, so that viewers with different
+/// cameras do not evict each other's caches. Callers may choose any number. A single viewer uses the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct ViewSlot(pub u64);
 
@@ -107,7 +107,8 @@ impl Aov {
     pub const NAMES: [&str; 9] =
         ["beauty", "depth", "normal", "position", "t", "vw", "direction", "visibility", "wireframe"];
 
-    /// Name. For an AOV of the lighting passes it is also the shader's entry point, without its prefix `fs_`.
+    /// Returns the name. For an AOV of the lighting passes it is also the shader's entry point, without its prefix
+    /// `fs_`.
     pub fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }

@@ -58,8 +58,8 @@ pub fn pixel_of(camera: &Camera, size: [u32; 2], point: DVec3, origin_in_world: 
     Some((across / frame_scale(camera, size) * size.y * DVec2::new(1.0, -1.0) + size) / 2.0)
 }
 
-/// Half the height of a picture as a share of half the height of the camera's frame: more than 1 if the picture is
-/// narrower than the frame.
+/// Returns half the height of a picture as a share of half the height of the camera's frame: more than 1 if the picture
+/// is narrower than the frame.
 fn frame_scale(camera: &Camera, size: DVec2) -> f64 {
     camera.projection.aspect_ratio().map_or(1.0, |framed| (framed * size.y / size.x).max(1.0))
 }

@@ -98,7 +98,7 @@ mod tests {
 
     use super::*;
 
-    /// A field of this thread's stat, counted from 1 like in proc(5).
+    /// Returns a field of this thread's stat, counted from 1 like in proc(5).
     fn of_this_thread(field: usize) -> i32 {
         let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("Linux");
         let after_name = stat.rsplit(')').next().expect("fields").split_whitespace();

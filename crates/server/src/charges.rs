@@ -52,12 +52,12 @@ impl Payer {
         Self { session: Arc::clone(session), actor: Some(actor.into()) }
     }
 
-    /// Id of the actor, if it gives one.
+    /// Returns the id of the actor, if it gives one.
     pub fn actor_id(&self) -> Option<&Arc<str>> {
         self.actor.as_ref()
     }
 
-    /// Name of the session.
+    /// Returns the name of the session.
     pub fn session(&self) -> &Arc<str> {
         &self.session
     }
@@ -94,7 +94,7 @@ impl Charges {
 
 impl Accounts {
     fn of(&self, name: &str) -> f64 {
-        // A new account has no credit. Otherwise a new name for each picture would always be first.
+        // A new name has no credit. Otherwise a new name for each picture would always be first.
         self.seconds
             .get(name)
             .map_or(self.virtual_time, |charged| charged.max(self.virtual_time - MAX_CREDIT_SECONDS))

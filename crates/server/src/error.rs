@@ -182,7 +182,7 @@ pub enum ServerError {
 }
 
 impl ServerError {
-    /// Error code for clients.
+    /// Returns the error code for clients.
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::Data { .. } | Self::Trace { .. } | Self::Locked(_) | Self::BadToken(_) => {

@@ -92,7 +92,8 @@ fn begin(store: &mut Store, name: &str, scene: &str, bytes: &[u8]) -> Result<(),
     Ok(())
 }
 
-/// Session name for a scene: the name of the file or demo without its extension, limited to valid characters.
+/// Returns the session name for a scene: the name of the file or demo without its extension, limited to valid
+/// characters.
 fn session_name(scene: &str) -> String {
     let label = scene_label(scene);
     let label = label.strip_prefix(DEMO).unwrap_or(&label);
@@ -123,7 +124,7 @@ fn store_scene(store: &Store, name: &str, bytes: &[u8]) -> Result<(AssetHash, Sc
     Ok((asset, loaded.contents))
 }
 
-/// Display name of a scene: the name of a demo, or the last part of a path, limited to valid characters.
+/// Returns the display name of a scene: the name of a demo, or the last part of a path, limited to valid characters.
 fn scene_label(name: &str) -> String {
     let label = Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name);
     let fits = label.char_indices().take_while(|(at, c)| at + c.len_utf8() <= light::MAX_NAME_BYTES);

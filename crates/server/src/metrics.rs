@@ -242,7 +242,7 @@ impl Metrics {
         self.render_queue.get_or_create(&UrgencyLabel { urgency }).set(gauge(waiting as u64));
     }
 
-    /// All metrics in Prometheus' text format.
+    /// Returns all metrics in Prometheus' text format.
     pub fn to_text(&self) -> String {
         for kind in MemoryKind::ALL {
             let label = MemoryLabel { kind: kind.name() };

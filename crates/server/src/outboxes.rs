@@ -96,7 +96,7 @@ impl Outboxes {
         }
     }
 
-    /// The clients whose connection is closed.
+    /// Returns the clients whose connection is closed.
     pub fn closed(&self) -> Vec<ClientId> {
         self.boxes.iter().filter(|(_, outbox)| outbox.is_closed()).map(|(id, _)| *id).collect()
     }

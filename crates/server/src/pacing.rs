@@ -94,7 +94,7 @@ impl UploadPacing {
             let start = Instant::now();
             let decoded = decode();
             let now = Instant::now();
-            // The upload is charged even if nobody waits for it any more, since the turn moves into the thread.
+            // The upload is charged even if nobody waits for it any more, since `turn` moves into the thread.
             turn.allowance.take((now - start).min(MAX_UPLOAD_CHARGE).as_secs_f64(), now);
             decoded
         };
@@ -143,7 +143,7 @@ mod tests {
         SocketPacing::new(Payer::new(&"shot".into(), actor), &edits)
     }
 
-    /// Seconds until that many more messages than the burst have been let through.
+    /// Measures the seconds in which one client's socket lets through `more` messages beyond the burst.
     async fn seconds_of_messages(moving: Arc<MovingPixels>, more: f64) -> f64 {
         let (mut pacing, start) = (pacing_of("ben", moving), Instant::now());
         for _ in 0..(THROTTLED_MESSAGE_RATE.burst + more) as usize {
@@ -177,7 +177,8 @@ mod tests {
         pacing.wait(&payer("elsewhere", "eve"), 1.0).await;
         pacing.wait(&payer("shot", "ada"), 1.0).await;
         let of_others = start.elapsed();
-        // Other actors of the session share its allowance. The planted fault: an account for each name.
+        // Other actors of the session share its allowance. Deliberate fault that the check must detect: an allowance
+        // for each name.
         pacing.wait(&payer("shot", "eve"), 1.0).await;
         let least = Duration::from_secs_f64(more / THROTTLED_EDIT_RATE.per_second);
         assert!(of_others < least / 2 && start.elapsed() > least / 2, "{of_others:?}");
@@ -213,7 +214,8 @@ mod tests {
             start.elapsed().as_secs_f64()
         };
         let (beside, alone) = (seconds(true).await, seconds(false).await);
-        // Each upload waits for the amount that the one before took. The planted fault: no allowance is taken.
+        // Each upload waits for the amount that the one before took. Deliberate fault that the check must detect: no
+        // allowance is taken.
         let work = work.as_secs_f64();
         let rests = 9.0 * work * (1.0 / THROTTLED_UPLOAD_RATE.per_second - 1.0);
         assert!(beside >= 10.0 * work + rests && alone < beside, "{beside} s, {alone} s alone");

@@ -217,7 +217,7 @@ mod tests {
         let (one, two) = tokio::join!(decoded.bvh(), other.bvh());
         let (one, two) = (one.expect("built"), two.expect("built"));
         assert!(Arc::ptr_eq(&one, &two) && Arc::ptr_eq(&one.posed, &decoded.posed));
-        // The planted fault: the same scene decoded again has its own BVH.
+        // Deliberate fault that the check must detect: the same scene decoded again has its own BVH.
         let again = DecodedScene::of(&assets::demo_bytes("vases").expect("a demo")).expect("a scene");
         assert!(!Arc::ptr_eq(&one, &again.bvh().await.expect("built")));
     }

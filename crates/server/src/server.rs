@@ -101,7 +101,7 @@ impl Server {
         })
     }
 
-    /// The secret that clients need.
+    /// Returns the secret that clients need.
     pub fn token(&self) -> &Token {
         &self.token
     }
@@ -111,7 +111,7 @@ impl Server {
         self.renders.wait_until_warm()
     }
 
-    /// The session that the start opens.
+    /// Returns the session that the start opens.
     pub fn session(&self) -> &StartSession {
         &self.session
     }

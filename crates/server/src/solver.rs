@@ -74,7 +74,7 @@ impl SolveQueue {
         if is_long { short + long < self.max_running } else { short < self.max_running }
     }
 
-    /// Index of the next waiting solve: short before long, then the least charged client, then the oldest.
+    /// Returns the index of the next waiting solve: short before long, then the least charged client, then the oldest.
     fn next(&self) -> Option<usize> {
         let order = |a: &usize, b: &usize| {
             let (a, b) = (&self.waiting[*a], &self.waiting[*b]);
@@ -305,8 +305,8 @@ mod tests {
         Payer::new(&session.into(), session)
     }
 
-    /// Runs solves with that many checks of a millisecond each, and returns the order in which they end. The planted
-    /// fault is `gives_way` set to false.
+    /// Runs solves with the given numbers of checks, each after a millisecond, and returns the order in which they end.
+    /// With `gives_way` set to false they never yield, which is a deliberate fault.
     async fn ends(solves: &[(&'static str, u64)], gives_way: bool) -> Vec<&'static str> {
         let solver = Solver::new(1, Gauge::default(), Arc::default());
         let ended = Arc::new(Mutex::new(Vec::new()));
@@ -342,11 +342,11 @@ mod tests {
         assert_eq!(ends(&[greedy, ("half", 80)], true).await, ["half", "greedy"]);
         let many = ends(&[greedy, greedy, greedy, ("fair", 100)], true).await;
         assert_eq!(many[0], "fair", "{many:?}");
-        // The planted fault: first come, first served.
+        // Deliberate fault that the check must detect: first come, first served.
         assert_eq!(ends(&[greedy, ("short", 3)], false).await, ["greedy", "short"]);
     }
 
-    /// Time of a long solve of Ada's while a view of this actor moves.
+    /// Measures the time of a long solve of Ada's while a view of the actor `of` moves.
     async fn takes_while_a_view_moves(of: &str) -> Duration {
         let moving = Arc::<MovingPixels>::default();
         let solver = Solver::new(1, Gauge::default(), Arc::clone(&moving));

@@ -167,7 +167,7 @@ impl Storage {
         self.readers.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The data folder.
+    /// Returns the data folder.
     pub fn folder(&self) -> &Path {
         &self.folder
     }

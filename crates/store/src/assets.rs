@@ -25,7 +25,7 @@ pub struct Assets {
 }
 
 impl Assets {
-    /// The assets of the data folder `data`, which may be missing or hold nothing else.
+    /// Makes the assets of the data folder `data`, which may be missing or hold nothing else.
     pub fn in_folder(data: &Path) -> Self {
         Self { folder: data.join(ASSETS_FOLDER) }
     }

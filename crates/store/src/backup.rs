@@ -13,15 +13,15 @@ use crate::sqlite::DatabaseSnapshot;
 /// Prefix of the folder of an unfinished backup.
 const PARTIAL_PREFIX: &str = ".bendylights-backup-";
 
-/// Content of a backup.
+/// Amount of data in a backup.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Backup {
     pub sessions: u64,
-    /// Records of all sessions.
+    /// Number of records of all sessions.
     pub records: u64,
-    /// Files of scenes and of their names.
+    /// Number of files of scenes and of scenes' names.
     pub files: u64,
-    /// Size of the database and the files.
+    /// Size of the database and of these files in bytes.
     pub bytes: u64,
 }
 

@@ -8,17 +8,17 @@ use crate::records::RecordTail;
 use crate::stored::{FoundSession, SessionKey, SessionRow, StoredCheckpoint};
 use crate::{Store, StoreError};
 
-/// An opened session.
+/// Session that was read from the database, with the cost of reading it.
 #[derive(Clone, Debug)]
 pub struct OpenedSession {
     pub row: SessionRow,
     /// The session after its last record.
     pub session: Session,
-    /// The records that were replayed.
+    /// Number and size of the records that were replayed.
     pub tail: RecordTail,
-    /// Size of its checkpoint. 0 without a usable one.
+    /// Size in bytes of the session's checkpoint. 0 if it has no usable one.
     pub checkpoint_bytes: u64,
-    /// The checkpoint was damaged or contradicted the log, so the whole log was replayed.
+    /// True if the checkpoint was damaged or contradicted the log, so that the whole log was replayed.
     pub checkpoint_failed: bool,
 }
 
@@ -75,9 +75,9 @@ impl Store {
 
 enum CheckpointState {
     None,
-    /// The checkpoint is damaged or not proven.
+    /// The checkpoint is damaged, or the log does not prove it.
     Failed,
-    /// The session after the checkpoint's record, the log's proof there, and the size of the checkpoint.
+    /// Session after the checkpoint's record, proof of the log up to that record, and size of the checkpoint.
     Loaded {
         session: Box<Session>,
         proof: String,

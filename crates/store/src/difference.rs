@@ -6,18 +6,18 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
     pub part: DifferingPart,
-    /// The last record up to which everything matches.
+    /// Latest record up to which log file and written log are equal.
     pub last_matching_seq: u64,
-    /// The record whose checkpoint differs.
+    /// Record whose checkpoint differs.
     pub seq: u64,
 }
 
 /// Part of a log file that can differ.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum DifferingPart {
-    /// The document after its records.
+    /// Document after its records.
     Document,
-    /// The lines, without an effect on the document: an actor, a time or the session's name.
+    /// Lines only, without an effect on the document: an actor, a time or the session's name.
     Lines,
     LineEnds,
 }

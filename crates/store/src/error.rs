@@ -116,7 +116,7 @@ pub enum StoreError {
     /// A stored record has the wrong shape.
     #[error("record {seq} is damaged: {reason}")]
     DamagedRecord { seq: u64, reason: FileError },
-    /// A record has the right shape and no valid meaning.
+    /// A record has the right shape, but its content is invalid.
     #[error("record {seq}: {reason}")]
     InvalidRecord { seq: u64, reason: Refused },
     /// The log file lacks its end.
@@ -166,7 +166,7 @@ pub enum StoreError {
 }
 
 impl StoreError {
-    /// Error code for clients.
+    /// Returns the error code for clients.
     pub fn code(&self) -> ErrorCode {
         match self {
             Self::NoSession(_) | Self::NoRecord { .. } => ErrorCode::NotFound,

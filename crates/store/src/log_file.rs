@@ -17,7 +17,7 @@ use crate::{MAX_RECORD_BYTES, Store, StoreError};
 /// Number of records between two checkpoints of an exported log.
 const CHECKPOINT_EVERY: u64 = 10;
 
-/// Result of a replayed log file.
+/// Result of replaying a log file.
 #[derive(Clone, Debug)]
 pub struct ReplayedLog {
     /// The session after the last requested record.
@@ -231,7 +231,7 @@ impl<R: BufRead> Lines<R> {
         parse(self.line()?).map(Some).map_err(|reason| StoreError::Line { line, reason })
     }
 
-    /// The latest line without its line feed.
+    /// Returns the latest line without its line feed.
     fn line(&self) -> Result<&str, StoreError> {
         let text = str::from_utf8(&self.text).map_err(|_| StoreError::NotUtf8 { line: self.number })?;
         Ok(text.strip_suffix('\n').unwrap_or(text))

@@ -12,11 +12,12 @@ use crate::sqlite::Writer;
 use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, StoredRecord};
 use crate::{MAX_RECORD_BYTES, Store, StoreError};
 
-/// Number and size of records that follow a checkpoint or extend a log: the cost of replaying them.
+/// Number and size of records: of those after a checkpoint, or of those by which a log has grown. They determine the
+/// time of replaying these records.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RecordTail {
     pub records: u64,
-    /// Size of their complete JSON.
+    /// Size in bytes of the records' JSON, with every value in full.
     pub bytes: u64,
 }
 
@@ -137,7 +138,7 @@ impl Store {
         Ok(tail)
     }
 
-    /// Returns a stored record with its references resolved, and the size of its JSON in bytes.
+    /// Reads a stored record. Replaces its references by the values, and also returns the size of its JSON in bytes.
     fn read_record(
         &self,
         reader: &mut LogReader,
@@ -183,8 +184,8 @@ pub(crate) fn insert_batch(
     Ok(RecordTail { records: batch.records.len() as u64, bytes })
 }
 
-/// Writes a record of session `key`, with references to the values that the log already holds. Returns the size of its
-/// complete JSON in bytes. Advances `proof` to the log's proof after the record.
+/// Writes a record of session `key`, with references in place of values that the log already contains. Returns the size
+/// of its complete JSON in bytes. Advances `proof` to the log's proof after the record.
 pub(crate) fn insert_record(
     writer: &Writer,
     key: SessionKey,

@@ -6,7 +6,7 @@ use crate::sessions::{check_title, insert_session};
 use crate::stored::{FoundSession, SessionSummary, StoredRecord};
 use crate::{Store, StoreError};
 
-/// New description of a session. A property that is `None` stays.
+/// Changes of a session's title and archived state. A property that is `None` stays.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SessionChange {
     pub title: Option<String>,

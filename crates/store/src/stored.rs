@@ -2,13 +2,13 @@
 
 use protocol::{LogHeader, LogReader, Problem};
 
-/// A session and the end of its log.
+/// Session, and the state of its log after the latest record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionRow {
     pub name: String,
-    /// Identifies this history: 128 random bits in hexadecimal, new for each session that is made or imported.
+    /// Id of the session's history: 128 random bits in hexadecimal, new for each session that is made or imported.
     pub epoch: String,
-    /// The [`protocol::FORMAT`] of its first record.
+    /// Format ([`protocol::FORMAT`]) of the log's first record.
     pub format: u32,
     /// Number of the latest record. 0 before the first.
     pub seq: u64,
@@ -20,39 +20,39 @@ pub struct SessionRow {
 }
 
 impl SessionRow {
-    /// The first line of its log.
+    /// Returns the first line of the session's log.
     pub(crate) fn header(&self) -> LogHeader {
         LogHeader { format: self.format, session: self.name.clone() }
     }
 
-    /// The proof before its first record.
+    /// Returns the proof before the first record of the session's log.
     pub(crate) fn first_proof(&self) -> String {
         let header = self.header();
         header.first_proof(&header.to_json())
     }
 
-    /// Makes a reader of its log, from the first record on.
+    /// Makes a reader of the session's log, starting with the first record.
     pub(crate) fn reader(&self) -> LogReader {
         LogReader::new(&self.header())
     }
 }
 
-/// A row of the list of sessions.
+/// Entry in the list of sessions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SessionSummary {
     /// Permanent name in addresses, commands and the log.
     pub name: String,
-    /// Display name. The default is the name.
+    /// Display name. By default it is the name.
     pub title: String,
-    /// Identifies its history, as in [`SessionRow`].
+    /// Id of the session's history, as in [`SessionRow`].
     pub epoch: String,
     /// Number of the latest record. 0 before the first.
     pub seq: u64,
-    /// True if nobody works on the session. Then it can be deleted.
+    /// True if the session is archived, so that people no longer work on it. Only such a session can be deleted.
     pub is_archived: bool,
-    /// Creation time in this folder, in milliseconds since 1970.
+    /// Time at which the session was created in this data folder, in milliseconds since 1970.
     pub made_ms: Option<u64>,
-    /// `None` before the first record.
+    /// Time and actor of the latest record. `None` before the first record.
     pub changed: Option<LastChange>,
 }
 
@@ -76,11 +76,11 @@ pub struct FoundSession {
 /// A record of the database.
 pub struct StoredRecord {
     pub seq: u64,
-    /// Line in a log file.
+    /// Line of the record in a log file.
     pub line: String,
-    /// Hash of the document after the record, if one was noted.
+    /// Hash of the document after the record. Stored for the last record of each batch only.
     pub hash: Option<String>,
-    /// Proof of all lines up to the record, if one was noted.
+    /// Proof of all lines up to this record. Stored for the last record of each batch only.
     pub proof: Option<String>,
 }
 
@@ -91,22 +91,23 @@ pub struct NewRecord<'a> {
     pub actor_id: &'a str,
     pub actor_name: &'a str,
     pub op_id: &'a str,
-    /// Line in a log file.
+    /// Line of the record in a log file, in which references replace long values that the log already contains.
     pub line: &'a str,
-    /// Long values that the log does not hold yet: the hash of each, and the byte at which it begins in the line.
+    /// Hashes of the long values that the log contains for the first time in this line, each with the byte at which the
+    /// value begins.
     pub new_values: &'a [(String, usize)],
 }
 
-/// A checkpoint of the database, with the log's data of its record.
+/// Checkpoint in the database, with the data that the log has of the checkpoint's record.
 pub struct StoredCheckpoint {
     pub json: String,
     /// SHA-256 of `json` in hexadecimal.
     pub digest: String,
-    /// Line of its record in a log file.
+    /// Line in a log file of the record after which the checkpoint was made.
     pub line: String,
-    /// Hash of the document after its record.
+    /// Hash of the document after that record.
     pub hash: Option<String>,
-    /// Proof of the log up to its record.
+    /// Proof of the log up to that record.
     pub proof: Option<String>,
 }
 
@@ -114,7 +115,7 @@ pub struct StoredCheckpoint {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Rejection {
     pub actor_id: String,
-    /// The sender's id of the operation.
+    /// Id that the sender gave the operation.
     pub op_id: String,
     pub problem: Problem,
 }

@@ -25,21 +25,21 @@ pub enum FrameQuality {
     Settled,
 }
 
-/// Next need of a client.
+/// Frame that a client needs next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NextFrame {
-    /// Nothing, until the content changes or the client acknowledges a frame.
+    /// No frame, until the content changes or the client acknowledges a frame.
     Nothing,
-    /// Nothing before this time. The caller asks again then, or earlier if the content changes or the client
+    /// No frame before this time. The caller asks again at this time, or earlier if the content changes or the client
     /// acknowledges a frame.
     WaitUntil(Instant),
-    /// A frame of [`FrameQuality::Moving`], now.
+    /// Frame of [`FrameQuality::Moving`], at once.
     Moving,
-    /// A frame of [`FrameQuality::Settled`], now. The caller abandons it if the content changes meanwhile.
+    /// Frame of [`FrameQuality::Settled`], at once. The caller abandons it if the content changes meanwhile.
     Settle,
 }
 
-/// Frames sent to one client of a view, from which follows the next one.
+/// State of the frames that were sent to one client of a view. It determines the next frame.
 ///
 /// New content goes out at once as a moving frame if the window has a free slot. Content between two such moments is
 /// never sent. Once the content is still, one settled frame of it follows. The caller calls [`FramePacer::next`] when
@@ -47,17 +47,18 @@ pub enum NextFrame {
 #[derive(Clone, Debug, Default)]
 pub struct FramePacer {
     window: AckWindow,
-    /// Revision and quality of the latest frame. `None` if the next one is a key frame.
+    /// Revision and quality of the latest frame that was sent. `None` if the next frame must be a key frame.
     latest: Option<(u64, FrameQuality)>,
 }
 
 impl FramePacer {
-    /// Pacer of a client that has no frame of this view.
+    /// Makes the state of a client that has had no frame of this view.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Returns the next need of the client. A client that acknowledges none of its frames in flight needs nothing.
+    /// Returns the frame that the client needs next. A client that has acknowledged none of the frames in flight gets
+    /// no further frame.
     pub fn next(&self, content: ViewContent, now: Instant) -> NextFrame {
         let still_at = content.changed_at + SETTLE_AFTER;
         match self.latest {
@@ -74,8 +75,8 @@ impl FramePacer {
         }
     }
 
-    /// Resets a client that has no picture left to draw tiles on and that shows none of its frames in flight. Its next
-    /// frame is a key frame.
+    /// Resets the state of a client that has no picture left to draw tiles on and shows none of its frames in flight.
+    /// Its next frame is a key frame.
     pub fn start_anew(&mut self) {
         self.window.clear();
         self.latest = None;
@@ -86,7 +87,7 @@ impl FramePacer {
         self.latest.is_none()
     }
 
-    /// Number of frames that may still be sent before an acknowledgement.
+    /// Returns the number of frames that may still be sent before an acknowledgement.
     pub fn free_slots(&self) -> usize {
         self.window.free_slots()
     }

@@ -8,7 +8,8 @@ const BLOCK: usize = 64;
 /// Share of differing pixels above which the whole picture is sent.
 const WHOLE_PICTURE_SHARE: f64 = 0.6;
 
-/// Target size of a band in bytes, and the estimate of bytes per pixel for the first band.
+/// Size that a band should have, in bytes. The next constant is the estimated number of bytes per pixel before the
+/// first band is encoded.
 const BAND_BYTES: f64 = 30_000.0;
 const FIRST_BYTES_PER_PIXEL: f64 = 0.8;
 

@@ -12,7 +12,8 @@ pub const MAX_FRAMES_IN_FLIGHT: usize = 3;
 /// for all earlier frames.
 #[derive(Clone, Debug, Default)]
 pub struct AckWindow {
-    /// Number and time of sending, in the order of sending. At most [`MAX_FRAMES_IN_FLIGHT`].
+    /// Number of each frame in flight and the time at which it was sent, in the order of sending. At most
+    /// [`MAX_FRAMES_IN_FLIGHT`].
     in_flight: VecDeque<(u64, Instant)>,
     /// True once the client has acknowledged a frame. Until then at most one is in flight, so that nothing is drawn for
     /// a client that shows nothing.
@@ -25,13 +26,13 @@ impl AckWindow {
         self.free_slots() > 0
     }
 
-    /// Number of frames that may still be sent.
+    /// Returns the number of frames that may still be sent.
     pub fn free_slots(&self) -> usize {
         let window = if self.has_acked { MAX_FRAMES_IN_FLIGHT } else { 1 };
         window.saturating_sub(self.in_flight.len())
     }
 
-    /// Number of frames in flight.
+    /// Returns the number of frames in flight.
     pub fn in_flight(&self) -> usize {
         self.in_flight.len()
     }

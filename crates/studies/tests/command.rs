@@ -35,7 +35,7 @@ fn help_names_every_study_and_shows_examples() {
     }
 }
 
-/// Words in commands of `text`, on lines that start with `bendylights-studies`, that are in no help text.
+/// Returns the words in commands of `text`, on lines that start with `bendylights-studies`, that are in no help text.
 fn unknown_words(text: &str) -> Vec<String> {
     let lines = text.lines().filter_map(|line| line.trim().strip_prefix("bendylights-studies "));
     lines

@@ -158,7 +158,7 @@ export type CameraParameter = CameraName | CameraTranslation | CameraRotation | 
 /**
  * `edit::UndoScope` in JSON.
  *
- * - `mine`: Own steps of the actor.
+ * - `mine`: Steps of the actor who asks.
  * - `session`: Steps of all actors.
  */
 export type Scope = "mine" | "session";
@@ -309,7 +309,7 @@ export type GestureEnd = "committed" | "cancelled" | "expired" | "rejected";
  * - `tubeEdge`: M' would lie outside the light, or in another part of it.
  * - `noDescent`: No small change brings the feature nearer to the cursor.
  * - `sourceInside`: The source would pass through a surface.
- * - `pin`: A hard pin would not hold. `pin` names it.
+ * - `pin`: The drag cannot keep a hard pin. `pin` names it.
  * - `tooMuchWork`: The solver reached its work limit. Choose fewer control points, or remove pins.
  */
 export type DragLimit = "fold" | "radius" | "tubeEdge" | "noDescent" | "sourceInside" | "pin" | "tooMuchWork";
@@ -1897,8 +1897,8 @@ export interface DragPoint {
   type: "dragPoint";
 }
 /**
- * Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a
- * picture. The document's pins of the light hold.
+ * Drags a shadow, a hotspot, a highlight or the brightest side of a surface to another position in a picture. The
+ * drag keeps the document's pins of the light.
  */
 export interface DragFeature {
   camera: Camera;
@@ -1932,7 +1932,7 @@ export interface DragFeature {
    */
   sourceOutside?: boolean;
   /**
-   * Target of the feature in the picture, in the same pixels.
+   * Target of the feature in the picture, in pixels from the top left corner, like `from`.
    *
    * @minItems 2
    * @maxItems 2
@@ -1963,7 +1963,7 @@ export interface Pin {
    */
   caster?: string;
   /**
-   * True if the pin always holds. False if it holds as far as the drag allows.
+   * True if every drag keeps the pin. False if a drag keeps it only as far as it can.
    */
   hard: boolean;
   kind: PinKind;
@@ -1987,7 +1987,7 @@ export interface RemovePin {
  */
 export interface SetPin {
   /**
-   * True if the pin always holds. False if it holds as far as the drag allows.
+   * True if every drag keeps the pin. False if a drag keeps it only as far as it can.
    */
   hard: boolean;
   /**
@@ -2542,7 +2542,7 @@ export interface CameraChange {
   type: "camera";
 }
 /**
- * Change of a camera's parameter.
+ * Change of one parameter of a camera, such as its position.
  */
 export interface CameraParameterChange {
   camera: number;
@@ -2711,7 +2711,7 @@ export interface Record {
   timeMs: number;
 }
 /**
- * Command.
+ * Execution of one command.
  */
 export interface EditAction {
   command: Command;
@@ -2994,7 +2994,7 @@ export interface ProbedLight {
    */
   shadowedBy: ProbedCaster | null;
   /**
-   * Share of that radiance in the luminance of all lights together, 0 to 1.
+   * Share of `radiance` in the radiance that all lights together add, measured by luminance, 0 to 1.
    */
   share: number;
   state: ProbeState;

@@ -7,7 +7,7 @@ use scene::Primitive;
 
 /// Maximum number of vertex rows along the profile.
 const ROWS: usize = 64;
-/// Candidate points per span between two control points, from which the rows are chosen.
+/// Number of candidate points per span between two control points. The rows are chosen among them.
 const TRIED_PER_SPAN: usize = 24;
 /// Vertices around the axis.
 const AROUND: usize = 60;

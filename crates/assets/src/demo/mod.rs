@@ -94,7 +94,7 @@ mod tests {
             assert_eq!(digest(&demo(name).unwrap()), expected, "{name}");
         }
         assert_eq!(digests.len(), DEMO_NAMES.len());
-        // Planted fault: one vertex is off by one ulp.
+        // Deliberate fault that the check must detect: one vertex is off by one ulp.
         let mut moved = demo("vases").unwrap();
         let x = &mut moved.scene.meshes[0].primitives[0].positions[0].x;
         *x = x.next_up();

@@ -13,7 +13,7 @@ use super::ImportSource;
 use crate::fault::invalid_gltf;
 use crate::{AssetFault, ImportLimit};
 
-/// Elements in a buffer.
+/// Position of an accessor's elements in a buffer.
 struct Span {
     buffer: usize,
     bytes: Range<usize>,
@@ -36,7 +36,7 @@ pub fn check(root: &Root) -> Result<(), AssetFault> {
     Ok(())
 }
 
-/// Positions of an accessor's elements, sparse indices and sparse values.
+/// Positions of an accessor's elements, and of its sparse indices and values.
 #[derive(Default)]
 struct Layout {
     dense: Option<Span>,
@@ -173,7 +173,7 @@ impl ImportSource<'_> {
         Ok(values)
     }
 
-    /// Iterates over the bytes of each element. [`check`] has shown that they exist; if not, the result is
+    /// Iterates over the bytes of each element. [`check`] has verified that they exist. If they do not, the result is
     /// empty.
     fn slices<'s>(&'s self, span: &'s Span) -> impl Iterator<Item = &'s [u8]> + Clone {
         let bytes = self.buffers.get(span.buffer).and_then(|buffer| buffer.get(span.bytes.clone()));

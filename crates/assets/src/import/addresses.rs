@@ -60,8 +60,8 @@ pub fn read(uri: &str, scene_file: Option<&Path>, budget: &mut Budget) -> Result
     })
 }
 
-/// Returns an error for every text but a plain relative path downwards. The rules of Windows apply on every
-/// system, so that a scene that loads on one system loads on all.
+/// Returns an error for every address except a plain relative path that leads downwards. The rules for Windows paths
+/// apply on every system, so that a scene that loads on one system loads on all.
 fn stays_inside(name: &str) -> Result<(), &'static str> {
     const DEVICES: [&str; 6] = ["con", "prn", "aux", "nul", "conin$", "conout$"];
     if name.contains(':') {

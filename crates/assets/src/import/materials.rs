@@ -17,7 +17,7 @@ use crate::fault::invalid_gltf;
 #[derive(Debug)]
 pub struct ImportedMaterial {
     pub material: scene::Material,
-    /// Texture coordinates of all its pictures.
+    /// Texture coordinates that all pictures of the material use.
     pub coordinates: Coordinates,
 }
 

@@ -15,7 +15,7 @@ pub struct PlacedNode {
     pub node: Option<usize>,
     /// Name for people.
     pub name: String,
-    /// Index of the parent in the list of placed nodes, less than the node's own.
+    /// Index of the parent in the list of placed nodes. It is less than the node's own index.
     pub parent: Option<usize>,
     /// Transform to the parent's space.
     pub parent_from_local: DAffine3,

@@ -55,7 +55,8 @@ fn the_penumbra_of_a_spotlight_is_the_one_that_gltf_recommends() {
         // The recommended formula subtracts cosines near 1. Its error is a rounding of each, over their
         // difference, and the square doubles it.
         assert!(most < 8.0 * f64::EPSILON * scale, "{inner} {outer}: {most}");
-        // Planted fault: a light with the default profile is brighter by up to 2 s^2 (1 - s), most at s = 2/3.
+        // Deliberate fault that the check must detect: a light with the default profile is brighter by up to 2 s^2 (1 -
+        // s), most at s = 2/3.
         assert!((most_planted - 8.0 / 27.0).abs() < 1e-6, "{inner} {outer}: {most_planted}");
     }
 }
@@ -79,7 +80,7 @@ fn a_scene_without_lights_gets_a_key() {
     };
     let framing = framing_camera(&reach, DEFAULT_ASPECT).rotation;
     assert!(from_beside(key.light(), framing));
-    // Planted fault: the light of another camera.
+    // Deliberate fault that the check must detect: the light of another camera.
     let down = DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2);
     assert!(!from_beside(key.light(), down));
 

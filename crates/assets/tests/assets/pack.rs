@@ -55,7 +55,7 @@ fn several_files_become_one() {
     let file = tempfile::NamedTempFile::new().unwrap();
     std::fs::write(file.path(), &bytes).unwrap();
     assert_eq!(assets::pack(file.path()).unwrap(), bytes);
-    // Planted fault: another position shows in the text.
+    // Deliberate fault that the check must detect: another position shows in the text.
     assert_ne!(packed(|json| json.replace("0.1, 0.2", "0.1, 0.3")).1, loaded);
 }
 

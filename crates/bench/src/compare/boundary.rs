@@ -95,7 +95,7 @@ impl ExpectedPicture<'_> {
         })
     }
 
-    /// Steps of a texel on the plane of the surface.
+    /// Returns the steps of a texel on the plane of the surface.
     ///
     /// On the map a step is `(dv, dw)`, 2 / resolution for a texel. On the plane it is `R (dv v_hat + dw w_hat) + T ds`
     /// with T along the light path and `n . e = 0`.
@@ -115,8 +115,8 @@ impl ExpectedPicture<'_> {
         Some(Texel { v: in_world(root.v_hat * width), w: in_world(root.u_hat.cross(root.v_hat) * width) })
     }
 
-    /// Visibility at `step` from `surface` on its plane, and visibility of the surface that the camera sees there if it
-    /// is nearly at the same position. `None` outside the light.
+    /// Returns the visibility at `step` from `surface` on its plane, and the visibility of the surface that the camera
+    /// sees there if it is nearly at the same position. `None` outside the light.
     fn visible_beside(&self, surface: &ShadedPoint, step: DVec3) -> [Option<bool>; 2] {
         let position = surface.position + step;
         let pixel = self.pixel_of(self.in_world(position));
@@ -128,12 +128,12 @@ impl ExpectedPicture<'_> {
         [visible(&beside), seen.as_ref().and_then(visible)]
     }
 
-    /// World position of a position in the reference's space, whose origin is that of the scene.
+    /// Returns the world position of a position in the reference's space, whose origin is that of the scene.
     fn in_world(&self, position: DVec3) -> DVec3 {
         self.reference.bvh.posed.origin_in_world + position
     }
 
-    /// Point of the picture that shows a world position; `None` behind the camera.
+    /// Returns the point of the picture that shows a world position; `None` behind the camera.
     fn pixel_of(&self, position_in_world: DVec3) -> Option<DVec2> {
         let View { camera, width, height, .. } = &self.subject.view;
         scene::pixel_of(camera, [*width, *height], position_in_world, DVec3::ZERO)

@@ -24,7 +24,7 @@ pub(super) struct Crossing {
 }
 
 impl ScanAxis {
-    /// Point of the picture at `along` pixels on a line.
+    /// Returns the point of the picture at `along` pixels on a line.
     pub fn point(self, line: f64, along: f64) -> DVec2 {
         let across = line + 0.5;
         match self {
@@ -33,7 +33,7 @@ impl ScanAxis {
         }
     }
 
-    /// Index of the pixel `along` a line, in a picture that is `width` pixels wide.
+    /// Returns the index of the pixel `along` a line, in a picture that is `width` pixels wide.
     pub fn index(self, width: usize, line: usize, along: usize) -> usize {
         match self {
             Self::Row => line * width + along,

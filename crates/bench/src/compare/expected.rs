@@ -104,17 +104,17 @@ impl<'a> ExpectedPicture<'a> {
         Ok(expected)
     }
 
-    /// Posed scene of the subject, to draw it with another renderer.
+    /// Returns the posed scene of the subject, to draw it with another renderer.
     pub fn posed(&self) -> &Arc<PosedScene> {
         &self.reference.bvh.posed
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub(super) fn size(&self) -> (usize, usize) {
         (self.subject.view.width as usize, self.subject.view.height as usize)
     }
 
-    /// Surface and light seen through a point of the picture, in pixels from its top left corner.
+    /// Returns the surface and light seen through a point of the picture, in pixels from its top left corner.
     pub(super) fn seen(&self, pixel: DVec2) -> Option<ExpectedPixel> {
         let surface = self.reference.surface(&self.subject.view, pixel)?;
         let filter = self.source.light_profile();
@@ -163,7 +163,7 @@ impl<'a> ExpectedPicture<'a> {
         Some(if twin.is_some() { PixelVerdict::Coincident } else { PixelVerdict::Silhouette })
     }
 
-    /// Surfaces of the pixels to the left, right, above and below.
+    /// Returns the surfaces of the pixels to the left, right, above and below.
     fn neighbours(&self, pixel: usize) -> impl Iterator<Item = &ShadedPoint> {
         let (width, height) = self.size();
         let (x, y) = (pixel % width, pixel / width);

@@ -185,7 +185,7 @@ impl ExpectedPicture<'_> {
         }
     }
 
-    /// Verdict on a pixel, and its distance in texels from the shadow edge if it is on the wrong side.
+    /// Returns the verdict on a pixel, and its distance in texels from the shadow edge if it is on the wrong side.
     fn judge(&self, drawn: &RenderedSubject, pixel: usize) -> (PixelVerdict, Option<f64>) {
         let pictures = [&drawn.beauty, &drawn.depth, &drawn.normal, &drawn.visibility];
         if pictures.iter().any(|picture| picture.pixels[pixel].iter().any(|x| !x.is_finite())) {
@@ -256,8 +256,8 @@ impl ExpectedPicture<'_> {
     }
 }
 
-/// Relative RMSE of the radiance of `beauty`, a scene under several lights, against the sum of the references `each`,
-/// and the number of pixels in it: those that are compared under each light alone, by `alone`.
+/// Returns the relative RMSE of the radiance of `beauty`, a scene under several lights, against the sum of the
+/// references `each`, and the number of pixels in it: those that are compared under each light alone, by `alone`.
 pub(crate) fn radiance_rmse_of_all(
     each: &[ExpectedPicture],
     alone: &[Comparison],

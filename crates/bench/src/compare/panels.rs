@@ -13,7 +13,7 @@ const AMPLIFIED: f64 = 50.0;
 const OFF_EDGE: [u8; 3] = [60, 255, 60];
 
 impl PixelVerdict {
-    /// Color in the mask.
+    /// Returns the color in the mask.
     fn color(self) -> [u8; 3] {
         match self {
             Self::Background => [0, 0, 0],

@@ -56,7 +56,7 @@ impl ExpectedPicture<'_> {
         Some(Crossing { axis, line, at, squareness, light_ends: falls })
     }
 
-    /// Position on a line, between two others, at which the light ends or begins; `None` if it does not.
+    /// Returns the position on a line, between two others, at which the light ends or begins; `None` if it does not.
     fn edge_between(
         &self,
         axis: ScanAxis,
@@ -75,8 +75,8 @@ impl ExpectedPicture<'_> {
         Some(f64::midpoint(low, high))
     }
 
-    /// Distance in pixels from each crossing to the picture's edge, which the same line crosses in the same sense;
-    /// infinity if farther than [`WINDOW`] along the line.
+    /// Returns the distance in pixels from each crossing to the picture's edge, which the same line crosses in the same
+    /// sense; infinity if farther than [`WINDOW`] along the line.
     pub(super) fn displacements(&self, fine_visibility: &Picture) -> Vec<f64> {
         self.crossings.par_iter().map(|crossing| displacement(crossing, fine_visibility)).collect()
     }

@@ -92,8 +92,8 @@ fn an_object_in_another_place_is_seen() {
     assert!(!passes(&found) && found.silhouettes > found.pixels / 500, "{}", json(&found));
 }
 
-/// Light of `scenes` times the length of the scene. It is bent, comes down on the middle of the scene, and its tube is
-/// 4 units wide.
+/// Returns a light of `scenes` times the length of the scene. It is bent, comes down on the middle of the scene, and
+/// its tube is 4 units wide.
 fn long_light(scenes: f64) -> Light {
     // The floor is 12 units wide.
     let along = DVec3::new(0.5, -0.8, -0.3).normalize() * 12.0 * scenes;

@@ -63,7 +63,7 @@ impl EquationError {
     }
 }
 
-/// World units that a pixel covers at a surface, by the nearest of the four adjacent pixels.
+/// Returns the world units that a pixel covers at a surface, by the nearest of the four adjacent pixels.
 fn per_pixel(stage: &TrialScene, pixel: DVec2, surface: &ShadedPoint) -> f64 {
     let beside = [DVec2::X, DVec2::Y, DVec2::NEG_X, DVec2::NEG_Y]
         .into_iter()
@@ -71,7 +71,8 @@ fn per_pixel(stage: &TrialScene, pixel: DVec2, surface: &ShadedPoint) -> f64 {
     beside.fold(f64::INFINITY, f64::min).clamp(1e-4 * surface.depth, 0.01 * surface.depth)
 }
 
-/// Distance in pixels from the cursor to the feature under `light`; `None` if the feature is not in the picture.
+/// Returns the distance in pixels from the cursor to the feature under `light`; `None` if the feature is not in the
+/// picture.
 pub fn distance_px(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<f64> {
     match trial.kind.feature {
         Feature::Shadow => {
@@ -83,8 +84,8 @@ pub fn distance_px(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> O
     }
 }
 
-/// Distance in pixels from the cursor to the nearest visible surface that the light path (v, w) meets past the
-/// parameter `after`.
+/// Returns the distance in pixels from the cursor to the nearest visible surface that the light path (v, w) meets past
+/// the parameter `after`.
 fn nearest_on_light_path(
     stage: &TrialScene,
     trial: &Trial,
@@ -116,8 +117,8 @@ fn nearest_on_light_path(
     met.into_inner().iter().filter_map(distance).min_by(f64::total_cmp)
 }
 
-/// Distance in pixels to the nearest point at which light arrives along the mirror direction or the normal. Newton's
-/// method over the picture starts from the cursor and, if that finds none, from points all over the picture.
+/// Returns the distance in pixels to the nearest point at which light arrives along the mirror direction or the normal.
+/// Newton's method over the picture starts from the cursor and, if that finds none, from points all over the picture.
 fn nearest_centre(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Option<f64> {
     let cursor = trial.drag.to;
     let is_diffuse = trial.kind.feature == Feature::Diffuse;

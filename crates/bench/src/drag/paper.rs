@@ -74,7 +74,7 @@ pub fn moved(stage: &TrialScene, trial: &Trial) -> Option<Light> {
     }))
 }
 
-/// Apex of the cone with which a tube begins, in the world; the source if the tube does not widen.
+/// Returns the apex of the cone with which a tube begins, in the world; the source if the tube does not widen.
 fn apex(tube: &Tube<f64>) -> DVec3 {
     let first = &tube.segments[0].curve;
     let widening = first.e0 / first.d0.length();

@@ -28,29 +28,29 @@ impl TrialScene {
         Self { name: name.into(), view: Viewport { camera, size }, reference }
     }
 
-    /// Origin of scene space, in the world.
+    /// Returns the origin of scene space, in the world.
     pub fn origin(&self) -> DVec3 {
         self.reference.bvh.posed.origin_in_world
     }
 
-    /// Surface at a pixel.
+    /// Returns the surface at a pixel.
     pub fn seen(&self, pixel: DVec2) -> Option<SeenPoint> {
         let Viewport { camera, size } = &self.view;
         self.reference.bvh.visible_point(&ViewRay::new(camera, *size, pixel, self.origin()))
     }
 
-    /// Surface at a pixel with its material, by the reference.
+    /// Returns the surface at a pixel with its material, by the reference.
     pub fn surface(&self, pixel: DVec2) -> Option<ShadedPoint> {
         let Viewport { camera, size } = &self.view;
         self.reference.surface(&View::beauty(camera.clone(), *size), pixel)
     }
 
-    /// Tube coordinates of a point in scene space; `None` outside of the tube.
+    /// Returns the tube coordinates of a point in scene space; `None` outside of the tube.
     pub fn locate(&self, light: &CheckedLight, position: DVec3) -> Option<TubePoint> {
         light.tube()?.locate(position + self.origin()).point
     }
 
-    /// Size of the picture in pixels.
+    /// Returns the size of the picture in pixels.
     pub(crate) fn size(&self) -> DVec2 {
         DVec2::from(self.view.size.map(f64::from))
     }

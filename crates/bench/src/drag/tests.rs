@@ -81,7 +81,7 @@ fn trials_begin_on_their_feature() {
         assert!(off.residual < 1e-6, "{kind:?} {off:?}");
         let px = distance_px(&stage, &stays, &trial.light).expect("the feature is seen");
         assert!(px < 0.05, "{kind:?} {px}");
-        // The planted fault: a light that was not moved, judged at the end of the drag.
+        // Deliberate fault that the check must detect: a light that was not moved, judged at the end of the drag.
         let off = EquationError::at_target(&stage, &trial, &trial.light);
         assert!(!off.is_some_and(|off| off.is_landed(kind.feature)), "{kind:?} {off:?}");
     }

@@ -35,7 +35,7 @@ pub struct TrialKind {
 }
 
 impl TrialKind {
-    /// All sixteen kinds.
+    /// Returns all sixteen kinds.
     pub fn all() -> impl Iterator<Item = Self> {
         let of = |feature| {
             [(false, false), (false, true), (true, false), (true, true)].map(|(deforms, is_large)| Self {
@@ -47,7 +47,7 @@ impl TrialKind {
         FEATURES.into_iter().flat_map(of)
     }
 
-    /// Name of the feature in drag files.
+    /// Returns the name of the feature in drag files.
     pub fn feature_name(self) -> &'static str {
         match self.feature {
             Feature::Shadow => "shadow",
@@ -57,7 +57,8 @@ impl TrialKind {
         }
     }
 
-    /// Returns the name of what the drag moves: the whole light, or control points.
+    /// Returns the name of the kind of motion: `deforming` if control points move, `rigid` if the light moves as a
+    /// whole.
     pub fn points_name(self) -> &'static str {
         if self.deforms { "deforming" } else { "rigid" }
     }
@@ -83,7 +84,7 @@ pub struct Trial {
 }
 
 impl Trial {
-    /// Seed of the drag with this number, independent of other drags (FNV-1a).
+    /// Returns the seed of the drag with this number, independent of other drags (FNV-1a).
     pub fn seed(seed: u64, scene: &str, kind: TrialKind, number: usize) -> u64 {
         let text = format!("{seed} {scene} {kind:?} {number}");
         text.bytes()

@@ -115,7 +115,7 @@ fn caption(report: &FrameBenchReport) -> String {
     )
 }
 
-/// Color of the measured backend, or of wgpu beside it.
+/// Returns the color of the measured backend, or of wgpu beside it.
 fn color_of(backend: &str, report: &FrameBenchReport) -> RGBColor {
     if backend == report.backend { COLORS[3] } else { COLORS[9] }
 }

@@ -66,7 +66,7 @@ impl FrameEdit {
         Self::Idle,
     ];
 
-    /// Name for people.
+    /// Returns the name for people.
     pub fn name(self) -> &'static str {
         match self {
             Self::First => "first frame",
@@ -81,7 +81,8 @@ impl FrameEdit {
         }
     }
 
-    /// Frame after the `k`th variant of the edit. No two variants are equal, and none equals the unedited subject.
+    /// Returns the frame after the `k`th variant of the edit. No two variants are equal, and none equals the unedited
+    /// subject.
     pub(super) fn frame(self, subject: &FrameSubject, k: usize) -> Result<FrameRequest, LightError> {
         let (sin, cos) = (0.2 * k as f64).sin_cos();
         let mut frame = subject.under(self.edited(subject, k))?;

@@ -85,7 +85,7 @@ pub struct GrowthCosts {
 }
 
 impl GrowthPlan {
-    /// Plan from amounts that are small today to large ones.
+    /// Returns the plan of the benchmark: each axis from amounts that are small today to large ones.
     pub fn full() -> Self {
         Self {
             triangles: vec![10_000, 30_000, 100_000, 300_000, 1_000_000],
@@ -95,7 +95,7 @@ impl GrowthPlan {
         }
     }
 
-    /// Steps of progress.
+    /// Returns the number of steps that the progress report counts.
     pub(super) fn steps(&self) -> usize {
         2 * self.triangles.len() + self.lights.len() + self.segments.len() + self.sizes.len()
     }
@@ -186,7 +186,7 @@ fn point(bench: &mut Bench, axis: &str, setting: GrowthSetting) -> Result<Growth
     Ok(GrowthPoint { value, width, height, grown: grown.remove(0), by_wgpu })
 }
 
-/// Spotlight above the balls and to one side, aimed at them.
+/// Returns a spotlight above the balls and to one side, aimed at them.
 fn spot() -> Light {
     let source = DVec3::new(-1.2, 4.2, 1.8);
     let rotation = DQuat::from_rotation_arc(DVec3::NEG_Z, (-source).normalize());
@@ -197,12 +197,12 @@ fn spot() -> Light {
         .with(INTENSITY, 60.0)
 }
 
-/// Distance from the light to the balls.
+/// Returns the distance from the light to the balls.
 fn length() -> f64 {
     spot().get(TRANSLATION).length()
 }
 
-/// Balls on a floor, with about `inside` triangles in the light and `outside` triangles beside it.
+/// Returns a scene of balls on a floor, with about `inside` triangles in the light and `outside` triangles beside it.
 fn balls(inside: u32, outside: u32) -> Scene {
     let half = f64::from(SIDE - 1) / 2.0;
     let square = |triangles: u32, middle: f64| {

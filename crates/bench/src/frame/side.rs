@@ -21,7 +21,7 @@ impl MeasuredBackend {
         Ok(Self { gpu, renderer })
     }
 
-    /// Name of the backend in reports.
+    /// Returns the name of the backend in reports.
     pub fn backend(&self) -> &'static str {
         self.gpu.backend().name()
     }

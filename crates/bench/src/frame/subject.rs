@@ -45,12 +45,12 @@ impl FrameSubject {
         Ok(Self { name: name.into(), posed, view: View::beauty(camera, size), bent, spot })
     }
 
-    /// Frame under `light` alone.
+    /// Returns the frame under `light` alone.
     pub(super) fn under(&self, light: Light) -> Result<FrameRequest, LightError> {
         Ok(FrameRequest { view: self.view.clone(), lights: vec![instance(0, light)?] })
     }
 
-    /// Distance by which lights and cameras move: a hundredth of half the scene's diagonal.
+    /// Returns the distance by which lights and cameras move: a hundredth of half the scene's diagonal.
     pub(super) fn step(&self) -> f64 {
         0.01 * self.posed.half_extent.length()
     }

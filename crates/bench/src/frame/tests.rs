@@ -9,7 +9,7 @@ use super::*;
 use crate::shadow::scenes::{PlacedPrimitive, floor, place, scene_of, view};
 use crate::solids::ball;
 
-/// A ball on a floor under a spotlight from above.
+/// Returns a ball on a floor under a spotlight from above.
 fn subject() -> FrameSubject {
     let scene = scene_of(vec![floor(), PlacedPrimitive(ball(8), place([0.4; 3], 0.0, [0.0, 0.4, 0.0]))]);
     let down = glam::DQuat::from_rotation_arc(DVec3::NEG_Z, DVec3::NEG_Y);

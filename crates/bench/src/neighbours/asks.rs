@@ -65,7 +65,7 @@ pub(super) fn imports(_: &OtherClient) -> Result<ClientAction, BenchError> {
     }))
 }
 
-/// Name of an upload. All names have the same length.
+/// Returns the name of an upload. All names have the same length.
 fn upload_name(thread: usize, count: usize) -> String {
     format!("upload {thread} {count:08}")
 }

@@ -26,7 +26,7 @@ pub(super) fn draw(report: &NeighbourReport) -> Result<String, BenchError> {
     })
 }
 
-/// Rows with their positions on the axis, the first at the top.
+/// Returns the rows with their positions on the axis, the first at the top.
 fn rows_of(report: &NeighbourReport) -> impl Iterator<Item = (f64, &RowReport)> {
     let count = report.rows.len() as f64;
     report.rows.iter().enumerate().map(move |(index, row)| (count - index as f64, row))

@@ -62,7 +62,7 @@ pub(super) fn reads_nothing(other: &OtherClient) -> Result<ClientAction, BenchEr
     }))
 }
 
-/// BendyLight of the maximum number of bytes, switched off.
+/// Returns a BendyLight of the maximum number of bytes, switched off.
 fn heavy_light(number: usize) -> Value {
     let mut rng = fastrand::Rng::with_seed(number as u64);
     let points: Vec<[f64; 3]> = (0..POINTS)

@@ -69,7 +69,7 @@ impl NeighbourRow {
         }
     }
 
-    /// Description of the other client's action.
+    /// Returns the description of the other client's action.
     pub fn what(self) -> &'static str {
         match self {
             Self::Nobody => "is not there: what the machine itself takes from a victim",

@@ -147,8 +147,8 @@ fn lit_pixels(address: &ServerAddress, session: &str, index: usize) -> Result<Ve
 }
 
 impl Draggable {
-    /// Command that drags a hotspot, the `n`th of many such drags, by as many control points as a drag may use, without
-    /// the source.
+    /// Returns the command that drags a hotspot, the `n`th of many such drags, by as many control points as a drag may
+    /// use, without the source.
     pub fn command(&self, n: usize) -> Result<Command, BenchError> {
         let from = self.lit[self.lit.len() / 2].pixel;
         let to = self.lit[(self.lit.len() / 2 + 1 + n % 5) % self.lit.len()].pixel;

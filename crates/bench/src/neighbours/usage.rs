@@ -53,7 +53,7 @@ pub(super) fn reset_peak(pid: u32) -> Result<(), BenchError> {
         .map_err(|error| unreadable(pid, "clear_refs", error.to_string()))
 }
 
-/// CPU seconds of all threads since the process began.
+/// Returns the CPU seconds of all threads since the process began.
 pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
     let stat = read(pid, "stat")?;
     ticks(&stat)
@@ -61,7 +61,7 @@ pub(super) fn cpu_s(pid: u32) -> Result<f64, BenchError> {
         .ok_or_else(|| unreadable(pid, "stat", "it is shorter than expected".into()))
 }
 
-/// Bytes that the process wrote to disk; 0 if its data is not on one.
+/// Returns the bytes that the process wrote to disk; 0 if its data is not on one.
 pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
     let io = read(pid, "io")?;
     let line = io.lines().find_map(|line| line.strip_prefix("write_bytes: "));
@@ -69,7 +69,7 @@ pub(super) fn written_bytes(pid: u32) -> Result<u64, BenchError> {
         .ok_or_else(|| unreadable(pid, "io", "it has no write_bytes".into()))
 }
 
-/// Threads that use the CPU during the next second, the busiest first.
+/// Returns the threads that use the CPU during the next second, the busiest first.
 pub(super) fn busy_threads(pid: u32) -> Result<Vec<BusyThread>, BenchError> {
     let (began, before) = (Instant::now(), thread_ticks(pid)?);
     std::thread::sleep(Duration::from_secs(1));
@@ -119,7 +119,7 @@ fn thread_ticks(pid: u32) -> Result<Threads, BenchError> {
     Ok(ids.filter_map(thread).collect())
 }
 
-/// Name, and ticks in user and in system mode, from a line of `stat`.
+/// Returns the name, and ticks in user and in system mode, from a line of `stat`.
 fn ticks(stat: &str) -> Option<(String, f64)> {
     // A name may contain spaces and brackets.
     let (name, rest) = stat.split_once('(')?.1.rsplit_once(')')?;

@@ -13,7 +13,8 @@ use crate::circle::ANIMATION_FRAME;
 use crate::dragged::DragCircle;
 use crate::{BenchError, Client, Incoming, ServerAddress};
 
-/// Session of the victim, which is also the name of its actor. The other client joins this session in one row only.
+/// Session of the victim. The other client joins this session in one row only. The next constant is the id of the
+/// victim's actor.
 pub(super) const SESSION: &str = "main";
 pub(super) const ACTOR: &str = "victim";
 /// Radians by which each update moves the control point along the circle.

@@ -107,7 +107,7 @@ mod tests {
         }
     }
 
-    /// Chart of drags with one frame each, which has only a render of the given milliseconds.
+    /// Returns the chart of drags with one frame each, which has only a render of the given milliseconds.
     fn chart_of(drags: &[(&'static str, f64)]) -> String {
         let frame =
             |render| ShownFrame { stages: LatencyStages { render, ..LatencyStages::default() }, bytes: 0 };
@@ -126,7 +126,7 @@ mod tests {
         draw(&shown, &report).expect("drawn")
     }
 
-    /// Heights in pixels of the bars of renders, which are higher than the boxes of the legends.
+    /// Returns the heights in pixels of the bars of renders, which are higher than the boxes of the legends.
     fn heights(svg: &str) -> Vec<f64> {
         let rects = svg.split("<rect ").filter(|rect| rect.contains("fill=\"#2F6DB5\""));
         let height = |rect: &str| rect.split_once(" height=\"")?.1.split_once('"')?.0.parse().ok();

@@ -128,7 +128,7 @@ fn panel(
     Ok(())
 }
 
-/// Milliseconds, error and label of the runs that change only this setting, in the order of its values.
+/// Returns the milliseconds, error and label of the runs that change only this setting, in the order of its values.
 fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64, String)> {
     let default = ShadowSettings::default();
     let mut turned: Vec<_> = scene.runs.iter().filter(|run| (knob.of)(&run.settings, &default)).collect();
@@ -150,7 +150,7 @@ fn points(scene: &SceneReport, knob: &Knob, measure: &Measure) -> Vec<(f64, f64,
         .collect()
 }
 
-/// Milliseconds of the stages that the settings affect.
+/// Returns the milliseconds of the stages that the settings affect.
 fn milliseconds(run: &ShadowRun) -> f64 {
     run.stages.shadow_ms + run.stages.lighting_ms
 }

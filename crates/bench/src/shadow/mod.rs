@@ -104,7 +104,8 @@ pub struct ShadowCosts {
     pub lighting_ms: f64,
 }
 
-/// Settings of every run for a scene of the given diagonal: the defaults, and changes of one setting at a time.
+/// Returns the settings of every run for a scene of the given diagonal: the defaults, and changes of one setting at a
+/// time.
 fn all_settings(diagonal: f64) -> Vec<ShadowSettings> {
     let default = ShadowSettings::default();
     let mut all: Vec<_> = RESOLUTIONS.map(|resolution| ShadowSettings { resolution, ..default }).to_vec();
@@ -220,7 +221,7 @@ impl ShadowRun {
         format!("{scene}-{}-{edge}-{}-{}.png", self.resolution, self.filter, self.mesh())
     }
 
-    /// Short text of the mesh error.
+    /// Returns the short text of the mesh error.
     fn mesh(&self) -> String {
         if self.mesh_error == 0.0 { "exact".into() } else { format!("{:.1e}", self.mesh_error) }
     }

@@ -21,7 +21,7 @@ pub(crate) fn subjects(width: u32, height: u32) -> Vec<ComparisonSubject> {
     ]
 }
 
-/// View from above, so that the floor shows the whole shadow.
+/// Returns the view from above, so that the floor shows the whole shadow.
 pub(crate) fn view(width: u32, height: u32) -> View {
     let (eye, target) = (DVec3::new(0.6, 6.2, 5.2), DVec3::new(0.6, 0.4, 0.2));
     let back = (eye - target).normalize();
@@ -35,7 +35,7 @@ pub(crate) fn view(width: u32, height: u32) -> View {
     View::beauty(camera, [width, height])
 }
 
-/// Light through world positions.
+/// Returns a light through world positions.
 fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     let source = DVec3::from_array(points[0]);
     let points = points.map(|point| DVec3::from_array(point) - source).to_vec();
@@ -43,15 +43,15 @@ fn light<const N: usize>(points: [[f64; 3]; N], radii: [f64; N]) -> Light {
     light.map_points(|_, point| point.intensity = 3.0)
 }
 
-/// Cone: linear radii on equal steps of a straight line, with the first and last step half as long (light model,
-/// section 1).
+/// Returns a cone: linear radii on equal steps of a straight line, with the first and last step half as long (light
+/// model, section 1).
 fn straight() -> Light {
     let (source, end) = (DVec3::new(-2.6, 5.0, 1.2), DVec3::new(2.6, -2.2, -1.0));
     let shares = [0.0, 1.0 / 6.0, 0.5, 5.0 / 6.0, 1.0];
     light(shares.map(|share| source.lerp(end, share).to_array()), shares.map(|share| 2.8 * share))
 }
 
-/// Light that starts horizontally and comes down steeply.
+/// Returns a light that starts horizontally and comes down steeply.
 fn bent() -> Light {
     light(
         [[-3.4, 2.2, 1.0], [-2.4, 3.6, 0.9], [-0.2, 4.4, 0.5], [1.0, 2.3, 0.1], [1.1, -1.2, -0.2]],
@@ -59,7 +59,7 @@ fn bent() -> Light {
     )
 }
 
-/// Light that is wide at its source, narrow in the middle and wide at its end.
+/// Returns a light that is wide at its source, narrow in the middle and wide at its end.
 fn tapered() -> Light {
     light(
         [[-2.6, 4.4, 1.0], [-1.9, 3.9, 0.8], [-0.6, 3.0, 0.3], [0.6, 1.7, 0.0], [1.3, -1.0, 0.0]],
@@ -75,7 +75,7 @@ pub(crate) fn place(scale: [f64; 3], turn: f64, at: [f64; 3]) -> DAffine3 {
     DAffine3::from_scale_rotation_translation(scale, DQuat::from_rotation_y(turn), at)
 }
 
-/// Floor of two large triangles.
+/// Returns a floor of two large triangles.
 pub(crate) fn floor() -> PlacedPrimitive {
     let corners = [[-6.0, 6.0], [6.0, 6.0], [6.0, -6.0], [-6.0, -6.0]];
     let primitive = Primitive {
@@ -87,7 +87,7 @@ pub(crate) fn floor() -> PlacedPrimitive {
     PlacedPrimitive(primitive, DAffine3::IDENTITY)
 }
 
-/// Balls and boxes on the floor and above it.
+/// Returns balls and boxes on the floor and above it.
 fn still_life() -> Vec<PlacedPrimitive> {
     vec![
         floor(),
@@ -99,7 +99,7 @@ fn still_life() -> Vec<PlacedPrimitive> {
     ]
 }
 
-/// Long beams that enter and leave the tube, so that most of each lies outside of it.
+/// Returns long beams that enter and leave the tube, so that most of each lies outside of it.
 fn beams() -> Vec<PlacedPrimitive> {
     vec![
         floor(),
@@ -109,7 +109,7 @@ fn beams() -> Vec<PlacedPrimitive> {
     ]
 }
 
-/// Fifteen hundred small blocks in the air, evenly spaced without repetition (the R3 lattice).
+/// Returns fifteen hundred small blocks in the air, evenly spaced without repetition (the R3 lattice).
 fn leaves() -> Vec<PlacedPrimitive> {
     const PLASTIC: f64 = 1.220_744_084_605_759_5;
     let leaf = |k: u32| {

@@ -9,7 +9,7 @@ use num_traits::Float;
 use super::closed_form::RealRoots;
 use super::cubic::Cubic;
 
-/// Roots of `A x^3 + 3 B x^2 w + 3 C x w^2 + D w^3`.
+/// Returns the roots of `A x^3 + 3 B x^2 w + 3 C x w^2 + D w^3`.
 pub fn blinn<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     if cubic.c3 == F::zero() {
         return [Some(-cubic.c0 / cubic.c1), None, None];
@@ -50,7 +50,7 @@ struct BlinnCubic<F> {
 }
 
 impl<F: Float> BlinnCubic<F> {
-    /// The only real root.
+    /// Returns the only real root.
     fn single(&self, discriminant: F) -> F {
         let two = F::one() + F::one();
         let t0 = -self.bar_d.signum() * self.outer.abs() * (-discriminant).sqrt();
@@ -60,7 +60,7 @@ impl<F: Float> BlinnCubic<F> {
         if self.bar_c <= F::zero() { p + q } else { -self.bar_d / (p * p + q * q + self.bar_c) }
     }
 
-    /// The largest and the smallest of three roots.
+    /// Returns the largest and the smallest of three roots.
     fn outer_pair(&self, root: F) -> [F; 2] {
         let two = F::one() + F::one();
         let three = two + F::one();

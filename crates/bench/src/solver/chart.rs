@@ -58,7 +58,7 @@ pub(super) fn draw(report: &SolverBenchReport) -> Result<String, BenchError> {
     })
 }
 
-/// Steps of the fastest method for each error, up to the time `end`.
+/// Returns the steps of the fastest method for each error, up to the time `end`.
 fn front(methods: &[&MeasuredMethod], end: f64) -> Vec<(f64, f64)> {
     let mut best: Vec<_> =
         methods.iter().filter(|m| m.on_pareto_front).map(|m| (m.nanoseconds, m.error())).collect();

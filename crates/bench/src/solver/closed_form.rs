@@ -18,8 +18,9 @@ fn number<F: Float>(x: f64) -> F {
     F::from(x).expect("every f64 has a nearest f32")
 }
 
-/// Roots by the general cubic formula in complex arithmetic: `-(c2 + xi C + D0 / (xi C)) / (3 c3)` with `xi` the cube
-/// roots of one (Wikipedia, "Cubic equation", general cubic formula). Returns the roots that are real up to rounding.
+/// Returns the roots by the general cubic formula in complex arithmetic: `-(c2 + xi C + D0 / (xi C)) / (3 c3)` with
+/// `xi` the cube roots of one (Wikipedia, "Cubic equation", general cubic formula). Returns the roots that are real up
+/// to rounding.
 pub fn naive<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let Cubic { c0, c1, c2, c3 } = *cubic;
     if c3 == F::zero() {
@@ -58,7 +59,7 @@ impl<F: Float> Depressed<F> {
     }
 }
 
-/// Cardano's method as the paper has it, eq. 10: no guard, complex if `lambda` is.
+/// Computes the roots by Cardano's method as the paper has it, eq. 10: no guard, complex if `lambda` is.
 pub fn cardano<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let [two, four, twenty_seven] = [2.0, 4.0, 27.0].map(number::<F>);
     let Depressed { shift, p, q } = Depressed::of(cubic);
@@ -73,7 +74,7 @@ pub fn cardano<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     [s, s * turn, s * turn.conj()].map(|s| Some(two * s.re - shift))
 }
 
-/// Viete's trigonometric roots, and the hyperbolic one if only one root is real (Wikipedia, "Cubic equation",
+/// Returns Viete's trigonometric roots, and the hyperbolic one if only one root is real (Wikipedia, "Cubic equation",
 /// trigonometric and hyperbolic solutions).
 pub fn viete<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     if cubic.c3 == F::zero() {
@@ -99,8 +100,9 @@ pub fn viete<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     [Some(t - shift), None, None]
 }
 
-/// The cubic of Quilez's distance to a quadratic Bezier curve (iquilezles.org, "distance to a quadratic bezier curve",
-/// 2018): Cardano's sum or a cosine. Of three roots it has only the outer two, since the middle one is farthest.
+/// Returns the cubic of Quilez's distance to a quadratic Bezier curve (iquilezles.org, "distance to a quadratic bezier
+/// curve", 2018): Cardano's sum or a cosine. Of three roots it has only the outer two, since the middle one is
+/// farthest.
 pub fn quilez<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let [two, three, four] = [2.0, 3.0, 4.0].map(number::<F>);
     let scale = F::one() / cubic.c3;

@@ -1,4 +1,4 @@
-//! The cubic as other methods need it: four coefficients, and a test of the wanted roots.
+//! The cubic as other methods need it: four coefficients, and a selection of the roots that count.
 
 use light::Curve;
 use num_traits::Float;
@@ -16,7 +16,7 @@ pub struct Cubic<F> {
 }
 
 impl<F: FloatWidth> Cubic<F> {
-    /// Cubic of a segment and a point (light model, section 5).
+    /// Makes the cubic of a segment and a point (light model, section 5).
     pub fn of(curve: &Curve<F>, q: F::Vec3) -> Self {
         let (d0, a, from_start) = (curve.d0, curve.a, q - curve.b0);
         Self {
@@ -55,18 +55,18 @@ pub fn clamp01<F: Float>(u: F) -> F {
 }
 
 impl<F: Float> Cubic<F> {
-    /// Value at `u`.
+    /// Returns the value at `u`.
     pub fn value(&self, u: F) -> F {
         ((self.c3 * u + self.c2) * u + self.c1) * u + self.c0
     }
 
-    /// Slope at `u`.
+    /// Returns the slope at `u`.
     pub fn slope(&self, u: F) -> F {
         let two = F::one() + F::one();
         ((two + F::one()) * self.c3 * u + two * self.c2) * u + self.c1
     }
 
-    /// Second derivative at `u`.
+    /// Returns the second derivative at `u`.
     pub fn bend(&self, u: F) -> F {
         let two = F::one() + F::one();
         two * ((two + F::one()) * self.c3 * u + self.c2)

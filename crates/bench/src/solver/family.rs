@@ -196,7 +196,7 @@ fn end_speed(rng: &mut Rng, ratio: f64) -> SolverCase<f64> {
     SolverCase { curve, q }
 }
 
-/// Random number from `10^low` to `10^high`, log-uniform.
+/// Returns a random number from `10^low` to `10^high`, log-uniform.
 fn magnitude(rng: &mut Rng, low: f64, high: f64) -> f64 {
     libm::exp10(uniform(rng, low, high))
 }
@@ -205,12 +205,12 @@ fn uniform(rng: &mut Rng, low: f64, high: f64) -> f64 {
     low + (high - low) * rng.f64()
 }
 
-/// Random point, uniform in the cube of half width 1.
+/// Returns a random point, uniform in the cube of half width 1.
 fn cube(rng: &mut Rng) -> DVec3 {
     DVec3::new(uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0), uniform(rng, -1.0, 1.0))
 }
 
-/// Random unit vector, uniform over the sphere.
+/// Returns a random unit vector, uniform over the sphere.
 fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = cube(rng);
@@ -226,18 +226,18 @@ fn bent(rng: &mut Rng, bend: f64) -> Curve<f64> {
     curve_of(b0, d0, d0 + direction(rng) * (d0.length() * bend * uniform(rng, 0.1, 0.9)))
 }
 
-/// The smallest radius of curvature, or the segment's length if that is less.
+/// Returns the smallest radius of curvature, or the segment's length if that is less.
 fn narrowest(curve: &Curve<f64>) -> f64 {
     (1.0 / kappa_max(curve)).min(curve.d0.length() + curve.d1.length())
 }
 
-/// Largest curvature over the segment: `kappa = |d0 x d1| / (2 |d|^3)` is greatest where `|d|` is least.
+/// Returns the largest curvature over the segment: `kappa = |d0 x d1| / (2 |d|^3)` is greatest where `|d|` is least.
 pub fn kappa_max(curve: &Curve<f64>) -> f64 {
     let slowest = slowest(curve);
     curve.d0.cross(curve.d1).length() / (2.0 * slowest * slowest * slowest)
 }
 
-/// Smallest `|d|` over the segment.
+/// Returns the smallest `|d|` over the segment.
 pub fn slowest(curve: &Curve<f64>) -> f64 {
     curve.d(u_of_slowest(curve)).length()
 }
@@ -247,7 +247,7 @@ fn u_of_slowest(curve: &Curve<f64>) -> f64 {
     if u.is_finite() { u.clamp(0.0, 1.0) } else { 0.0 }
 }
 
-/// Random unit vector across the curve at `u`.
+/// Returns a random unit vector across the curve at `u`.
 fn across(rng: &mut Rng, curve: &Curve<f64>, u: f64) -> DVec3 {
     loop {
         let (v, u_hat) = (direction(rng), curve.u_hat(u));
@@ -258,20 +258,20 @@ fn across(rng: &mut Rng, curve: &Curve<f64>, u: f64) -> DVec3 {
     }
 }
 
-/// Random point within `share` of the radius of the widest tube that the curve's bend allows.
+/// Returns a random point within `share` of the radius of the widest tube that the curve's bend allows.
 fn in_tube(rng: &mut Rng, curve: &Curve<f64>, share: f64) -> DVec3 {
     let u = rng.f64();
     let radius = share * rng.f64() * narrowest(curve);
     curve.position(u) + across(rng, curve, u) * radius
 }
 
-/// Random point in a cube around the segment, `reach` lengths wider than the segment.
+/// Returns a random point in a cube around the segment, `reach` lengths wider than the segment.
 fn around(rng: &mut Rng, curve: &Curve<f64>, reach: f64) -> DVec3 {
     curve.position(rng.f64()) + cube(rng) * (reach * curve.d0.length().max(curve.d1.length()))
 }
 
-/// Random point around the segment, or 10^-5 to 10^-1 lengths from its slowest point: there P' almost vanishes and
-/// roots lie close together.
+/// Returns a random point around the segment, or 10^-5 to 10^-1 lengths from its slowest point: there P' almost
+/// vanishes and roots lie close together.
 fn near_slowest(rng: &mut Rng, curve: &Curve<f64>) -> DVec3 {
     if rng.bool() {
         return around(rng, curve, 1.0);

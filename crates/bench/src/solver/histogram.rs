@@ -52,7 +52,7 @@ impl Histogram {
         self.max
     }
 
-    /// Quantiles of all values, at most 4 % too large.
+    /// Returns the quantiles of all values, at most 4 % too large.
     pub fn quantiles(&self) -> Quantiles {
         Quantiles::from_shares(self.count, |share| self.quantile(share))
     }

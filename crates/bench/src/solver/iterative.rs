@@ -5,9 +5,10 @@ use num_traits::Float;
 use super::closed_form::RealRoots;
 use super::cubic::{Cubic, clamp01};
 
-/// Yuksel's bracketed Newton: between the cubic's extrema each piece has at most one root. Newton's method finds it
-/// from the middle of the piece, with a bisection step if it leaves the bracket ("High-Performance Polynomial Root
-/// Finding for Graphics", Proceedings of the ACM on Computer Graphics and Interactive Techniques 5(3), 2022).
+/// Computes the roots by Yuksel's bracketed Newton: between the cubic's extrema each piece has at most one root.
+/// Newton's method finds it from the middle of the piece, with a bisection step if it leaves the bracket
+/// ("High-Performance Polynomial Root Finding for Graphics", Proceedings of the ACM on Computer Graphics and
+/// Interactive Techniques 5(3), 2022).
 pub fn yuksel<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let three = F::one() + F::one() + F::one();
     let (zero, one) = (F::zero(), F::one());
@@ -46,12 +47,12 @@ fn bracketed<F: Float>(cubic: &Cubic<F>, mut low: F, mut high: F) -> Option<F> {
 /// missed.
 const STARTS: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// Newton's method, six steps from each start.
+/// Computes the roots by Newton's method, six steps from each start.
 pub fn newton<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     from_each_start::<F, 6>(|u| cubic.value(u) / cubic.slope(u))
 }
 
-/// Halley's method, four steps from each start: `2 f f' / (2 f'^2 - f f'')`.
+/// Computes the roots by Halley's method, four steps from each start: `2 f f' / (2 f'^2 - f f'')`.
 pub fn halley<F: Float>(cubic: &Cubic<F>) -> RealRoots<F> {
     let two = F::one() + F::one();
     from_each_start::<F, 4>(|u| {

@@ -45,7 +45,7 @@ pub struct WrongCase {
 }
 
 impl AnswerTally {
-    /// Number of wrong roots of all three kinds: missed, spurious and inaccurate.
+    /// Returns the number of wrong roots of all three kinds: missed, spurious and inaccurate.
     pub fn wrong(&self) -> u64 {
         self.missed + self.spurious + self.inaccurate
     }
@@ -143,22 +143,22 @@ impl<F: FloatWidth> ErrorBounds<F> {
         &self.case
     }
 
-    /// `(|r| + L) / (|P'| (1 - kappa r.N))` at `u`, with `|P'| (1 - kappa r.N) = 2 f' / |P'|`, times
-    /// `1 + |world offset| / size` for a segment away from the origin.
+    /// Returns `(|r| + L) / (|P'| (1 - kappa r.N))` at `u`, with `|P'| (1 - kappa r.N) = 2 f' / |P'|`, times `1 +
+    /// |world offset| / size` for a segment away from the origin.
     fn cond(&self, u: f64) -> f64 {
         let (r, d) = self.at(u);
         let offset = 1.0 + F::vec_f64(self.case.curve.b0).length() / self.length;
         offset * (r + self.length) * d / self.truth.slope(u).abs()
     }
 
-    /// `|r|` and `|d|` at `u`.
+    /// Returns `|r|` and `|d|` at `u`.
     fn at(&self, u: f64) -> (f64, f64) {
         let s = &self.case.curve;
         let [b0, d0, a, q] = [s.b0, s.d0, s.a, self.case.q].map(F::vec_f64);
         (((q - b0) - (d0 * 2.0 + a * u) * u).length(), (d0 + a * u).length())
     }
 
-    /// `K eps ((|r| + |q| + L) |d| + |r| L)`.
+    /// Returns `K eps ((|r| + |q| + L) |d| + |r| L)`.
     fn backward_bar(&self, u: f64) -> f64 {
         let (r, d) = self.at(u);
         let q = F::vec_f64(self.case.q).length();

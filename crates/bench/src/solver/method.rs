@@ -50,7 +50,7 @@ pub const METHODS: [Method; 9] = [
 pub type SolverFn<F> = fn(&Curve<F>, <F as light::Lanes>::Vec3) -> FoundRoots<F>;
 
 impl Method {
-    /// Function of this method in precision `F`.
+    /// Returns the function of this method in precision `F`.
     pub fn solver<F: FloatWidth>(self) -> SolverFn<F> {
         match self {
             Self::Ours => ours,

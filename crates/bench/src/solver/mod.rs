@@ -4,8 +4,8 @@
 //! at which `(P(u) - q) . P'(u) = 0` with the distance at a minimum. The product's solver and eight others solve it in
 //! f32 and f64 for fifteen [families](FAMILIES) of inputs; the true roots are known to thirty digits.
 //!
-//! A root is *wrong* if a wanted one is missed, if a reported one is none, or if its error is over the bounds of
-//! section 5: 16 eps cond in u for tubes that are far from folding, a bound on the backward error otherwise.
+//! A root is *wrong* if a method misses a true root, if it reports a root that is none, or if its error is over the
+//! bounds of section 5: 16 eps cond in u for tubes that are far from folding, a bound on the backward error otherwise.
 
 mod blinn;
 mod chart;
@@ -111,7 +111,7 @@ pub fn run(
     Ok((report, chart))
 }
 
-/// Nanoseconds per solve in `F` of each method, in each family.
+/// Returns the nanoseconds per solve in `F` of each method, in each family.
 fn times_in<F: FloatWidth>(methods: &[Method]) -> Vec<[f64; FAMILIES.len()]> {
     let cases = FAMILIES.map(|family| (0..TIMED).map(|i| family.case(i).rounded::<F>()).collect::<Vec<_>>());
     let of_method = |method: &Method| {
@@ -188,7 +188,7 @@ fn sixteen_wide(inputs: u64) -> Throughput {
     }
 }
 
-/// Cases of a family from `first` on.
+/// Returns the cases of a family from `first` on.
 fn sixteen(family: Family, first: u64) -> [(Curve<f32>, Vec3); SIXTEEN] {
     std::array::from_fn(|lane| {
         let case: SolverCase<f32> = family.case(first + lane as u64).rounded();

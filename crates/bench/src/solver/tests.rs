@@ -14,7 +14,7 @@ use super::{
 };
 use crate::Progress;
 
-/// Tally of a method's answers, each changed by `alter`.
+/// Returns the tally of a method's answers, each changed by `alter`.
 fn tally<F: FloatWidth>(
     family: Family,
     inputs: u64,
@@ -77,7 +77,7 @@ fn ours_is_never_wrong() {
     }
 }
 
-/// Each kind of wrong answer, planted into right ones, is counted as that kind.
+/// Each kind of wrong answer, made by altering right ones, is counted as that kind.
 #[test]
 fn planted_faults_are_judged() {
     let judge = |alter: fn(FoundRoots<f32>) -> FoundRoots<f32>| {

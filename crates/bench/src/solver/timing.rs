@@ -6,7 +6,7 @@ use std::time::Instant;
 /// Number of passes over the cases. The fastest counts, since other work of the machine only adds time.
 const PASSES: usize = 15;
 
-/// Nanoseconds per case of the fastest pass of `work` over all `cases`.
+/// Returns the nanoseconds per case of the fastest pass of `work` over all `cases`.
 pub fn nanoseconds<C, R>(cases: &[C], work: impl Fn(&C) -> R) -> f64 {
     let pass = |_| {
         let start = Instant::now();

@@ -65,7 +65,7 @@ impl ExactCubic {
         truth
     }
 
-    /// `f(u)`.
+    /// Returns `f(u)`.
     pub fn value(&self, u: TwoFloat) -> f64 {
         self.exact_value(u).hi()
     }
@@ -75,7 +75,7 @@ impl ExactCubic {
         ((c3 * u + c2) * u + c1) * u + c0
     }
 
-    /// `f'(u)`.
+    /// Returns `f'(u)`.
     pub fn slope(&self, u: f64) -> f64 {
         let [_, c1, c2, c3] = self.coefficients;
         ((c3 * (3.0 * u) + c2 * 2.0) * u + c1).hi()
@@ -105,7 +105,8 @@ impl ExactCubic {
     }
 }
 
-/// Newton's method on an increasing function, with a bisection step if it leaves the bracket, until it stops changing.
+/// Applies Newton's method on an increasing function, with a bisection step if it leaves the bracket, until it stops
+/// changing.
 fn bracketed(
     value: impl Fn(f64) -> f64,
     slope: impl Fn(f64) -> f64,
@@ -130,7 +131,7 @@ fn dot(x: DVec3, y: DVec3) -> TwoFloat {
     TwoFloat::new_mul(x.x, y.x) + TwoFloat::new_mul(x.y, y.y) + TwoFloat::new_mul(x.z, y.z)
 }
 
-/// Zeros of `f'`, ascending, or twice the parameter of its minimum if it has none.
+/// Returns the zeros of `f'`, ascending, or twice the parameter of its minimum if it has none.
 fn extrema_of([_, c1, c2, c3]: [f64; 4]) -> [f64; 2] {
     let discriminant = c2 * c2 - 3.0 * c3 * c1;
     if discriminant <= 0.0 {

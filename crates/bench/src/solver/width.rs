@@ -13,7 +13,7 @@ pub enum Precision {
 }
 
 impl Precision {
-    /// The eps of the bounds (light model, section 5): 2^-24 or 2^-52.
+    /// Returns the eps of the bounds (light model, section 5): 2^-24 or 2^-52.
     pub fn eps(self) -> f64 {
         match self {
             Self::F32 => 1.0 / (1_u64 << 24) as f64,

@@ -8,7 +8,7 @@ use scene::{Camera, Projection, View};
 
 use super::stage::camera;
 
-/// Number of pixels tried to find such an edge.
+/// Number of pixels tried to find an edge between surfaces near a shadow.
 const TRIES: usize = 400;
 /// Distance in pixels between two points of the picture that may show different surfaces.
 const APART: f64 = 3.0;
@@ -18,7 +18,8 @@ const HALVINGS: u32 = 24;
 const SAME_COSINE: f64 = 0.866;
 /// Width of a pixel in texels, minimum and maximum.
 const TEXELS_A_PIXEL: [f64; 2] = [0.3, 1.2];
-/// Light must arrive within so many texels of the edge, in one of so many directions.
+/// Distance in texels from the edge within which light must arrive. The next constant is the number of directions in
+/// which that is tested.
 const LIT_WITHIN: f64 = 10.0;
 const DIRECTIONS: u32 = 8;
 
@@ -37,8 +38,8 @@ pub(super) struct ShadowCorner {
 }
 
 impl ShadowCorner {
-    /// Camera that looks at the target from `times` the distance, but at most from as far as the line is known to be
-    /// free.
+    /// Returns the camera that looks at the target from `times` the distance, but at most from as far as the line is
+    /// known to be free.
     pub fn camera(&self, times: f64) -> Camera {
         let distance = (self.distance * times).min(self.farthest);
         camera(self.target + self.to_eye * distance, self.target, self.yfov)

@@ -37,7 +37,7 @@ pub(super) struct JudgedView {
     pub stable: Vec<StablePixel>,
 }
 
-/// Share of stable pixels among pixels with a surface; 1 if there are none.
+/// Returns the share of stable pixels among pixels with a surface; 1 if there are none.
 pub(super) fn stable_share(calm: usize, surfaces: usize) -> f64 {
     if surfaces == 0 { 1.0 } else { calm as f64 / surfaces as f64 }
 }

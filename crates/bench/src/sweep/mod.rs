@@ -234,7 +234,7 @@ pub fn sweep(
     })
 }
 
-/// Random number generator of a pose, independent of the other options.
+/// Returns a random number generator of a pose, independent of the other options.
 fn rng(seed: u64, shape: ParameterOwner, number: usize) -> Rng {
     let mut rng = Rng::with_seed(seed ^ (shape as u64) << 56 ^ (number as u64) << 32);
     // The first numbers of similar seeds are similar.
@@ -375,8 +375,8 @@ fn random_visible_light(shape: ParameterOwner, stage: &SweepStage, view: &View, 
     light
 }
 
-/// Maximum width of a texel across the light at a surface, in world units: a map may be fitted more tightly, never
-/// less.
+/// Returns the maximum width of a texel across the light at a surface, in world units: a map may be fitted more
+/// tightly, never less.
 fn texel(
     source: &ReferenceLight,
     light: &Light,

@@ -48,7 +48,7 @@ pub(super) fn random(shape: ParameterOwner, stage: &SweepStage, rng: &mut Rng) -
     }
 }
 
-/// Rotation that maps -Z to `towards`, with a random angle about it.
+/// Returns the rotation that maps -Z to `towards`, with a random angle about it.
 fn turned(towards: DVec3, rng: &mut Rng) -> DQuat {
     let about = DQuat::from_rotation_z(rng.f64() * std::f64::consts::TAU);
     DQuat::from_rotation_arc(DVec3::NEG_Z, towards.normalize_or(DVec3::NEG_Y)) * about
@@ -67,8 +67,8 @@ fn sun(stage: &SweepStage, rng: &mut Rng) -> Light {
         .with(HEIGHT, window(rng))
 }
 
-/// Random position of a source: log-uniform in its height over the floor, from a hundredth of the maximum, and clear of
-/// surfaces.
+/// Returns a random position of a source: log-uniform in its height over the floor, from a hundredth of the maximum,
+/// and clear of surfaces.
 fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| stage.lights_half * (2.0 * rng.f64() - 1.0);
     loop {
@@ -80,7 +80,7 @@ fn place(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// Random position among the objects.
+/// Returns a random position among the objects.
 fn aim(stage: &SweepStage, rng: &mut Rng) -> DVec3 {
     let aside = |rng: &mut Rng| 0.8 * stage.things_radius * (2.0 * rng.f64() - 1.0);
     stage.ground_in_world + DVec3::new(aside(rng), 0.5 * stage.things_radius * rng.f64(), aside(rng))

@@ -231,7 +231,7 @@ fn things(rng: &mut Rng) -> Vec<Part> {
         .collect()
 }
 
-/// Random unit vector, uniform over all directions.
+/// Returns a random unit vector, uniform over all directions.
 pub(super) fn direction(rng: &mut Rng) -> DVec3 {
     loop {
         let v = DVec3::new(rng.f64(), rng.f64(), rng.f64()) * 2.0 - 1.0;
@@ -255,7 +255,7 @@ fn eye(setting: Surroundings, rng: &mut Rng) -> DVec3 {
     DVec3::new(around.cos() * up.cos(), up.sin(), around.sin() * up.cos()) * distance + DVec3::Y * 0.2
 }
 
-/// Camera that looks from a world position to another.
+/// Returns the camera that looks from a world position to another.
 pub(super) fn camera(eye: DVec3, target: DVec3, yfov: f64) -> Camera {
     let back = (eye - target).normalize();
     let right = DVec3::Y.cross(back).normalize();

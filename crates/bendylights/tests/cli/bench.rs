@@ -156,7 +156,8 @@ fn a_session_is_measured_by_both_backends_and_beside_a_peer() {
     assert_eq!(report["cases"].as_array().map(Vec::len), Some(4), "{report}");
     assert_eq!(wrong_peer(&report), None);
 
-    // Planted faults: other backends than named, equal times for both, and a peer measured by its fastest run.
+    // Deliberate faults that the check must detect: other backends than named, equal times for both, and a peer
+    // measured by its fastest run.
     assert_eq!(wrong_drags(&report, "", &["native", "wgpu"]).len(), 1);
     let mut planted = report.clone();
     planted["drags"][1] = planted["drags"][0].clone();
@@ -252,7 +253,8 @@ fn one_client_is_measured_beside_another() {
     let chart = std::fs::read_to_string(chart).expect("a chart");
     assert!(rows.iter().all(|row| chart.contains(row)));
 
-    // Planted faults: frames from another source, and a missed bound that the numbers fulfil.
+    // Deliberate faults that the check must detect: frames from another source, and a missed bound that the numbers
+    // fulfil.
     report["rows"][0]["with"]["framesPerSecond"] = 1e4.into();
     report["rows"][1]["missed"] = serde_json::json!(["share"]);
     report["rows"][1]["share"] = report["rows"][1]["leastShare"].clone();

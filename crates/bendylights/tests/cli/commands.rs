@@ -130,7 +130,7 @@ fn bend_keeps_of_a_light_without_a_cone_what_lies_in_one() {
         let corner = |picture: &Rgba32FImage| picture.get_pixel(19, 36)[1];
         assert!(corner(&before) > 0.0 && corner(&after) == 0.0, "outside of the cone");
     }
-    // Planted fault: another target.
+    // Deliberate fault that the check must detect: another target.
     let (before, after, _) = bent(bulb, &["--cone-angle", "48", "--toward", "-4,0,0"]);
     assert!(apart(&before, &after) > 0.5);
     // By default the light shines at the scene's centre, in a cone of 45 degrees.

@@ -19,7 +19,7 @@ fn asked(kind: &str, from: [f64; 2], to: [f64; 2]) -> Value {
     json!({"light": 0, "kind": kind, "size": [640, 360], "from": from, "to": to})
 }
 
-/// A dragged shadow lands: `eval` finds M' on the light path of the caster, behind it.
+/// A dragged shadow reaches its target: `eval` finds M' on the light path of the caster, behind it.
 ///
 /// Rules: DRAG-1, DRAG-3
 #[test]

@@ -89,7 +89,8 @@ fn rounded_points_have_the_answers_of_their_surface() {
             differ.filter(|&i| !demo.is_at_edge(demo.points[i], 2.0 * precision)).count()
         };
         assert_eq!(wrong(&[]), 0, "{decimals} decimals");
-        // Planted fault: each point counts as exact, within a billionth of the light's size.
+        // Deliberate fault that the check must detect: each point counts as exact, within a billionth of the light's
+        // size.
         let planted = wrong(&["--precision", "0"]);
         println!("{decimals} decimals: {planted} of {lit} lit points wrong where they are taken for exact");
         assert!(planted > lit / 4, "{decimals} decimals: {planted} of {lit}");
@@ -149,7 +150,7 @@ fn points_of_a_small_scene_under_a_long_light_keep_their_digits() {
         apart.reduce(f64::max).expect("points in the light")
     };
     let near = ["f32", "gpu"].map(|on| worst(&points, on));
-    // Planted fault: with a point at the light's source, the whole light is used.
+    // Deliberate fault that the check must detect: with a point at the light's source, the whole light is used.
     points.push([4500.0, 9000.0, 4000.0]);
     let whole = ["f32", "gpu"].map(|on| worst(&points, on));
     println!("of a scene of 1.6 units: off by {near:?}, in all of the light {whole:?}");

@@ -132,7 +132,7 @@ fn two_files_of_a_picture_are_one_drawing() {
     let folder = Folder::new();
     let trace = folder.path("trace.jsonl");
     let server = Served::start(&folder, &trace);
-    // Planted fault: four lines, if each file were drawn by itself.
+    // Deliberate fault that the check must detect: four lines, if each file were drawn by itself.
     for format in ["png", "exr", "png,exr"] {
         server.still_as(format);
     }

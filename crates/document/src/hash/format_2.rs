@@ -12,7 +12,7 @@ use light::{Decay, DirectionMode, EndMode, FrameMode, Light, LightShape, Paramet
 
 use super::HashWriter;
 
-/// Returns true if `owner` had a parameter of that name in formats 1 and 2.
+/// Returns true if `owner` had a parameter of this name in formats 1 and 2.
 pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
     let names: &[&str] = match owner {
         ParameterOwner::Spot => &[
@@ -48,7 +48,8 @@ pub fn was_in_format_2(owner: ParameterOwner, name: &str) -> bool {
     names.contains(&name)
 }
 
-/// Returns true if the old hash covers all of a light, because later parameters have their defaults.
+/// Returns true if the hash of formats 1 and 2 covers all values of a light, because parameters that came later have
+/// their defaults.
 pub(super) fn covers(light: &Light) -> bool {
     let is_covered = |owner, row: &light::Parameter, value: Option<&Value>| {
         was_in_format_2(owner, row.name) || row.default(owner).as_ref() == value

@@ -66,7 +66,7 @@ fn what_is_bent_is_not_bent_again_nor_what_is_straight_straightened() {
     }
 }
 
-/// Wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
+/// Returns a wall across the axis at z = -4, 2 units wide and high, and a pane in front of it.
 fn room(pane_at: f64) -> Bvh {
     let corners = [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]];
     let primitive = Primitive {
@@ -98,7 +98,7 @@ fn control_points_reach_to_where_the_axis_meets_the_scene() {
     let close = |a: f64, b: f64| (a - b).abs() < 1e-12;
     let ahead = spot(DVec3::new(0.3, -0.2, 1.0), 0.0);
     assert!(close(axis_length(&ahead, &room(-4.0)), 5.0));
-    // Planted fault: a nearer surface.
+    // Deliberate fault that the check must detect: a nearer surface.
     assert!(close(axis_length(&ahead, &room(-2.0)), 3.0));
     // The light's own housing does not count.
     assert!(close(axis_length(&ahead, &room(0.99)), 5.0));

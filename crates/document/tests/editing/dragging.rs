@@ -18,7 +18,7 @@ fn points(document: &Document) -> Vec<ControlPoint> {
     light_of(document, BENDY).points().to_vec()
 }
 
-/// Largest `R kappa`. At 1 the tube folds.
+/// Returns the largest `R kappa`. At 1 the tube folds.
 fn fold(document: &Document) -> f64 {
     let segments = document.lights()[&BENDY].light.tube().expect("a BendyLight").r_kappa_max();
     segments.into_iter().fold(0.0, f64::max)

@@ -29,14 +29,14 @@ static DEMO: LazyLock<Demo> = LazyLock::new(|| {
     Demo { bvh: Bvh::new(scene::pose(demo.scene)), view: Viewport { camera, size: [640, 360] }, light }
 });
 
-/// Document with the demo's light alone.
+/// Returns a document with the demo's light alone.
 fn document() -> Document {
     let mut document = Document::default();
     done(&mut document, &Command::AddLight(Arc::clone(&DEMO.light)));
     document
 }
 
-/// Drag of the shadow of the blue vase's neck down the table by `down` pixels.
+/// Returns the drag of the shadow of the blue vase's neck down the table by `down` pixels.
 fn shadow(points: Option<Vec<usize>>, down: f64) -> FeatureDrag {
     let from = DVec2::new(430.5, 265.5);
     FeatureDrag {
@@ -60,7 +60,7 @@ fn light_of(document: &Document) -> &Light {
     document.lights()[&LIGHT].light.light()
 }
 
-/// Lit point where a drag bends the light, so that a slightly violated pin is noticed.
+/// Returns the lit point where a drag bends the light, so that a slightly violated pin is noticed.
 fn a_lit_point(document: &Document) -> DVec3 {
     let light = document.lights()[&LIGHT].light.tube().expect("a BendyLight").clone();
     let origin = DEMO.bvh.posed.origin_in_world;
@@ -104,7 +104,7 @@ fn a_light_that_is_bent_keeps_all_but_the_points_that_take_part() {
     assert_eq!(light_of(&after).transform(), light_of(&before).transform());
 }
 
-/// The result depends on the document and the cursor: a drag from the end of another drag gives something else.
+/// The result depends on the document and the cursor: a drag from the end of another drag gives another light.
 ///
 /// Rules: CMD-15, DRAG-2
 #[test]
@@ -175,12 +175,12 @@ fn nothing_is_dragged_from_a_surface_that_links_leave_out() {
         let reason = DragRefusal::OutsideTheLight;
         assert_eq!(error, EditError::DragRefused { light: before.light_name(LIGHT), reason });
         assert!(error.to_string().contains("left out by its links"), "{error}");
-        // Planted fault: the shadow lies on the table, not on this vase.
+        // Deliberate fault that the check must detect: the shadow lies on the table, not on this vase.
         dragged(&linked_but("orange vase"), &shadow(points, 45.0)).expect("it lands");
     }
 }
 
-/// Demo camera, turned up.
+/// Returns the demo camera, turned up.
 fn sky() -> scene::Camera {
     let camera = DEMO.view.camera.clone();
     scene::Camera { rotation: DQuat::from_rotation_x(1.5), ..camera }

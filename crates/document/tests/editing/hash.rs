@@ -24,7 +24,7 @@ fn after(command: &Command) -> Document {
     document
 }
 
-/// A command for each field of a light.
+/// Returns a command for each field of a light.
 fn light_edits() -> Vec<Command> {
     let (vector, rotation) = (DVec3::new(0.5, 0.25, 0.125), DQuat::from_rotation_y(1.0));
     let both = [
@@ -66,7 +66,7 @@ fn light_edits() -> Vec<Command> {
     edits
 }
 
-/// A command for each field of a camera, and for additions and removals.
+/// Returns a command for each field of a camera, and for additions and removals.
 fn other_edits() -> Vec<Command> {
     let perspective = |yfov, znear, zfar| Projection::Perspective { yfov, aspect_ratio: None, znear, zfar };
     let orthographic = |ymag, znear, zfar| Projection::Orthographic { ymag, aspect_ratio: None, znear, zfar };

@@ -14,7 +14,7 @@ use sha2::{Digest, Sha256};
 use crate::hash::{HASHES, all_differ};
 use crate::support::{BENDY, checked};
 
-/// Light of each shape with all defaults.
+/// Returns a light of each shape with all defaults.
 fn plain_lights() -> [Light; 4] {
     let points = vec![DVec3::ZERO, DVec3::new(0.0, 0.0, -1.0), DVec3::new(0.25, 0.0, -2.0)];
     [Light::spot(), Light::bendy(points, vec![0.125, 0.25, 0.375]), Light::directional(), Light::omni()]
@@ -25,7 +25,7 @@ fn document_with(light: Light) -> Document {
     Document::restore(None, BTreeMap::from([(BENDY, placed)]), BTreeMap::new(), BTreeMap::new(), 0)
 }
 
-/// Value that `parameter` may have, different from `now` and close to it.
+/// Returns a value that `parameter` may have, different from `now` and close to it.
 fn other_value(parameter: &Parameter, now: &Value) -> Value {
     let candidates: Vec<Value> = match now {
         Value::Number(number) => {

@@ -14,7 +14,8 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use scene::{Camera, Projection};
 
-/// Any command, with light and camera numbers that [`with_existing_ids`] turns into ids. `scenes` can be loaded.
+/// Generates any command, with light and camera numbers that [`with_existing_ids`] turns into ids. `scenes` can be
+/// loaded.
 pub fn command(scenes: &'static [AssetHash]) -> impl Strategy<Value = Command> {
     let light = || (0..8_u64).prop_map(LightId);
     let camera = || (0..8_u64).prop_map(CameraId);
@@ -95,7 +96,7 @@ pub fn with_existing_ids(mut command: Command, document: &Document) -> Command {
     command
 }
 
-/// Drag of a feature. Its solution is not available here, so a document refuses it.
+/// Generates drags of a feature. Its solution is not available here, so a document refuses it.
 fn feature_drag() -> impl Strategy<Value = FeatureDrag> {
     let feature = prop_oneof![
         Just(Feature::Shadow),
@@ -133,7 +134,7 @@ fn option<T: std::fmt::Debug>(value: impl Strategy<Value = T>) -> impl Strategy<
     proptest::option::of(value)
 }
 
-/// Often one of a few numbers, so that a command may set the present value.
+/// Generates a number, often one of a few, so that a command may set the present value.
 fn real() -> impl Strategy<Value = f64> {
     prop_oneof![Just(0.0), Just(-0.0), Just(1.0), -4.0..4.0]
 }
@@ -167,7 +168,7 @@ fn name() -> impl Strategy<Value = String> {
     "[a-z\"\\\\\u{e9}]{0,6}"
 }
 
-/// Valid light: commands take no other.
+/// Generates a valid light: commands take no other.
 fn any_light() -> impl Strategy<Value = Arc<CheckedLight>> {
     let bendy = vec((-0.3..0.3, -0.3..0.3, 0.05..0.3), 2..6).prop_map(|steps| {
         let along = |i: usize, (x, y): (f64, f64)| DVec3::new(x, y, -(i as f64 + 1.0));

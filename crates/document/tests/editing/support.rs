@@ -27,7 +27,7 @@ pub const EYE: CameraId = CameraId(3);
 /// Orthographic camera of [`sample`].
 pub const PLAN: CameraId = CameraId(4);
 
-/// Contents of the scenes above.
+/// Returns the contents of the scenes above.
 pub fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     match asset {
         ROOM | ROOM_AGAIN => Some(SceneContents { lights: vec![checked(bendy())], cameras: vec![eye()] }),
@@ -36,12 +36,12 @@ pub fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     }
 }
 
-/// Light that must be valid, as documents and commands hold it.
+/// Checks a light that must be valid, as documents and commands hold it.
 pub fn checked(light: Light) -> Arc<CheckedLight> {
     Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
-/// BendyLight with five control points in a gentle bend. All values differ, so that none can replace another.
+/// Returns a BendyLight with five control points in a gentle bend. All values differ, so that none can replace another.
 pub fn bendy() -> Light {
     let points = vec![
         DVec3::ZERO,
@@ -72,7 +72,7 @@ pub fn plan() -> Camera {
     Camera { name: "plan".into(), projection, ..eye() }
 }
 
-/// Document without a scene, with two lights and two cameras.
+/// Returns a document without a scene, with two lights and two cameras.
 pub fn sample() -> Document {
     let mut document = Document::default();
     done(&mut document, &Command::AddLight(checked(bendy())));
@@ -82,7 +82,7 @@ pub fn sample() -> Document {
     document
 }
 
-/// Result of a command, with the scenes above and no geometry.
+/// Applies a command, with the scenes above and no geometry.
 pub fn edit(document: &Document, command: &Command) -> Result<CommandResult, EditError> {
     let loaded = if let Command::LoadScene { asset, .. } = command { find_scene(*asset) } else { None };
     document::execute_command(
@@ -104,30 +104,30 @@ pub fn done(document: &mut Document, command: &Command) -> Vec<Change> {
     changes
 }
 
-/// Error of a command that must be refused.
+/// Returns the error of a command that must be refused.
 pub fn refused(document: &Document, command: &Command) -> EditError {
     edit(document, command).expect_err("a command to refuse")
 }
 
-/// Change of a light's parameter.
+/// Returns the change of a light's parameter.
 pub fn light_change<T: ValueType>(light: LightId, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
     Change::LightParameter { light, parameter: key.row(), old, new }
 }
 
-/// Change of a parameter of one of [`BENDY`]'s control points.
+/// Returns the change of a parameter of one of [`BENDY`]'s control points.
 pub fn point_change<T: ValueType>(layout: u64, point: usize, key: ParameterKey<T>, old: T, new: T) -> Change {
     let (old, new) = (old.into_value(), new.into_value());
     Change::Point { light: BENDY, layout: PointNumbering(layout), point, parameter: key.row(), old, new }
 }
 
-/// Content of the document as text: all of it, more than its hash covers.
+/// Returns the content of the document as text: all of it, more than its hash covers.
 pub fn content(document: &Document) -> String {
     let lights = document.lights().iter().map(|(id, placed)| (id, placed.layout, placed.light.light()));
     format!("{:?} {:?} {:?}", document.scene(), lights.collect::<Vec<_>>(), document.cameras())
 }
 
-/// Light of a document.
+/// Returns the light of a document.
 pub fn light_of(document: &Document, id: LightId) -> &Light {
     document.lights()[&id].light.light()
 }

@@ -94,7 +94,7 @@ fn past_its_bound_a_drag_is_limited_and_pins_hold() {
             "it is the same each time"
         );
         moved += usize::from(landing.light != *trial.light.light());
-        // Planted fault: without the limit the drag takes more.
+        // Deliberate fault that the check must detect: without the limit the drag takes more.
         assert!(share > 12 || all > most + most / 8 + 2 * AT_ONCE);
     }
     assert!(moved > 0, "none goes a part of the way");
@@ -115,7 +115,7 @@ fn a_drag_that_is_given_up_ends() {
     assert!(work.is_cancelled());
     assert_eq!(questions.get(), 5, "it is not asked again");
     assert!(work.spent_steps() <= 5 * (STEPS_BETWEEN_CHECKS + AT_ONCE), "{}", work.spent_steps());
-    // Planted fault: no cancellation.
+    // Deliberate fault that the check must detect: no cancellation.
     let unasked = WorkBudget::new(&|_| true);
     run(&scene, &trial, &unasked);
     assert!(!unasked.is_cancelled() && unasked.spent_steps() > 2 * work.spent_steps());

@@ -12,7 +12,7 @@ const STEPS: usize = 500;
 struct Path {
     /// Picked surface point at each cursor position.
     picked: Vec<DVec3>,
-    /// Wanted direction of the light there: the normal, or the mirror direction to the eye.
+    /// Direction at the picked point in which the light must arrive: the normal, or the mirror direction to the eye.
     wanted: Vec<DVec3>,
     /// Control points in the world.
     points: Vec<Vec<DVec3>>,
@@ -57,7 +57,7 @@ impl Path {
     /// Measures the largest step of a control point in medians of all steps, and the length of its path as a multiple
     /// of the distance between its ends.
     ///
-    /// Only cursor steps at which the picked point moves evenly count: neither its step nor that of the wanted
+    /// Only cursor steps at which the picked point moves evenly count: neither its step nor that of the required
     /// direction is above 3 of its medians.
     fn largest_step_and_detour(&self, feature: Feature) -> Option<(f64, f64)> {
         let (picks, turns) = (steps(&self.picked), steps(&self.wanted));

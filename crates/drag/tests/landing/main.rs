@@ -81,7 +81,7 @@ fn converged_drags_have_the_feature_under_the_cursor() {
                 let off = off(&reference, &trial, &landing);
                 assert!(off.is_some_and(|off| off < most), "{off:?} {what}");
                 only_what_was_asked_for(&trial, &landing);
-                // Planted fault: the unmoved light is not a solution.
+                // Deliberate fault that the check must detect: the unmoved light is not a solution.
                 let unmoved = DragResult { light: trial.light.light().clone(), ..landing };
                 let was = self::off(&reference, &trial, &unmoved);
                 assert!(was.is_none_or(|was| was > most) || trial.is_there_already(), "{was:?} {what}");

@@ -141,7 +141,7 @@ fn hard_pins_hold_wherever_the_drag_ends() {
                     let off = pin_error(&reference, &trial, placed, &now);
                     assert!(off < most(placed), "{off} {:?} {}", placed.pin, what());
                 }
-                // Planted fault: without pins something is off.
+                // Deliberate fault that the check must detect: without pins something is off.
                 was_off += usize::from(
                     hard().any(|placed| pin_error(&reference, &trial, placed, &free) > most(placed)),
                 );

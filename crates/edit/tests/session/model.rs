@@ -30,7 +30,8 @@ fn is_seen(record: &Record, who: &str, scope: UndoScope) -> bool {
     scope == UndoScope::Session || record.actor.id == who
 }
 
-/// UNDO-7: true if a change of the record, or its changes of one light, can be reverted in the present document.
+/// UNDO-7. Returns true if a change of the record, or its changes of one light, can be reverted in the present
+/// document.
 fn can_revert_something(document: &Document, record: &Record) -> bool {
     let inverses: Vec<_> = record.changes.iter().rev().map(Change::inverse).collect();
     let lights: BTreeSet<_> = inverses.iter().filter_map(Change::light).collect();
@@ -41,15 +42,15 @@ fn can_revert_something(document: &Document, record: &Record) -> bool {
     single.chain(together).any(|changes| !changes.is_empty() && document.clone().apply(&changes).is_ok())
 }
 
-/// UNDO-1: the latest step in effect, of the actor or of anybody, of which something is left.
+/// UNDO-1. Returns the latest step in effect, of the actor or of anybody, of which something is left.
 fn undo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope) -> Option<u64> {
     let steps = log.iter().rev().filter(|record| is_edit(record) && is_seen(record, who, scope));
     let mut left = steps.filter(|record| is_in_effect(log, record) && can_revert_something(document, record));
     left.next().map(|record| record.seq)
 }
 
-/// UNDO-3: the latest undo of that scope in effect, with no edit since by the actor or by anybody, of which something
-/// is left.
+/// UNDO-3. Returns the latest undo of that scope in effect, with no edit since by the actor or by anybody, of which
+/// something is left.
 fn redo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope) -> Option<u64> {
     let of_scope =
         |record: &&Record| matches!(record.action, Action::Undo { scope: its, .. } if its == scope);
@@ -62,7 +63,7 @@ fn redo_target(log: &[Record], document: &Document, who: &str, scope: UndoScope)
     left.next().map(|undo| undo.seq)
 }
 
-/// Target that the session chose.
+/// Returns the target that the session chose.
 fn chosen(answer: Result<Record, EditRefusal>) -> Option<u64> {
     match answer {
         Ok(record) => target(&record),

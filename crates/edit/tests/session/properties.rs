@@ -20,7 +20,7 @@ pub enum RandomStep {
 /// Steps with their actors.
 pub type RandomSteps = Vec<(&'static str, RandomStep)>;
 
-/// Steps of any of `actors`. A third of them are undo and redo.
+/// Generates steps of any of `actors`. A third of them are undo and redo.
 pub fn random_steps(actors: &'static [&'static str], steps: usize) -> impl Strategy<Value = RandomSteps> {
     let scope = || prop_oneof![2 => Just(UndoScope::Mine), 1 => Just(UndoScope::Session)];
     let step = prop_oneof![
@@ -58,7 +58,7 @@ pub fn request(step: RandomStep, studio: &TestSession) -> EditRequest {
     }
 }
 
-/// Command of a group that drags no feature.
+/// Returns the command of a group that drags no feature.
 pub fn grouped(command: Command) -> GroupedEdit {
     GroupedEdit { base_seq: None, grouped: GroupedCommand { command, solved: None } }
 }

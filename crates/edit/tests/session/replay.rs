@@ -7,7 +7,7 @@ use light::{LightId, Value};
 
 use crate::support::{SCENES, TestSession, angle, insert, radius, softness};
 
-/// Nine records: a scene, edits of two people, undo and redo.
+/// Returns nine records: a scene, edits of two people, undo and redo.
 fn log() -> Vec<Record> {
     let mut studio = TestSession::default();
     studio.edit("rig", Command::LoadScene { asset: SCENES[0], name: "room".into() });

@@ -13,20 +13,20 @@ pub const SCENES: &[AssetHash] = &[AssetHash([1; 32]), AssetHash([2; 32])];
 /// Light of [`TestSession::new`].
 pub const KEY: LightId = LightId(1);
 
-/// Contents of the scenes above.
+/// Returns the contents of the scenes above.
 fn find_scene(asset: AssetHash) -> Option<SceneContents> {
     let lights = if asset == SCENES[0] { vec![bent_light()] } else { Vec::new() };
     SCENES.contains(&asset).then_some(SceneContents { lights, cameras: Vec::new() })
 }
 
-/// BendyLight with four control points, two units apart, nearly straight.
+/// Returns a BendyLight with four control points, two units apart, nearly straight.
 pub fn bent_light() -> Arc<CheckedLight> {
     let points = (0..4).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, -2.0 * f64::from(i))).collect();
     let light = Light::bendy(points, vec![0.1, 0.4, 0.6, 0.8]).with(NAME, "key".into());
     Arc::new(CheckedLight::new(light).expect("a valid light"))
 }
 
-/// Actor with the id `"ada"`, `"ben"` or `"cyd"`.
+/// Returns the actor with the id `"ada"`, `"ben"` or `"cyd"`.
 pub fn actor(id: &str) -> Actor {
     Actor { id: id.into(), name: id.to_uppercase() }
 }
@@ -39,14 +39,14 @@ pub struct TestSession {
 }
 
 impl TestSession {
-    /// Session with a light that another actor than these three has added.
+    /// Makes a session with a light that another actor than these three has added.
     pub fn new() -> Self {
         let mut studio = Self::default();
         studio.edit("rig", Command::AddLight(bent_light()));
         studio
     }
 
-    /// Result of a request with an operation name of its own.
+    /// Returns the result of a request with an operation name of its own.
     pub fn ask(&mut self, who: &str, request: EditRequest) -> Result<Record, EditRefusal> {
         let op_id = format!("op {}", self.session.seq() + 1);
         let record = |seq: u64| self.log.get(seq as usize - 1).cloned();
@@ -62,7 +62,7 @@ impl TestSession {
         Ok(record)
     }
 
-    /// Record of a request that must succeed, and true if it was rebased.
+    /// Returns the record of a request that must succeed, and true if it was rebased.
     pub fn committed(&mut self, who: &str, request: EditRequest) -> (Record, bool) {
         let record = self.ask(who, request).expect("a valid request");
         let rebased = record.action.rebased();
@@ -126,7 +126,7 @@ pub fn insert(point: usize) -> Command {
     Command::InsertPoint { light: KEY, point, position: None, radius: None, color: None, intensity: None }
 }
 
-/// Edit as [`EditRequest::Edit`], by a sender who knew record `base_seq`.
+/// Returns the edit as [`EditRequest::Edit`], by a sender who knew record `base_seq`.
 pub fn based(base_seq: u64, command: Command) -> EditRequest {
     EditRequest::Edit { base_seq: Some(base_seq), command }
 }

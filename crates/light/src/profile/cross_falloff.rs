@@ -35,7 +35,7 @@ impl CrossFalloff {
     pub const FLAT: Self =
         Self { curve: ProfileCurve::Smooth, power: 1.0, tan2_outer: 0.0, edge: 2.0, inverse_span: 0.0 };
 
-    /// Profile of a checked light with a cone.
+    /// Makes a profile of a checked light with a cone.
     pub fn of(light: &Light) -> Self {
         let curve = light.get(PROFILE);
         let outer = light.get(CONE_ANGLE).to_radians();
@@ -51,7 +51,7 @@ impl CrossFalloff {
         Self { curve, power: light.get(PROFILE_POWER), tan2_outer, edge: secants(tan2_outer), inverse_span }
     }
 
-    /// Value at `rho^2`, up to 1.
+    /// Returns the value at `rho^2`, up to 1.
     #[inline(always)]
     pub fn at<F: Lanes>(&self, rho2: F) -> F {
         let (zero, one) = (F::of(0.0), F::of(1.0));

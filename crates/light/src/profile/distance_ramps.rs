@@ -38,7 +38,7 @@ impl DistanceRamps {
         cut
     }
 
-    /// Share of the light that remains at the path length `s`.
+    /// Returns the share of the light that remains at the path length `s`.
     #[inline(always)]
     pub fn at<F: Lanes>(&self, s: F) -> F {
         ramp(s - F::of(self.on_start), F::of(self.on_inverse_width))
@@ -46,7 +46,7 @@ impl DistanceRamps {
     }
 }
 
-/// Ramp from 0 to 1 over the first `1 / inverse_width`. It is 0 at 0 itself, however steep.
+/// Returns the ramp from 0 to 1 over the first `1 / inverse_width`. It is 0 at 0 itself, however steep.
 #[inline(always)]
 fn ramp<F: Lanes>(past: F, inverse_width: F) -> F {
     let (zero, one) = (F::of(0.0), F::of(1.0));
@@ -64,7 +64,7 @@ impl Decay {
         }
     }
 
-    /// Factor at the path length `s`.
+    /// Returns the factor at the path length `s`.
     #[inline(always)]
     pub fn at<F: Lanes>(self, s: F) -> F {
         match self {

@@ -13,7 +13,7 @@ pub struct EdgeOutline {
 }
 
 impl EdgeOutline {
-    /// Outline of a checked light.
+    /// Makes an outline of a checked light.
     pub fn of(light: &Light) -> Self {
         let falloff = own_value(light, RADIAL_FALLOFF).flatten();
         Self { pieces: falloff.map_or_else(Vec::new, |falloff| falloff.pieces()) }
@@ -24,7 +24,7 @@ impl EdgeOutline {
         self.pieces.is_empty()
     }
 
-    /// Share in the direction of (v, w).
+    /// Returns the share in the direction of (v, w).
     #[inline(always)]
     pub fn share<F: Lanes>(&self, v: F, w: F) -> F {
         let (zero, one) = (F::of(0.0), F::of(1.0));
@@ -44,7 +44,7 @@ impl EdgeOutline {
     }
 }
 
-/// Angle in degrees from V, the left as seen along the light, towards W, its top: 0 to 360.
+/// Returns the angle in degrees from V, the left as seen along the light, towards W, its top: 0 to 360.
 #[inline(always)]
 fn angle_around<F: Lanes>(v: F, w: F) -> F {
     let degrees = w.atan2(v) * F::of(180.0 / std::f64::consts::PI);

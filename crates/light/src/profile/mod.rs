@@ -54,8 +54,8 @@ pub struct LightProfile {
 }
 
 impl LightProfile {
-    /// Profile of a checked light. Its minimum distance is `least_distance`, in world units, or the light's decay start
-    /// if that is larger.
+    /// Makes a profile of a checked light. Its minimum distance is `least_distance`, in world units, or the light's
+    /// decay start if that is larger.
     pub fn of(light: &Light, least_distance: f64) -> Self {
         Self {
             tint: tint(light),
@@ -84,7 +84,8 @@ impl LightProfile {
         self
     }
 
-    /// Factors of all the light's radiance towards the eye, linear RGB, of the diffuse and the specular lobe.
+    /// Returns the factors of all the light's radiance towards the eye, linear RGB, of the diffuse and the specular
+    /// lobe.
     pub fn lobe_weights(&self) -> [DVec3; 2] {
         [self.tint * self.diffuse, self.tint * self.specular]
     }
@@ -99,7 +100,7 @@ impl LightProfile {
         self.decay != Decay::None || self.distance_ramps != DistanceRamps::NONE
     }
 
-    /// Share of the light that arrives at a visibility from 0 to 1, linear RGB.
+    /// Returns the share of the light that arrives at a visibility from 0 to 1, linear RGB.
     pub fn arriving(&self, visibility: f64) -> DVec3 {
         self.shadow_color.lerp(DVec3::ONE, visibility)
     }
@@ -112,7 +113,7 @@ pub fn irradiance(filter: &LightProfile, emission: DVec3, place: &LightCoords) -
 }
 
 impl LightProfile {
-    /// Share of the light that remains at (v, w) after a path of length `s` in world units.
+    /// Returns the share of the light that remains at (v, w) after a path of length `s` in world units.
     #[inline(always)]
     pub fn attenuation_at<F: Lanes>(&self, v: F, w: F, s: F) -> F {
         let along = self.distance_ramps.at(s) * self.decay.at(s.most(F::of(self.min_distance)));
@@ -120,7 +121,8 @@ impl LightProfile {
     }
 }
 
-/// Factor of the position across the light. Light outside an outline is cut if the light does not end there by itself.
+/// Returns the factor of the position across the light. Light outside an outline is cut if the light does not end there
+/// by itself.
 #[inline(always)]
 fn across<F: Lanes>(filter: &LightProfile, v: F, w: F) -> F {
     let share = filter.radial.share(v, w);
@@ -140,7 +142,7 @@ fn tint(light: &Light) -> DVec3 {
     emission::<f64>(color, light.get(INTENSITY)) * libm::exp2(light.get(EXPOSURE))
 }
 
-/// Value of a parameter; `None` if lights of that shape do not have it.
+/// Returns the value of a parameter; `None` if lights of that shape do not have it.
 fn own_value<T: ValueType>(light: &Light, key: ParameterKey<T>) -> Option<T> {
     light.value(&key).and_then(T::from_value)
 }

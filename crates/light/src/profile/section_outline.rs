@@ -20,7 +20,7 @@ pub enum SectionOutline {
 }
 
 impl SectionOutline {
-    /// Outline of a checked light.
+    /// Makes an outline of a checked light.
     pub fn of(light: &Light) -> Self {
         match own_value(light, CROSS_SECTION) {
             None | Some(CrossSection::Circle) => Self::Circle,
@@ -33,7 +33,7 @@ impl SectionOutline {
         }
     }
 
-    /// Square of the distance from the axis, as a share of the distance to the outline: 1 on the outline.
+    /// Returns the square of the distance from the axis, as a share of the distance to the outline: 1 on the outline.
     #[inline(always)]
     pub fn rho2<F: Lanes>(&self, v: F, w: F) -> F {
         let Self::Superellipse { scale, power } = *self else { return v * v + w * w };
@@ -46,9 +46,9 @@ impl SectionOutline {
     }
 }
 
-/// Maximum distance of the superellipse with those half extents from its centre: the greatest of `|a^2 X + b^2 Y|` over
-/// `X^(p/2) + Y^(p/2) = 1`, which by Hölder's inequality is the norm of `(a^2, b^2)` with the exponent
-/// `q = p / (p - 2)`.
+/// Returns the maximum distance of the superellipse with those half extents from its centre: the greatest of `|a^2 X +
+/// b^2 Y|` over `X^(p/2) + Y^(p/2) = 1`, which by Hölder's inequality is the norm of `(a^2, b^2)` with the exponent `q
+/// = p / (p - 2)`.
 fn max_extent([a, b]: [f64; 2], power: f64) -> f64 {
     let q = if power.is_infinite() { 1.0 } else { power / (power - 2.0) };
     let (most, least) = (a.max(b), a.min(b));

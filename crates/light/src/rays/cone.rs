@@ -50,7 +50,7 @@ impl Cone {
         Some(LightCoords { t, v, w, s, direction: self.rotation * (-position / s) })
     }
 
-    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
+    /// Returns the irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }

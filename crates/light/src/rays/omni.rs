@@ -43,7 +43,7 @@ impl Omni {
         Some(LightCoords { t, v, w, s, direction: -from_source / s })
     }
 
-    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
+    /// Returns the irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }

@@ -33,12 +33,12 @@ impl Parallel {
         })
     }
 
-    /// Unit vector in world space towards the arriving light.
+    /// Returns the unit vector in world space towards the arriving light.
     pub fn direction(&self) -> DVec3 {
         self.rotation.z_axis
     }
 
-    /// Offset of a world position from the window's centre along x and y; 0 along an unbounded side.
+    /// Returns the offset of a world position from the window's centre along x and y; 0 along an unbounded side.
     pub fn offset_in_window(&self, position: DVec3) -> DVec2 {
         let way = position - self.translation;
         let along = |axis: DVec3, half: Option<f64>| half.map_or(0.0, |_| axis.dot(way));
@@ -56,7 +56,7 @@ impl Parallel {
         (x.abs() <= 1.0 && y.abs() <= 1.0).then_some(place)
     }
 
-    /// Irradiance on a surface perpendicular to the light, linear RGB, without visibility.
+    /// Returns the irradiance on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, place: &LightCoords) -> DVec3 {
         irradiance(&self.light_profile, DVec3::ONE, place)
     }

@@ -61,7 +61,7 @@ impl<F: Real> TubeRoot<F> {
     }
 }
 
-/// Root inside the tube, before its frame is computed. A search for the nearest root compares these.
+/// Root inside the tube whose frame is not computed yet. A search for the nearest root compares such roots.
 #[derive(Clone, Copy, Debug)]
 pub struct RootInTube<F: Lanes> {
     /// Index of the segment; `n` on the extension.
@@ -128,18 +128,18 @@ impl Tube<f64> {
         Ok(Self { segments, n: points.len() - 2, placement, light_profile, ..*self })
     }
 
-    /// Largest `R kappa` of each segment, below 1.
+    /// Returns the largest `R kappa` of each segment, below 1.
     pub fn r_kappa_max(&self) -> Vec<f64> {
         self.segments[..self.n].iter().map(|segment| crate::validity::r_kappa_max(&segment.curve)).collect()
     }
 
-    /// Light coordinates of a root.
+    /// Returns the light coordinates of a root.
     pub fn place_at(&self, root: &TubeRoot<f64>) -> LightCoords {
         let TubePoint { t, v, w, direction, .. } = self.tube_point(root);
         LightCoords { t, v, w, s: self.path_length(root), direction }
     }
 
-    /// Irradiance at a root on a surface perpendicular to the light, linear RGB, without visibility.
+    /// Returns the irradiance at a root on a surface perpendicular to the light, linear RGB, without visibility.
     pub fn irradiance(&self, root: &TubeRoot<f64>) -> DVec3 {
         irradiance(&self.light_profile, self.segments[root.segment].emission(root.u), &self.place_at(root))
     }
@@ -160,27 +160,27 @@ impl From<&Tube<f64>> for Tube<f32> {
 }
 
 impl<F: Lanes> Tube<F> {
-    /// End mode of the light, which follows from the segments.
+    /// Returns the end mode of the light, which follows from the segments.
     pub fn end_mode(&self) -> EndMode {
         if self.segments.len() > self.n { EndMode::Extend } else { EndMode::Cut }
     }
 
-    /// Value of `f` at the start of the first segment.
+    /// Returns the value of `f` at the start of the first segment.
     #[inline(always)]
     pub fn first_joint(&self, q: F::Vec3) -> F {
         let first = &self.segments[0].curve;
         -F::dot(q - first.b0, first.d0)
     }
 
-    /// Value of `f` at the end of segment `i`. The two segments at a joint share it.
+    /// Returns the value of `f` at the end of segment `i`. The two segments at a joint share it.
     #[inline(always)]
     pub fn end_joint(&self, i: usize, q: F::Vec3) -> F {
         let curve = &self.segments[i].curve;
         -F::dot(q - curve.b2, curve.d1)
     }
 
-    /// Candidate roots on segment `i`, whose ends have the values `f0` and `f1`. On the extension, `i = n`, the
-    /// parameter has no upper limit.
+    /// Returns the candidate roots on segment `i`, whose ends have the values `f0` and `f1`. On the extension, `i = n`,
+    /// the parameter has no upper limit.
     #[inline(always)]
     pub fn candidates(&self, i: usize, q: F::Vec3, f0: F, f1: F) -> Roots<F> {
         let curve = &self.segments[i].curve;
@@ -226,14 +226,15 @@ impl<F: Lanes> Tube<F> {
         (F::cross(w_hat, u_hat), w_hat)
     }
 
-    /// Unit direction in tube space from the surface towards the arriving light, in the light's direction mode (light
-    /// model, section 3, times R).
+    /// Returns the unit direction in tube space from the surface towards the arriving light, in the light's direction
+    /// mode (light model, section 3, times R).
     #[inline(always)]
     pub fn direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
         self.direction_by(self.direction, root)
     }
 
-    /// Unit direction by the tangent of the light path, whatever the light's mode. Visibility follows this path.
+    /// Returns the unit direction by the tangent of the light path, whatever the light's mode. Visibility follows this
+    /// path.
     #[inline(always)]
     pub fn path_direction_at(&self, root: &TubeRoot<F>) -> F::Vec3 {
         self.direction_by(DirectionMode::Path, root)
@@ -257,7 +258,7 @@ impl<F: Lanes> Tube<F> {
         choose_vec!(F, length.lt(F::DIRECTION_FLOOR), -u_hat, tangent * (F::of(-1.0) / length))
     }
 
-    /// Rotation `tau` of the frame about the tangent per unit of u; zero for the rotation-minimising frame.
+    /// Returns the rotation `tau` of the frame about the tangent per unit of u; zero for the rotation-minimising frame.
     #[inline(always)]
     pub fn twist(&self, root: &TubeRoot<F>, u_hat_derivative: F::Vec3) -> F {
         if self.frame == FrameMode::RotationMinimizing {
@@ -268,8 +269,8 @@ impl<F: Lanes> Tube<F> {
         along * F::dot(u_hat_derivative, root.v_hat) / length
     }
 
-    /// Length of the light path to a root, `sqrt(s_c^2 + |r|^2)` in world units, with `s_c` the arc length along the
-    /// curve.
+    /// Returns the length of the light path to a root, `sqrt(s_c^2 + |r|^2)` in world units, with `s_c` the arc length
+    /// along the curve.
     #[inline(always)]
     pub fn path_length(&self, root: &TubeRoot<F>) -> F {
         let segment = &self.segments[root.segment];
@@ -347,7 +348,7 @@ fn nearer<F: Lanes>(a: &RootInTube<F>, b: &RootInTube<F>) -> F::Mask {
     (a.r2 * b.radius * b.radius).lt(b.r2 * a.radius * a.radius)
 }
 
-/// Minimum distance from the source for decay, in world units.
+/// Returns the minimum distance from the source for decay, in world units.
 fn least_distance(placement: &Placement) -> f64 {
     1e-6 * placement.world_per_tube
 }

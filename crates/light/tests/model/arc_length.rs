@@ -4,7 +4,8 @@ use glam::DVec3;
 use light::parameters::{CONE_SOFTNESS, DECAY};
 use light::{Decay, Light, Tube};
 
-/// Arc length of the parabola `(2 d x, x^2)`-like segment by its closed form, valid if the segment is well bent.
+/// Returns the arc length of the parabola `(2 d x, x^2)`-like segment by its closed form, valid if the segment is well
+/// bent.
 fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
     let (aa, da) = (a.dot(a), d0.dot(a));
     // |d|^2 = aa (x^2 + c), x = u + da / aa, c = |d0 x a|^2 / aa^2.
@@ -13,7 +14,7 @@ fn closed_form(d0: DVec3, a: DVec3, u: f64) -> f64 {
     aa.sqrt() * (part(u + da / aa) - part(da / aa))
 }
 
-/// Path length that follows from an inverse-square irradiance on the centre curve.
+/// Returns the path length that follows from an inverse-square irradiance on the centre curve.
 fn distance(tube: &Tube<f64>, u: f64) -> f64 {
     let root = tube.nearest_root(tube.segments[0].curve.position(u)).expect("on the curve");
     (1.0 / tube.irradiance(&root).x).sqrt() / tube.placement.world_per_tube

@@ -95,7 +95,7 @@ fn a_cone_takes_nothing_from_what_lies_in_it() {
     for (x, y) in [(0.51, 0.0), (0.0, 0.26), (-0.6, 0.6)] {
         assert_eq!(lit(x, y), 0.0, "{x} {y}");
     }
-    // Planted fault: a turned window.
+    // Deliberate fault that the check must detect: a turned window.
     assert_eq!(lit(0.24, 0.49), 0.0);
 
     let bulb = Light::omni().with(INTENSITY, 9.0).with(DECAY, Decay::None);
@@ -154,7 +154,7 @@ fn a_bent_omni_light_ends_where_it_ended() {
         }
         assert!(lit > 100 && dark > 50, "{lit} lit, {dark} dark");
     }
-    // Planted fault: a plane at the range, as of a spotlight.
+    // Deliberate fault that the check must detect: a plane at the range, as of a spotlight.
     let beyond = source + (DVec3::NEG_Z + DVec3::X * 0.4).normalize() * 3.1;
     let omni = Omni::new(&lights[0]).expect("valid");
     assert!(Tube::new(&planar).expect("valid").locate(beyond).point.is_some());
@@ -195,13 +195,13 @@ fn straightening_takes_bending_back() {
         // `up` stays up: across the axis, the light's own +Y has no part to its side.
         let up = straight.get(ROTATION) * DVec3::Y;
         assert!((up.dot(rotation * DVec3::Y) > 0.9) && (up.dot(aim).abs() < 1e-14));
-        // Planted fault: the original direction.
+        // Deliberate fault that the check must detect: the original direction.
         assert!((aim - rotation * DVec3::NEG_Z).length() > 0.1);
     }
     assert_eq!(straighten(&Light::spot()), Err(LightError::NotBent));
 }
 
-/// Spotlight that the renderer draws instead of the light.
+/// Returns the spotlight that the renderer draws instead of the light.
 fn equivalent_spotlight(light: &Light) -> Option<Light> {
     let checked = CheckedLight::new(light.clone()).expect("valid");
     checked.equivalent_spotlight().map(|spot| spot.light().clone())
@@ -267,7 +267,7 @@ fn a_bendy_light_is_a_spotlight_while_it_is_straight() {
             assert!((tube.irradiance(&root) - cone.irradiance(&place)).length() < 1e-12);
         }
     }
-    // Planted fault: control points that turn back.
+    // Deliberate fault that the check must detect: control points that turn back.
     let turning = light.map_points(|k, point| {
         if k == 2 {
             point.position *= 1.5;

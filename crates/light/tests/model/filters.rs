@@ -21,7 +21,7 @@ fn shares() -> impl Iterator<Item = f64> {
     (0..POINTS).map(|k| (f64::from(k) + 0.5) / f64::from(POINTS))
 }
 
-/// Largest difference of two functions over the angle from the axis to the edge.
+/// Returns the largest difference of two functions over the angle from the axis to the edge.
 fn apart(light: &Light, expected: impl Fn(f64) -> f64) -> f64 {
     let outer = light.get(CONE_ANGLE).to_radians();
     let filter = LightProfile::of(light, 0.0);
@@ -38,8 +38,8 @@ fn spots() -> impl Iterator<Item = Light> {
     [(25.0, 0.2), (60.0, 1.0), (10.0, 0.5), (85.0, 0.7)].into_iter().map(spot)
 }
 
-/// `(cos theta_s - cos theta_u) / (cos theta_p - cos theta_u)` between the angles of penumbra and umbra, 1 within, 0
-/// beyond.
+/// Returns the profile `(cos theta_s - cos theta_u) / (cos theta_p - cos theta_u)` between the angles of penumbra and
+/// umbra, 1 within, 0 beyond.
 fn three_zones(light: &Light) -> impl Fn(f64) -> f64 {
     let umbra = light.get(CONE_ANGLE).to_radians();
     let penumbra = umbra * (1.0 - light.get(CONE_SOFTNESS));
@@ -55,7 +55,7 @@ fn the_smooth_profile_is_an_s_curve() {
     for light in spots() {
         let s = three_zones(&light);
         assert!(apart(&light, |angle| s(angle).powi(2) * (3.0 - 2.0 * s(angle))) < ROUNDING);
-        // Planted fault: the three zones themselves.
+        // Deliberate fault that the check must detect: the three zones themselves.
         assert!(apart(&light, s) > 1e-2);
     }
 }
@@ -82,7 +82,7 @@ fn the_cosine_profile_is_equation_7_17() {
             let light = light.clone().with(PROFILE, ProfileCurve::Cosine).with(PROFILE_POWER, power);
             let off = apart(&light, |angle| angle.cos().powf(power));
             assert!(off < ROUNDING, "{power}: {off:e}");
-            // Planted fault: equation 7.18 from the axis on, which ends at 0.
+            // Deliberate fault that the check must detect: equation 7.18 from the axis on, which ends at 0.
             let umbra = light.get(CONE_ANGLE).to_radians().cos();
             assert!(apart(&light, |angle| ((angle.cos() - umbra) / (1.0 - umbra)).powf(power)) > 1e-2);
         }
@@ -120,7 +120,7 @@ fn section(width: f64, height: f64, roundness: f64) -> SectionOutline {
     SectionOutline::of(&light.with(SECTION_ROUNDNESS, roundness))
 }
 
-/// Points of `(|x| / a)^(2/d) + (|y| / b)^(2/d) = 1`, by its own parameter.
+/// Returns the points of `(|x| / a)^(2/d) + (|y| / b)^(2/d) = 1`, by its own parameter.
 fn outline([a, b]: [f64; 2], roundness: f64) -> impl Iterator<Item = (f64, f64)> {
     shares().map(move |share| {
         let (sin, cos) = (share * std::f64::consts::TAU).sin_cos();
@@ -160,7 +160,7 @@ fn the_superellipse_is_barzels_and_stays_within_the_radius() {
             (0..100_000).map(|k| reach(f64::from(k) * 1e-5 * std::f64::consts::TAU)).fold(0.0, f64::max);
         assert!(reach <= 1.0 + 1e-12, "{a} {b} {roundness}: reaches {reach}");
         assert!(farthest < 1.0 || reach > 1.0 - 1e-3, "{a} {b} {roundness}: reaches only {reach}");
-        // Planted fault: an ellipse.
+        // Deliberate fault that the check must detect: an ellipse.
         let ellipse = |(x, y): (f64, f64)| ((x / a).powi(2) + (y / b).powi(2)).sqrt();
         let off = outline([a, b], roundness).map(|point| (ellipse(point) - 1.0).abs()).fold(0.0, f64::max);
         assert_eq!(off > 1e-2, roundness < 1.0, "{off}");
@@ -216,7 +216,7 @@ fn the_edge_lies_as_far_out_as_the_radial_falloff_says() {
             let off = (given - expected(around(knots, degrees))).abs();
             // The profile's slope per degree is at most 0.7, and an angle is exact to a few ulp of 360.
             assert!(off < ROUNDING, "{knots:?} {degrees} {rho}: {off:e}");
-            // Planted fault: the opposite direction around.
+            // Deliberate fault that the check must detect: the opposite direction around.
             turned_off = turned_off.max((given - expected(around(knots, 360.0 - degrees))).abs());
         }
         assert_eq!(turned_off > 0.1, knots.len() > 2, "{turned_off}");
@@ -250,7 +250,7 @@ fn light_decays_from_where_its_decay_starts() {
                     (cone.irradiance(&place).x / expected - 1.0).abs() < ROUNDING,
                     "{decay:?} {start} {s}"
                 );
-                // Planted fault: a decay that begins at the start, at 1.
+                // Deliberate fault that the check must detect: a decay that begins at the start, at 1.
                 let shifted = (1.0 + (s - start).max(0.0)).powi(-power);
                 assert!(power == 0 || (shifted / expected - 1.0).abs() > 1e-6 || (start - s).abs() > 0.2);
             }
@@ -313,7 +313,7 @@ fn color_temperature_is_that_of_a_black_body() {
         worst = worst.max((blackbody(kelvin) - planck(kelvin)).abs().max_element());
     }
     assert!(worst < 0.06, "{worst}");
-    // Planted fault: 500 K off.
+    // Deliberate fault that the check must detect: 500 K off.
     assert!((blackbody(3500.0) - planck(3000.0)).abs().max_element() > 0.06);
     for kelvin in [0.0, 999.0, 1000.0, 1300.0, 6500.0, 1e4, 1e9] {
         let rgb = blackbody(kelvin);

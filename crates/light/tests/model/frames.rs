@@ -21,7 +21,8 @@ proptest! {
         prop_assert!(turn(&tube).abs() < 1e-6);
         let twisting = Tube::new(&light.with(FRAME, FrameMode::Up)).expect("the same shape is valid");
         prop_assume!(tube.r_kappa_max()[0] > 0.05);
-        // Planted fault: the comparison must notice a frame that follows "up", unless the curve's plane contains it.
+        // Deliberate fault that the check must detect: the comparison must notice a frame that follows "up", unless the
+        // curve's plane contains it.
         let plane_holds_up = tube.segments[0].curve.n_hat.dot(twisting.up).abs() < 0.1;
         prop_assert!(plane_holds_up || turn(&twisting).abs() > 1e-6 || turn(&twisting) == 0.0);
     }

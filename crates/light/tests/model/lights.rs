@@ -4,12 +4,12 @@ use glam::DVec3;
 use light::{Light, Tube};
 use proptest::prelude::*;
 
-/// Vector with each component in `[-1, 1]`.
+/// Generates a vector with each component in `[-1, 1]`.
 pub fn unit_cube() -> impl Strategy<Value = DVec3> {
     (-1.0..1.0, -1.0..1.0, -1.0..1.0).prop_map(|(x, y, z)| DVec3::new(x, y, z))
 }
 
-/// Valid light of 1 to 6 segments that wanders along -Z, bends by `bend` and tapers freely.
+/// Generates a valid light of 1 to 6 segments that wanders along -Z, bends by `bend` and tapers freely.
 pub fn bent(bend: f64) -> impl Strategy<Value = (Light, Tube<f64>)> {
     prop::collection::vec((unit_cube(), 0.05..0.5_f64), 3..=8).prop_filter_map("folds", move |knots| {
         let start = knots[0].0 * bend;
@@ -23,7 +23,7 @@ pub fn bent(bend: f64) -> impl Strategy<Value = (Light, Tube<f64>)> {
     })
 }
 
-/// Tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+/// Returns the tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
 pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     let i = (t.floor() as usize).min(tube.n - 1);
     let (segment, u) = (&tube.segments[i].curve, t - i as f64);

@@ -4,8 +4,8 @@ use glam::{DQuat, DVec3};
 use light::parameters::{DECAY, END_MODE, FRAME, ROTATION, TRANSLATION};
 use light::{Decay, EndMode, FrameMode, Light, Tube, TubeLocation};
 
-/// Lights `size` units long that pass the origin bent, 3 units wide there: at the middle of a segment, over a joint,
-/// over their end and past it.
+/// Returns lights `size` units long that pass the origin bent, 3 units wide there: at the middle of a segment, over a
+/// joint, over their end and past it.
 fn lights(size: f64) -> Vec<Light> {
     let (along, aside) = (DVec3::new(0.6, -0.64, 0.48), DVec3::new(0.8, 0.48, -0.36));
     let points =
@@ -35,12 +35,13 @@ fn lights(size: f64) -> Vec<Light> {
     lights
 }
 
-/// Points of a scene 4 units wide around the origin.
+/// Returns points of a scene 4 units wide around the origin.
 fn scene() -> Vec<DVec3> {
     (0..125).map(|k| DVec3::new(f64::from(k % 5), f64::from(k / 5 % 5), f64::from(k / 25)) - 2.0).collect()
 }
 
-/// Distance in world units, along or across the light, between two locations of a point; `None` if one is outside.
+/// Returns the distance in world units, along or across the light, between two locations of a point; `None` if one is
+/// outside.
 fn world_distance(tube: &Tube<f64>, a: &TubeLocation, b: &TubeLocation) -> Option<f64> {
     let (a, b) = (a.point.as_ref()?, b.point.as_ref()?);
     let speed = 2.0 * tube.segments[b.segment].curve.d(b.u).length() * tube.placement.world_per_tube;
@@ -113,7 +114,7 @@ fn f32_holds_a_small_scene() {
             after = after.max(max_world_distance(&tube, &points, |point| {
                 part.to_whole_light(&part_f32.locate(point))
             }));
-            // Planted fault: the light as a whole.
+            // Deliberate fault that the check must detect: the light as a whole.
             for &point in &points {
                 let (found, exact) = (whole.locate(point), tube.locate(point));
                 before = before.max(world_distance(&tube, &found, &exact).unwrap_or(0.0));

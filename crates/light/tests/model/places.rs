@@ -35,7 +35,7 @@ fn a_cone_and_its_tube_give_the_same_place() {
             let bent_as_share = LightCoords { t: bent.t / 3.0, ..bent };
             assert!(apart(&straight, &bent_as_share) < 1e-13, "{cone_angle}: {straight:?} {bent:?}");
             assert!(((straight.v + v).abs() + (straight.w - w).abs()) * tan_outer < 1e-13, "{straight:?}");
-            // Planted fault: t that is not a share.
+            // Deliberate fault that the check must detect: t that is not a share.
             assert!(apart(&straight, &bent) > 1e-3);
             let (one, other) = (cone.irradiance(&straight), tube.irradiance(&root));
             assert!((one - other).length() <= 1e-10 / tan_outer.min(1.0) * one.length(), "{one} {other}");
@@ -115,7 +115,7 @@ fn the_profile_of_a_narrow_cone_is_that_of_any() {
         let half_way = f64::midpoint(0.64, 1.0);
         assert!((narrow.at(half_way) - 0.5).abs() < 1e-9, "{cone_angle}: {}", narrow.at(half_way));
         assert_eq!((narrow.at(0.63), narrow.at(1.0)), (1.0, 0.0));
-        // Planted fault: the cosines themselves, which cancel.
+        // Deliberate fault that the check must detect: the cosines themselves, which cancel.
         let (outer, inner) = (cone_angle.to_radians().cos(), (0.8 * cone_angle).to_radians().cos());
         let angle = (half_way.sqrt() * cone_angle.to_radians()).cos();
         let cancelled = (angle - outer) / (inner - outer);

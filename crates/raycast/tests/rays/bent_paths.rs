@@ -9,7 +9,7 @@ use proptest::prelude::*;
 use raycast::{Aabb64, BentHit, BentPath, Bvh};
 use scene::{Material, Mesh, Node, Primitive, Scene};
 
-/// Scene of separate triangles in world space.
+/// Returns a scene of separate triangles in world space.
 fn scene_of(triangles: &[[DVec3; 3]]) -> Scene {
     let positions: Vec<Vec3> = triangles.iter().flatten().map(|corner| corner.as_vec3()).collect();
     let count = positions.len();
@@ -36,7 +36,7 @@ fn vector(size: f64) -> impl Strategy<Value = DVec3> {
     [-size..size, -size..size, -size..size].prop_map(DVec3::from)
 }
 
-/// Lights of one to four segments, from gentle bends to hairpins, in both frames. The model refuses folds.
+/// Generates lights of one to four segments, from gentle bends to hairpins, in both frames. The model refuses folds.
 fn tubes() -> impl Strategy<Value = Tube<f64>> {
     let bends = prop::collection::vec((vector(1.2), 0.0..0.5), 2..5);
     (bends, any::<bool>(), any::<bool>()).prop_filter_map("folds", |(bends, up, extend)| {
@@ -55,7 +55,7 @@ fn across() -> impl Strategy<Value = (f64, f64)> {
     (0.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(rho, angle)| (rho * angle.cos(), rho * angle.sin()))
 }
 
-/// Largest distance between a path and its chords at equal u, as a share of the bound.
+/// Returns the largest distance between a path and its chords at equal u, as a share of the bound.
 fn worst_chord_error(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     let scene = Scene::default();
     let path = Bvh::new(scene::pose(scene.clone())).bent_path(tube, v, w);
@@ -74,8 +74,8 @@ fn worst_chord_error(tube: &Tube<f64>, (v, w): (f64, f64)) -> f64 {
     worst
 }
 
-/// Largest distance of a path's points from its polyline, the length of the path, measured in small steps, and the
-/// error of that length.
+/// Returns the largest distance of a path's points from its polyline, the length of the path, measured in small steps,
+/// and the error of that length.
 fn polyline_errors(path: &BentPath, t_end: f64, polyline: &[DVec3]) -> (f64, f64, f64) {
     let at = |t: f64| {
         let segment = (t as usize).min(path.tube.segments.len() - 1);
@@ -215,7 +215,7 @@ fn the_bound_on_chords_is_not_slack() {
     assert!((0.2..=1.0).contains(&worst), "{worst}");
 }
 
-/// Planted fault: a polyline with too few points has a large error and reports it.
+/// Deliberate fault that the check must detect: a polyline with too few points has a large error and reports it.
 #[test]
 fn a_polyline_of_few_points_strays() {
     let points = [DVec3::ZERO, DVec3::NEG_Z, DVec3::new(1.0, 0.0, -2.0)];

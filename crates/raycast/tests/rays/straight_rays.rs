@@ -23,7 +23,7 @@ fn scene_of(positions: Vec<Vec3>, indices: Vec<u32>, world_from_local: DAffine3)
     }
 }
 
-/// Bumpy sheet of `n` by `n` squares from -1 to 1 around y = 0.
+/// Returns a bumpy sheet of `n` by `n` squares from -1 to 1 around y = 0.
 fn sheet(n: u32, world_from_local: DAffine3) -> Scene {
     let side = n + 1;
     let at = |k: u32| {

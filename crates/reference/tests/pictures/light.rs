@@ -86,7 +86,7 @@ fn a_straight_bendy_light_is_the_spotlight() {
             assert!(straight.pixels.iter().filter(|pixel| pixel[3] > 0.0).count() > 100);
         }
     }
-    // Planted fault: a light that is bent by a hundredth differs from the spotlight.
+    // Deliberate fault that the check must detect: a light that is bent by a hundredth differs from the spotlight.
     let aside = |i| if i == 3 { DVec3::X * 0.01 } else { DVec3::ZERO };
     let bent = light::bend(&spot, 3).unwrap().map_points(|i, point| point.position += aside(i));
     let view = view(DVec3::new(1.0, 3.0, 4.0), DVec3::Y * 0.5, Aov::Direction);

@@ -71,7 +71,7 @@ fn far_pictures_are_their_mean_in_linear_light() {
     let surface = Reference::new(scene::pose(scene.clone())).surface(&view, DVec2::splat(0.5)).unwrap();
     let mean = f64::midpoint(linear(30), linear(220));
     assert!((surface.base_color.x - mean).abs() < 1e-12, "{} {mean}", surface.base_color.x);
-    // Planted fault: the mean of the bytes.
+    // Deliberate fault that the check must detect: the mean of the bytes.
     assert!((linear(125) - mean).abs() > 0.1);
 }
 

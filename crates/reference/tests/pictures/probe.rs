@@ -144,7 +144,7 @@ fn a_straight_light_has_the_closed_form() {
             None => assert_eq!(index, 2, "only an omni light has none"),
         }
     }
-    // Planted fault: the light is moved sideways by a thousandth.
+    // Deliberate fault that the check must detect: the light is moved sideways by a thousandth.
     let aside = instances(&[lamp.with(TRANSLATION, source + DVec3::X * 1e-3)]);
     let moved = reference.probe(&view, DVec2::new(24.0, 16.0), &aside, &BTreeSet::new()).expect("a pixel");
     let length = moved.lights[0].place.and_then(|place| place.path_length).expect("inside");
@@ -199,7 +199,7 @@ fn the_way_of_a_bent_light_is_drawn_and_measured() {
         }
         state => panic!("{state:?}"),
     }
-    // Planted faults: the straight line is not the light path, and has another length.
+    // Deliberate faults that the check must detect: the straight line is not the light path, and has another length.
     assert!(off_path(above.lerp(DVec3::ZERO, 0.5)) > length / 100.0);
     assert!(above.length() < 0.99 * length);
 }
@@ -260,7 +260,7 @@ fn the_parts_add_up_to_the_picture() {
         assert!(if is_lit { (shares - 1.0).abs() < 1e-14 } else { shares == 0.0 }, "{pixel}: {shares}");
         lit += usize::from(is_lit);
         partly += usize::from(found.iter().any(|light| light.share > 0.01 && light.share < 0.99));
-        // Planted fault: a muted light is missing.
+        // Deliberate fault that the check must detect: a muted light is missing.
         let muted = BTreeSet::from([LightId(3)]);
         let fewer = reference.probe(&view, pixel, &lights, &muted).expect("a pixel").lights;
         assert_eq!(fewer[3].state, LightState::Disabled(DisabledBy::Muted));

@@ -51,7 +51,8 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             let wrong = seen.iter().filter(|(s, light)| light.is_visible != (facing(s, light) > 0.0)).count();
             assert!(seen.len() > 2000);
             assert_eq!(wrong, 0, "{facets} facets, of {}", seen.len());
-            // Planted fault, the former behavior: facets that face away are dark and shadow those behind them.
+            // Deliberate fault that the check must detect, the former behavior: facets that face away are dark and
+            // shadow those behind them.
             let (reference, source) =
                 (Reference::new(scene::pose(scene.clone())), ReferenceLight::new(&kind));
             let flat = seen.iter().filter(|(surface, light)| {

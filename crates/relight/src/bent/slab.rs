@@ -70,7 +70,7 @@ impl SlabLanes {
         }
     }
 
-    /// Signed distance from a bounding plane. A point is inside if all six are zero or more.
+    /// Returns the signed distance from a bounding plane. A point is inside if all six are zero or more.
     #[inline(always)]
     pub fn distance(&self, plane: usize, q: Vec3s) -> F32s {
         let (normal, offset) = self.planes[plane];
@@ -126,7 +126,7 @@ impl SlabLanes {
 }
 
 impl TubePosition<F32s> {
-    /// Coordinates of one lane.
+    /// Returns the coordinates of one lane.
     #[inline(always)]
     pub fn lane(&self, lane: usize) -> TubePosition<f32> {
         TubePosition { v: self.v.0[lane], w: self.w.0[lane], r: self.r.0[lane], t: self.t.0[lane] }

@@ -36,7 +36,7 @@ enum Factor {
 const FACTORS: [Factor; 4] = [Factor::Distribution, Factor::Masking, Factor::Fresnel, Factor::Cosine];
 
 impl Case {
-    /// Computes the diffuse and the specular lobe, the latter without the `dropped` factor of a planted fault.
+    /// Computes the diffuse and the specular lobe, the latter without the `dropped` factor of a deliberate fault.
     fn expected(&self, dropped: Option<Factor>) -> [DVec3; 2] {
         let Self { normal: n, to_eye: v, to_light: l, base_color, metallic, .. } = *self;
         let h = (v + l).normalize();

@@ -107,7 +107,7 @@ fn sixteen_lanes_find_what_one_finds() {
                         (0..2).any(|k| has[k].lane(i) && values[k].map(|x| x.0[i].to_bits()) == expected);
                     assert!(same, "{root:?} is not what {found:?} have in lane {i}");
                     compared += 1;
-                    // Planted fault: another lane's answer.
+                    // Deliberate fault that the check must detect: another lane's answer.
                     let other = (i + 1) % LANES;
                     assert!((0..2).all(|k| values[k].map(|x| x.0[other].to_bits()) != expected));
                 });

@@ -97,7 +97,7 @@ impl AlphaTestedLarge {
                 let (covered, n, d) = run.lanes_from(done, band.lane_indices);
                 let stored = rule.updated_depths(covered, n, d, rule.row_factor(row), Floats(*texels));
                 for (lane, texel) in texels.iter_mut().enumerate() {
-                    // A texel that something nearer hides needs no test.
+                    // A texel that a nearer triangle hides needs no test.
                     if stored.0[lane] != *texel && !self.is_hole(tests, run.first + done + lane, row) {
                         *texel = stored.0[lane];
                     }

@@ -90,7 +90,7 @@ pub(super) fn draw<R: DepthTest>(rule: R, small: &SmallTriangle, band: &mut Band
     }
 }
 
-/// Edge function of a triangle, from a row on. Its users write out the three, since compilers make something slower of
+/// Edge function of a triangle, from a row on. Code writes out the three edges, since compilers make slower code of
 /// loops over them.
 #[derive(Clone, Copy)]
 struct Edge {

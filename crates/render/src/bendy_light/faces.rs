@@ -37,7 +37,7 @@ impl Faces {
         Self { slope: (slope > LARGEST_SLOPE).then_some(slope) }
     }
 
-    /// Number of faces: the front, and for a cube also +V, -V, +W and -W.
+    /// Returns the number of faces: the front, and for a cube also +V, -V, +W and -W.
     pub fn count(self) -> usize {
         if self.is_cube() { MAX_FACES } else { 1 }
     }
@@ -51,7 +51,7 @@ impl Faces {
         self.slope.unwrap_or(1.0)
     }
 
-    /// Matrix from (V, W, R) to a face's (x, y, depth).
+    /// Returns the matrix from (V, W, R) to a face's (x, y, depth).
     pub fn face_from_tube(self, face: usize) -> DMat3 {
         let ahead = DVec3::Z / self.slope();
         let sign = if face % 2 == 1 { 1.0 } else { -1.0 };
@@ -63,7 +63,7 @@ impl Faces {
         DMat3::from_cols_array_2d(&rows.map(|row| row.to_array())).transpose()
     }
 
-    /// Least and greatest x / depth and y / depth of the part of a face that is in the tube.
+    /// Returns the least and greatest x / depth and y / depth of the part of a face that is in the tube.
     pub fn limits(self, face: usize) -> [[f64; 2]; 2] {
         if face == 0 { [[-1.0, 1.0]; 2] } else { [[-1.0, 1.0], [self.slope().recip(), 1.0]] }
     }

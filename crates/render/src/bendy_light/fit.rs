@@ -341,7 +341,8 @@ impl TubePiece {
         [(low - slack).max(0.0), (high + slack).max(0.0)]
     }
 
-    /// Parameter, from 0 to 1, at which the curve has advanced by `along` in the direction of the middle tangent.
+    /// Returns the parameter, from 0 to 1, at which the curve has advanced by `along` in the direction of the middle
+    /// tangent.
     fn parameter(&self, along: f64) -> f64 {
         let (d, a) = self.in_plane[0];
         let root = d * d + a * along;
@@ -360,20 +361,20 @@ fn distance([low, high]: Range) -> f64 {
     low.max(-high).max(0.0)
 }
 
-/// Range of `p + u (2 d + u a)` over a range of u.
+/// Returns the range of `p + u (2 d + u a)` over a range of u.
 fn quadratic_on(p: f64, (d, a): (f64, f64), [start, end]: Range) -> Range {
     let h = end - start;
     let (low, high) = quadratic_range(p + start * (2.0 * d + start * a), (d + start * a) * h, a * h * h);
     [low, high]
 }
 
-/// Range of `a x + b y`.
+/// Returns the range of `a x + b y`.
 fn linear_range([x_low, x_high]: Range, a: f64, [y_low, y_high]: Range, b: f64) -> Range {
     let (ax, ay) = ([a * x_low, a * x_high], [b * y_low, b * y_high]);
     [ax[0].min(ax[1]) + ay[0].min(ay[1]), ax[0].max(ax[1]) + ay[0].max(ay[1])]
 }
 
-/// Ranges of a vector's components after a rotation of at most `angle` radians either way.
+/// Returns the ranges of a vector's components after a rotation of at most `angle` radians either way.
 fn turned(v: Range, w: Range, angle: f64) -> (Range, Range) {
     if angle == 0.0 {
         return (v, w);

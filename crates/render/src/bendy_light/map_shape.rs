@@ -23,12 +23,12 @@ impl MapShape {
         Self { fit, side, mesh_error }
     }
 
-    /// Largest distance of the casters from the surface, in world units.
+    /// Returns the largest distance of the casters from the surface, in world units.
     pub fn mesh_error(&self) -> f64 {
         self.mesh_error
     }
 
-    /// Texels along each side of a face.
+    /// Returns the texels along each side of a face.
     pub fn side(&self) -> u32 {
         self.side
     }
@@ -45,7 +45,7 @@ impl MapShape {
         self.fit.faces.is_cube()
     }
 
-    /// Range of t that contains casters, with a margin for rounding; `None` if there are none.
+    /// Returns the range of t that contains casters, with a margin for rounding; `None` if there are none.
     pub fn t_range(&self) -> Option<[f64; 2]> {
         self.fit.t.map(|[first, last]| {
             let room = 1e-3 * (last - first) + 1e-6 * (1.0 + last);
@@ -58,12 +58,12 @@ impl MapShape {
         if self.is_cube() { 0.0 } else { self.t_range().map_or(0.0, |[first, _]| first) }
     }
 
-    /// Greatest t of a caster.
+    /// Returns the greatest t of a caster.
     pub fn t_last(&self) -> f64 {
         self.t_range().map_or(1.0, |[_, last]| last)
     }
 
-    /// Range of t that depths from 0 to 1 cover.
+    /// Returns the range of t that depths from 0 to 1 cover.
     pub fn t_span(&self) -> f64 {
         self.t_last() - self.t_base()
     }
@@ -72,7 +72,7 @@ impl MapShape {
         self.fit.drawn(face, f64::from(self.side))
     }
 
-    /// Center and 1 / half size of each face, for `bent_lookup.wgsl`.
+    /// Returns the center and 1 / half size of each face, for `bent_lookup.wgsl`.
     pub(super) fn fits(&self) -> [[f32; 4]; MAX_FACES] {
         std::array::from_fn(|face| {
             if face >= self.face_count() {
@@ -93,7 +93,7 @@ impl MapShape {
         clip_from_face * self.fit.faces.face_from_tube(face)
     }
 
-    /// Matrix of each existing face, for `bent_map.wgsl`.
+    /// Returns the matrix of each existing face, for `bent_map.wgsl`.
     pub(super) fn clips_from_mapped(&self) -> [Mat3; MAX_FACES] {
         std::array::from_fn(|face| {
             if face < self.face_count() { columns(&self.clip_from_mapped(face)) } else { [[0.0; 4]; 3] }
@@ -134,7 +134,7 @@ impl MapShape {
         radius.abs() * tube.placement.world_per_tube / self.texels_per_vw()
     }
 
-    /// Texels per unit of v and w at the finest texel.
+    /// Returns the texels per unit of v and w at the finest texel.
     pub fn texels_per_vw(&self) -> f64 {
         let finest = |face: usize| self.drawn(face).half.map(f64::recip).into_iter().fold(0.0, f64::max);
         let finest = (0..self.face_count()).map(finest).fold(0.0, f64::max);

@@ -45,7 +45,8 @@ const SEGMENT_CAPACITY: usize = light::MAX_SEGMENTS + 1;
 /// decay and the BRDF within f32.
 const MAX_INTENSITY: f32 = 1e15;
 
-/// Matrix from scene space (world axes, origin at `scene_origin`) to tube space, as columns, composed in f64.
+/// Returns the matrix from scene space (world axes, origin at `scene_origin`) to tube space, as columns, composed in
+/// f64.
 fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     let placement = &tube.placement;
     let rotation =
@@ -60,8 +61,8 @@ fn tube_from_scene(tube: &Tube<f64>, scene_origin: DVec3) -> Mat4 {
     matrix.as_mat4().to_cols_array_2d()
 }
 
-/// Upper bound of t within `half_extent` of the scene's origin: the end of the light, or of the part of its extension
-/// that reaches the scene.
+/// Returns the upper bound of t within `half_extent` of the scene's origin: the end of the light, or of the part of its
+/// extension that reaches the scene.
 pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -> f64 {
     let n = tube.n as f64;
     if tube.end_mode() == EndMode::Cut {
@@ -75,7 +76,7 @@ pub(crate) fn t_max(tube: &Tube<f64>, scene_origin: DVec3, half_extent: DVec3) -
     n + (farthest / (2.0 * last.d0.length_squared())) * 1.01 + 1e-3
 }
 
-/// World positions of the corners of the scene's bounds.
+/// Returns the world positions of the corners of the scene's bounds.
 fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |k| {
         let sign = DVec3::new(f64::from(k & 1), f64::from(k >> 1 & 1), f64::from(k >> 2 & 1)) * 2.0 - 1.0;
@@ -83,7 +84,7 @@ fn corners(scene_origin: DVec3, half_extent: DVec3) -> impl Iterator<Item = DVec
     })
 }
 
-/// World positions that enclose the tube up to `t_max`: the corners of its slabs' boxes.
+/// Returns the world positions that enclose the tube up to `t_max`: the corners of its slabs' boxes.
 pub(crate) fn hull_in_world(tube: &Tube<f64>, t_max: f64) -> Vec<DVec3> {
     light::slabs(tube, t_max, 0.0)
         .iter()
@@ -194,7 +195,7 @@ impl Baked {
     }
 }
 
-/// The tube's segments for `tube.wgsl`, padded to the size of its array.
+/// Returns the tube's segments for `tube.wgsl`, padded to the size of its array.
 pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     let one = |(i, segment): (usize, &Segment<f64>)| {
         let s = segment.to_f32();
@@ -218,7 +219,7 @@ pub(crate) fn segments(tube: &Tube<f64>) -> Vec<gpu_structs::Segment> {
     segments
 }
 
-/// The light's uniform for `tube.wgsl`, without the fields of its shadow map.
+/// Returns the light's uniform for `tube.wgsl`, without the fields of its shadow map.
 pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::BendyLight {
     let tube = &part.tube;
     let rotation = tube.placement.rotation.as_mat3();
@@ -236,12 +237,12 @@ pub(crate) fn uniform(part: &LightPart, scene_origin: DVec3) -> gpu_structs::Ben
     }
 }
 
-/// Mesh error in tube space, at most the extent of the scene: a larger one has the same effect.
+/// Returns the mesh error in tube space, at most the extent of the scene: a larger one has the same effect.
 fn mesh_error_in_tube(tube: &Tube<f64>, map: &MapShape) -> f32 {
     (map.mesh_error() / tube.placement.world_per_tube).min(MAX_EXTENT) as f32
 }
 
-/// The light's uniform for `tube.wgsl`, with its shadow map.
+/// Returns the light's uniform for `tube.wgsl`, with its shadow map.
 pub(crate) fn uniform_with_map(
     part: &LightPart,
     scene_origin: DVec3,

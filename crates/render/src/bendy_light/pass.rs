@@ -57,7 +57,7 @@ pub(crate) struct GpuBendy {
     pub group: BindGroup,
 }
 
-/// World positions whose convex hull contains everything that a light can light in a scene.
+/// Returns the world positions whose convex hull contains everything that a light can light in a scene.
 pub(crate) fn corners_in_world(tube: &Tube<f64>, posed: &PosedScene) -> Vec<DVec3> {
     let part = tube.part_near(posed.origin_in_world, posed.half_extent);
     hull_in_world(&part.tube, t_max(&part.tube, posed.origin_in_world, posed.half_extent))
@@ -99,7 +99,7 @@ pub(super) fn fit_bent_map<'a>(
     Ok((casting, map))
 }
 
-/// The shape of a light's map over `scene`, fitted to its casters. An extended light ends at `t_max`.
+/// Returns the shape of a light's map over `scene`, fitted to its casters. An extended light ends at `t_max`.
 fn map_shape(
     light: (&Tube<f64>, Faces, f64),
     (scene, casting): (&GpuScene, &CasterSet),

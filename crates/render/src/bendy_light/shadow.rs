@@ -98,9 +98,9 @@ impl BentShadowPass {
         let resolution = 2.0 * map.texels_per_vw();
         let slabs = |t_range| slab::slabs(tube, (map.t_base(), t_range), resolution, split_above_texels);
         let slabs = map.t_range().map_or_else(Vec::new, slabs);
-        // Without casters, one turn without slabs clears the map.
+        // Without casters, one batch without slabs clears the map.
         let turns = || slabs.chunks(SLABS_PER_UNIFORM).chain(slabs.is_empty().then_some(&slabs[..]));
-        // The result of a turn that did not fit is invalid, so all turns start again.
+        // The result of a batch of slabs that did not fit is invalid, so all batches start again.
         'all: loop {
             for (index, turn) in turns().enumerate() {
                 if !self.render_slabs(gpu, work, request, turn, index == 0)? {

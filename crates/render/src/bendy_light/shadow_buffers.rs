@@ -237,7 +237,7 @@ impl Buffers {
         Size { vertices, triangles, leaves: casters.clusters.leaves.len() as u32, capacity: room }
     }
 
-    /// The leaves of a window, as a uniform.
+    /// Returns the leaves of a window, as a uniform.
     pub fn leaves_from(&self, window: usize) -> BindingResource<'_> {
         BindingResource::Buffer(BufferBinding {
             buffer: &self.leaves,

@@ -21,8 +21,8 @@ const MAX_LOG_SLOPE: f64 = 0.5;
 /// Bounds under which no edge counts as straight: larger than 1 and than any radius. WGSL has no infinity.
 const NEVER_SAFE: [f32; 4] = [1e30; 4];
 
-/// The slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is relative
-/// to `t_base`.
+/// Returns the slabs of `tube` from t = `first` to `last`, each with the corners of its box in tube space. Their t is
+/// relative to `t_base`.
 pub(crate) fn slabs(
     tube: &Tube<f64>,
     (t_base, [first, last]): (f64, [f64; 2]),
@@ -59,8 +59,8 @@ impl From<&MapSlab> for gpu_structs::Slab {
     }
 }
 
-/// `(n, w)` with `n.q + w` the distance inside: the planes perpendicular to the curve at both ends, then the sides of
-/// the box.
+/// Returns planes `(n, w)`, in which `n.q + w` is the distance of `q` from the plane, positive inside: the planes
+/// perpendicular to the curve at both ends, then the sides of the box.
 fn planes(piece: &Curve<f64>) -> [[f32; 4]; 6] {
     let through = |point: DVec3, inward: DVec3| inward.extend(-inward.dot(point)).as_vec4().to_array();
     let b = &piece.bounds;

@@ -27,7 +27,7 @@ pub(super) const UNSPLIT: ShadowSettings = ShadowSettings {
     culling: Culling::ALL,
 };
 
-/// A light from 4 units up that turns by 70 degrees and slightly back: three strongly bent segments.
+/// Returns a light from 4 units up that turns by 70 degrees and slightly back: three strongly bent segments.
 pub(super) fn light() -> Light {
     let points = [(0., 0., 0.), (0.3, 0.1, -1.2), (-0.2, 0.4, -2.6), (1.9, -0.2, -3.3), (3.1, 0.3, -4.6)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
@@ -36,7 +36,7 @@ pub(super) fn light() -> Light {
         .with(ROTATION, DQuat::from_rotation_x(-std::f64::consts::FRAC_PI_2))
 }
 
-/// A box from -1 to 1.
+/// Returns a box from -1 to 1.
 pub(super) fn cube() -> Primitive {
     let corner = |k: u32| Vec3::new((k & 1) as f32, (k >> 1 & 1) as f32, (k >> 2 & 1) as f32) * 2.0 - 1.0;
     let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
@@ -51,7 +51,8 @@ pub(super) fn cube() -> Primitive {
     primitive
 }
 
-/// A floor of two large triangles and three long boxes in the light. Every edge is longer than the tube is wide.
+/// Returns a floor of two large triangles and three long boxes in the light. Every edge is longer than the tube is
+/// wide.
 fn scene() -> Scene {
     let place = |scale: (f64, f64, f64), turn: f64, at: (f64, f64, f64)| {
         let vector = |(x, y, z)| DVec3::new(x, y, z);
@@ -86,7 +87,7 @@ pub(crate) fn view(aov: Aov) -> View {
     View { aov, ..View::beauty(camera, [240, 160]) }
 }
 
-/// World position of a pixel, from its depth AOV.
+/// Returns the world position of a pixel, from its depth AOV.
 pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (x, y) = ((pixel % 240) as f64, (pixel / 240) as f64);
     let half = 0.35_f64.tan();
@@ -97,14 +98,14 @@ pub(crate) fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
 
 pub(crate) const BACKENDS: [Backend; 2] = [Backend::Wgpu, Backend::Native];
 
-/// A wgpu-backend renderer on the device that all tests of this binary share.
+/// Returns a wgpu-backend renderer on the device that all tests of this binary share.
 ///
 /// It draws straight BendyLights with bent maps, too.
 pub(crate) fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// A renderer with shadows and lights drawn by `backend`.
+/// Returns a renderer with shadows and lights drawn by `backend`.
 pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let gpu = GPUS[backend as usize].get_or_init(|| {
@@ -119,7 +120,7 @@ pub(crate) fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     renderer
 }
 
-/// The light as the only one of a picture.
+/// Returns `light` as the only one of a picture.
 pub(crate) fn alone(light: &Light) -> Vec<LightInstance> {
     LightInstance::numbered([light.clone()]).expect("a light")
 }
@@ -155,7 +156,7 @@ impl Setup {
         self.renderer.render(&view(aov), &self.lights).expect("drawn")
     }
 
-    /// The surface points that pixels see in the light, with pixel and (t, v, w). w is multiplied by `w_sign`.
+    /// Returns the surface points that pixels see in the light, with pixel and (t, v, w). w is multiplied by `w_sign`.
     /// Triangles in the receiver's own plane are left out, since they do not shadow it.
     pub fn pixels_in_light(&mut self, w_sign: f64) -> Vec<PixelInLight> {
         let depth = self.picture(Aov::Depth);
@@ -170,8 +171,8 @@ impl Setup {
         (0..depth.pixels.len()).filter_map(see).collect()
     }
 
-    /// Pixels at least two texels from any shadow edge on a map of `resolution`, each with true if the traced path is
-    /// lit. `w_sign` is 1, or -1 for a planted fault.
+    /// Returns the pixels at least two texels from any shadow edge on a map of `resolution`, each with true if the
+    /// traced path is lit. `w_sign` is 1, or -1 for a deliberate fault.
     pub fn traced_pixels(&mut self, w_sign: f64, resolution: u32) -> Vec<(usize, bool)> {
         let texels = 2.0 * 2.0 / f64::from(resolution);
         let seen = self.pixels_in_light(w_sign);
@@ -210,7 +211,7 @@ impl PixelInLight {
     }
 }
 
-/// Number of pixels on which a visibility AOV differs from the traced paths.
+/// Returns the number of pixels on which a visibility AOV differs from the traced paths.
 pub(super) fn differing(walked: &[(usize, bool)], visibility: &Picture) -> usize {
     walked.iter().filter(|(pixel, lit)| visibility.pixels[*pixel][0] != f32::from(u8::from(*lit))).count()
 }
@@ -235,18 +236,18 @@ fn bent_shadows_are_where_the_paths_say() {
             &wrong[..wrong.len().min(9)]
         );
 
-        // Planted fault: a sign error in w.
+        // Deliberate fault that the check must detect: a sign error in w.
         let fault = differing(&mirrored, &visibility);
         assert!(fault > walked.len() / 50, "{backend:?}: a sign error in w changes only {fault} pixels");
 
-        // Planted fault: edges that are never split.
+        // Deliberate fault that the check must detect: edges that are never split.
         setup.renderer.set_shadow_settings(UNSPLIT).expect("sound");
         let fault = differing(&walked, &setup.picture(Aov::Visibility));
         assert!(fault > 0, "{backend:?}: unsplit edges went unseen");
     }
 }
 
-/// Spotlights bent into 1 to 8 segments, increasingly; lights that would fold are left out.
+/// Returns spotlights bent into 1 to 8 segments, increasingly; lights that would fold are left out.
 fn bent_spots() -> Vec<Light> {
     let spot = Light::spot().with(CONE_ANGLE, 22.0).with(RANGE, Some(11.0)).with(DECAY, Decay::None);
     let mut lights = Vec::new();
@@ -267,7 +268,7 @@ fn bent_spots() -> Vec<Light> {
     lights
 }
 
-/// Number of shadowed pixels of a single plane, among those that light reaches at more than 6 degrees.
+/// Returns the number of shadowed pixels of a single plane, among those that light reaches at more than 6 degrees.
 fn self_shadowed(renderer: &mut Renderer, light: &Light) -> usize {
     let lights = alone(light);
     let mut picture = |aov| {

@@ -8,7 +8,7 @@ use light::Tube;
 /// `k (length / steps)^2 / 8`: 1e-7 of the light's length here.
 const STEPS: usize = 1500;
 
-/// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+/// Returns the tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
 pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     let i = (t as usize).min(tube.n - 1);
     let (segment, u) = (&tube.segments[i].curve, t - i as f64);
@@ -16,7 +16,7 @@ pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
 }
 
-/// Parameter, from 0 to 1, of the intersection of the segment from `a` to `b` with the triangle.
+/// Returns the parameter, from 0 to 1, of the intersection of the segment from `a` to `b` with the triangle.
 fn hit(a: DVec3, b: DVec3, [p, q, r]: [DVec3; 3]) -> Option<f64> {
     let (direction, e1, e2) = (b - a, q - p, r - p);
     let normal = e1.cross(e2);

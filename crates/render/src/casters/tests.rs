@@ -1,4 +1,4 @@
-//! Tests shadows of simplified casters: their position, the surfaces that stay lit, and planted faults.
+//! Tests shadows of simplified casters: their position, the surfaces that stay lit, and deliberate faults.
 
 use std::f64::consts::{PI, TAU};
 
@@ -17,8 +17,8 @@ const RADIUS: f64 = 0.6;
 const CENTRE: DVec3 = DVec3::new(0.1, 2.4, 0.0);
 const MESH_ERROR: f64 = 0.01 * RADIUS;
 
-/// Part of a unit sphere, from the pole at -y up to the angle `end`. Triangles share no vertices, so shading has an
-/// edge on each side. Front faces are outside, or inside.
+/// Returns a part of a unit sphere, from the pole at -y up to the angle `end`. Triangles share no vertices, so shading
+/// has an edge on each side. Front faces are outside, or inside.
 fn sphere(end: f64, rows: u32, columns: u32, inside: bool) -> Primitive {
     let point = |row: u32, column: u32| {
         let polar = end * f64::from(row) / f64::from(rows);
@@ -40,7 +40,7 @@ fn sphere(end: f64, rows: u32, columns: u32, inside: bool) -> Primitive {
     primitive
 }
 
-/// A square from -1 to 1 that faces up, in `side` times `side` quads.
+/// Returns a square from -1 to 1 that faces up, in `side` times `side` quads.
 fn square(side: u32) -> Primitive {
     let at = |k: u32| 2.0 * k as f32 / side as f32 - 1.0;
     let points = (0..=side).flat_map(|i| (0..=side).map(move |j| Vec3::new(at(i), 0.0, at(j))));
@@ -65,23 +65,23 @@ fn scene_of<const N: usize>(parts: [(Primitive, f64, DVec3); N]) -> Scene {
     scene
 }
 
-/// A ball of 36,864 triangles over a floor of two.
+/// Returns a ball of 36,864 triangles over a floor of two.
 fn ball() -> Scene {
     ball_over(8.0)
 }
 
-/// The ball over a floor that extends `floor` to each side.
+/// Returns the ball over a floor that extends `floor` to each side.
 pub(crate) fn ball_over(floor: f64) -> Scene {
     scene_of([(sphere(PI, 96, 192, false), RADIUS, CENTRE), (square(1), floor, DVec3::ZERO)])
 }
 
-/// A shallow bowl. Light from above falls into it without touching its rim.
+/// Returns a shallow bowl. Light from above falls into it without touching its rim.
 fn bowl() -> Scene {
     scene_of([(sphere(PI / 4.0, 96, 192, true), 2.0, DVec3::new(0.5, 2.2, 0.0))])
 }
 
-/// Lights from 6 units up, pointing down: a spotlight, the equal BendyLight, and one that bends. Each has its straight
-/// or bent reference light.
+/// Returns lights from 6 units up, pointing down: a spotlight, the equal BendyLight, and one that bends. Each has its
+/// straight or bent reference light.
 pub(crate) fn lights() -> [(Light, Light); 3] {
     let spot = Light::spot()
         .with(CONE_ANGLE, 18.0)
@@ -117,13 +117,13 @@ fn plant(renderer: &mut Renderer, told: f64, made: f64) {
     scene.casters = scene.casters_within(gpu, made).expect("made").into();
 }
 
-/// Number of lit and dark floor points in the light, and number of wrong ones whose light path passes the ball's edge
-/// by more than `slack`.
+/// Returns the number of lit and dark floor points in the light, and number of wrong ones whose light path passes the
+/// ball's edge by more than `slack`.
 fn floor(renderer: &mut Renderer, lights: &(Light, Light), slack: f64) -> ([usize; 2], usize) {
     floor_by(renderer, MapScale::Full, lights, slack)
 }
 
-/// The same, with maps of a given scale.
+/// Returns the same, with maps of a given scale.
 pub(crate) fn floor_by(
     renderer: &mut Renderer,
     shadow_map: MapScale,
@@ -154,7 +154,7 @@ pub(crate) fn floor_by(
     (counts, wrong)
 }
 
-/// Number of pixels that light reaches at more than 6 degrees, and number of those in shadow.
+/// Returns the number of pixels that light reaches at more than 6 degrees, and number of those in shadow.
 fn shadowed(renderer: &mut Renderer, light: &Light, on: impl Fn(DVec3) -> bool) -> (usize, usize) {
     let mut picture = |aov| renderer.render(&view(aov), &alone(light)).expect("drawn");
     let [visibility, direction, normal, depth] =
@@ -192,7 +192,7 @@ fn a_simplified_ball_casts_its_shadow() {
         assert_eq!(false_shadow, 0, "of {met}, {:?}", light.0);
     }
 
-    // Planted fault: ten times the error.
+    // Deliberate fault that the check must detect: ten times the error.
     plant(&mut renderer, MESH_ERROR, 10.0 * MESH_ERROR);
     for light in &lights() {
         assert!(floor(&mut renderer, light, slack).1 > 0, "a coarse ball went unseen");
@@ -210,7 +210,7 @@ fn a_simplified_bowl_stays_lit() {
             assert!(met > 2000, "{met}");
             assert_eq!(false_shadow, 0, "of {met} at {error}, {:?}", light.0);
         }
-        // Planted fault: lookups that assume no error, or a tenth of it.
+        // Deliberate fault that the check must detect: lookups that assume no error, or a tenth of it.
         for told in [0.0, MESH_ERROR] {
             plant(&mut renderer, told, 10.0 * MESH_ERROR);
             assert!(shadowed(&mut renderer, &light.0, |_| true).1 > 100, "told {told}");
@@ -270,7 +270,7 @@ fn the_order_of_scene_and_settings_does_not_matter() {
     assert_ne!(picture(&mut scene_first), expected, "a planted change is seen");
 }
 
-/// Largest distance of `mesh` from the unit sphere, over its corners and points between.
+/// Returns the largest distance of `mesh` from the unit sphere, over its corners and points between.
 fn farthest(mesh: &super::Mesh) -> f64 {
     const STEPS: u32 = 10;
     let corners = |triangle: &[u32; 3]| triangle.map(|k| Vec3::from(mesh.positions[k as usize]).as_dvec3());

@@ -20,12 +20,12 @@ fn half(aov: Aov) -> View {
     View { shadow_map: MapScale::Half, ..view(aov) }
 }
 
-/// A renderer that has drawn nothing.
+/// Returns a renderer that has drawn nothing.
 fn fresh() -> Renderer {
     renderer(&ball_over(FLOOR))
 }
 
-/// Light `k` of a drag that moves too little to show.
+/// Returns the light `k` of a drag that moves too little to show.
 fn dragged(light: &Light, k: u32) -> Light {
     light.clone().with(TRANSLATION, light.get(TRANSLATION) + 1e-9 * f64::from(k) * DVec3::X)
 }
@@ -92,7 +92,7 @@ fn narrow_lights_have_exact_casters() {
     let mut other = fresh();
     let exact = draw(&mut other, &half(Aov::Visibility), &narrow);
     assert_eq!(draw(&mut renderer, &half(Aov::Visibility), &narrow), exact);
-    // The wide light shows the planted casters.
+    // The wide light shows the changed casters.
     let moved = dragged(wide, 1_000_000);
     assert_ne!(
         draw(&mut renderer, &half(Aov::Visibility), &moved),

@@ -1,4 +1,4 @@
-//! Pictures for a screen from cached layers, in one call or in turns.
+//! Draws pictures for a screen from cached layers, in one call or in several slices of drawing time.
 
 use std::task::Poll;
 use std::time::{Duration, Instant};
@@ -75,7 +75,7 @@ impl Renderer {
             let bytes = match gpu.backend() {
                 Backend::Native => renderer.draw_natively(gpu, &mut targets, &drawing, pause)?,
                 Backend::Wgpu => loop {
-                    // A picture in turns waits for each piece, so it can check the fit of maps at once.
+                    // A picture in several slices waits for each piece, so it can check the fit of maps at once.
                     if pause.is_none() {
                         renderer.shadow_maps.bent_buffers.defer_fit_checks();
                     }

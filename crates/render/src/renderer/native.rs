@@ -171,7 +171,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// Bytes of a screen for the beauty in `targets`, with `exposure` in stops.
+    /// Returns the bytes of a screen for the beauty in `targets`, with `exposure` in stops.
     pub(super) fn display_natively(&mut self, gpu: &Gpu, targets: &Targets, exposure: f64) -> Vec<u8> {
         let exposure = display::exposure_of(exposure);
         let bytes = relight::display_radiance(gpu.workers(), targets.native.radiance(), exposure);

@@ -17,14 +17,14 @@ struct AlphaTest {
     offset: u32,
     width: u32,
     height: u32,
-    // See `wrapped`.
+    // Wrap modes along u and v, as `wrapped` numbers them.
     wrap_u: u32,
     wrap_v: u32,
     // Not 0: texels are not blended.
     nearest: u32,
 }
 
-// The last test that begins at or before a triangle.
+// Returns the index of the last test that begins at or before a triangle.
 fn test_of(triangle: u32) -> u32 {
     var first = 0u;
     var end = arrayLength(&alpha_tests);
@@ -54,7 +54,7 @@ fn picture_of(test: AlphaTest) -> AlphaPicture {
     );
 }
 
-// The uv and alpha of a vertex.
+// Returns the texture coordinates (u, v) of a vertex, and its alpha.
 fn uv_alpha(vertex: u32) -> vec3f {
     return vec3f(attributes[9u * vertex + 3u], attributes[9u * vertex + 4u], attributes[9u * vertex + 8u]);
 }
@@ -63,8 +63,8 @@ fn alpha_texel(index: u32) -> f32 {
     return f32((alpha_texels[index / 4u] >> (8u * (index % 4u))) & 0xffu) / 255.0;
 }
 
-// Texel indices along one axis after wrapping: 0 repeats, 1 mirrors, 2 clamps to the edge. Computed in floats, which
-// are exact here, because integer division is slow.
+// Returns the texel indices along one axis after wrapping: 0 repeats, 1 mirrors, 2 clamps to the edge. Computed in
+// floats, which are exact here, because integer division is slow.
 fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
     let period = select(size, 2.0 * size, wrap == 1u);
     let inside = x - period * floor((x + 0.5) / period);
@@ -72,7 +72,7 @@ fn wrapped(x: vec2f, size: f32, wrap: u32) -> vec2u {
     return vec2u(clamp(select(repeated, x, wrap == 2u), vec2f(0.0), vec2f(size - 1.0)));
 }
 
-// The texture's alpha at `uv`.
+// Returns the texture's alpha at `uv`.
 fn texel_alpha(picture: AlphaPicture, uv: vec2f) -> f32 {
     let size = vec2f(picture.place.yz);
     let is_nearest = picture.modes.z != 0u;

@@ -19,7 +19,7 @@ fn arc_quadrature(c: Curve, start: f32, end: f32) -> f32 {
     return 2.0 * half * sum;
 }
 
-// Arc length of the center curve from the segment's start to u.
+// Computes the arc length of the center curve from the segment's start to u.
 fn arc_length(c: Curve, u: f32) -> f32 {
     let aa = dot(c.a, c.a);
     let valley = -dot(c.d0, c.a);

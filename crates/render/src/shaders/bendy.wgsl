@@ -23,15 +23,15 @@ fn light_profile() -> LightProfile {
     return light.light_profile;
 }
 
-// Derivative of position by t along the curve of constant (v, w), which is the light path.
+// Returns the derivative of position by t along the curve of constant (v, w), which is the light path.
 fn path_tangent(root: TubeRoot, vw: vec2f, across: mat2x3f) -> vec3f {
     let turn = u_hat_derivative(root);
     return root.u_hat * (2.0 * length(root.d) - dot(root.r, turn)) + (across * vw) * root.radius_derivative
         + cross(root.u_hat, root.r) * twist(root, turn);
 }
 
-// Speed that scales a map's error along the light, for a path at (v, w). On a wide cone it differs much from that of
-// the center. Twin of stretch_at in bent_map_split.wgsl.
+// Returns the speed that scales a map's error along the light, for a path at (v, w). On a wide cone it differs much
+// from that of the center. Twin of stretch_at in bent_map_split.wgsl.
 fn map_speed(center_speed: f32, radius_derivative: f32, vw: vec2f) -> f32 {
     if !SHADOW_CUBE {
         return center_speed;
@@ -54,7 +54,7 @@ struct Receiver {
     far: f32,
 }
 
-// Width of the steps of (v, w) per texel, for a path with that tangent.
+// Returns the width in tube space of a step of one texel on the map, for a path with the tangent `tangent`.
 fn texel_width(texel: MapTexel, radius: f32, across: mat2x3f, tangent: vec3f) -> f32 {
     if !SHADOW_CUBE {
         return radius * max(length(texel.right), length(texel.down));
@@ -88,7 +88,8 @@ struct Lifted {
     radius: f32,
 }
 
-// Second-order in `lift`, which is short. `sigma` is |P'| - r . u_hat'.
+// Computes the tube coordinates of the point `lift` away from a root's point. Second-order in `lift`, which is short.
+// `sigma` is |P'| - r . u_hat'.
 fn lifted_root(root: TubeRoot, lift: vec3f, sigma: f32) -> Lifted {
     // grad t = u_hat / sigma, then a step of Newton's method on r . P'.
     let rough = dot(lift, root.u_hat) / max(sigma, 1e-20);
@@ -107,7 +108,7 @@ fn lifted_root(root: TubeRoot, lift: vec3f, sigma: f32) -> Lifted {
     return Lifted(dt, vw_len + turned * vec2f(vw_len.y, -vw_len.x), max(radius, 0.0));
 }
 
-// Share of the arriving light that is not blocked.
+// Returns the share of the arriving light that is not blocked.
 //
 // Each texel is compared with the t of the receiver's own plane at that texel's center, so that a plane cannot shadow
 // itself: a step e in the plane is R (dv v_hat + dw w_hat) + T dt with T the path's tangent, and n.e = 0 gives dt = -R
@@ -170,7 +171,7 @@ fn bent_visibility(root: TubeRoot, vw: vec2f, surface: Surface) -> f32 {
     return decided(shares, asks, met);
 }
 
-// Point of the path of constant (v, w) at `t`, in tube space.
+// Returns the point of the path of constant (v, w) at `t`, in tube space.
 fn path_point(t: f32, vw: vec2f) -> vec3f {
     let last = segment_count() - select(1u, 0u, EXTENDED);
     let i = min(u32(t), last);
@@ -186,8 +187,8 @@ fn path_point(t: f32, vw: vec2f) -> vec3f {
 const FIRST_PIECE = 16.0;
 const MOST_PIECES = 12.0;
 
-// True if a triangle blocks the path of constant (v, w) that ends at a surface, at (t, v, w), within `back` of t before
-// it. Traces nothing if `back` is 0.
+// Returns true if a triangle blocks the path of constant (v, w) that ends at a surface, at (t, v, w), within `back` of
+// t before it. Traces nothing if `back` is 0.
 fn is_met_on_path(surface: Surface, faces_light: bool, place: vec3f, back: f32, pieces: f32) -> bool {
     let end = shadow_position(surface);
     let turns = select(0u, u32(pieces) + 1u, back > 0.0);

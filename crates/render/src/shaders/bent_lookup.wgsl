@@ -16,8 +16,8 @@ struct MapTexel {
     far: f32,
 }
 
-// Center and 1 / half size of the drawn part of a face, as slopes. Selected, not indexed: a software driver gathers one
-// number after another.
+// Returns the center and 1 / half size of the drawn part of a face, as slopes. Selected, not indexed: a software driver
+// gathers one number after another.
 fn fit_of(face: u32) -> vec4f {
     var fit = light.fits[0];
     if SHADOW_CUBE {

@@ -84,8 +84,8 @@ fn caster_of(triangle: u32, shell: u32) -> u32 {
 // permits, with texels up to four times as wide along the other axis.
 const SNAP_TEXELS = 0.25;
 
-// True if light hits the triangle from inside its component, so another triangle of the component is in front of it.
-// False if moving its corners could turn it around.
+// Returns true if light hits the triangle from inside its component, so another triangle of the component is in front
+// of it; false if moving its corners could turn it around.
 fn faces_away(caster: u32, a: vec4f, b: vec4f, c: vec4f) -> bool {
     if is_masked(caster) || caster == OPEN || min(a.z, min(b.z, c.z)) <= 0.0 {
         return false;
@@ -127,14 +127,15 @@ fn tube_position(x: f32, y: f32, z: f32) -> vec3f {
     return (bent.tube_from_scene * vec4f(x, y, z, 1.0)).xyz;
 }
 
-// Signed distance from one of the planes around a slab. A point is inside if all six are zero or more.
+// Returns the signed distance of a point from one of the planes around a slab. A point is inside if all six are zero or
+// more.
 fn slab_plane(slab: u32, plane: u32, q: vec3f) -> f32 {
     let p = slabs[slab].planes[plane];
     return dot(p.xyz, q) + p.w;
 }
 
-// (V, W, R, t) of a point of the slab. The signs at the ends are known: rounding at a clipping plane must not lose the
-// root.
+// Returns (V, W, R, t) of a point of the slab. The signs of the slope at the slab's ends are known, so rounding at a
+// clipping plane does not lose the root.
 fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     let f0 = min(-dot(q - c.b0, c.d0), 0.0);
     let f1 = max(-dot(q - c.b2, c.d1), 0.0);
@@ -150,23 +151,23 @@ fn map_to_slab(c: Curve, q: vec3f) -> vec4f {
     return vec4f(vw, max(curve_radius(c, u), 0.0), c.t_start + c.t_span * u);
 }
 
-// True if no bend of this slab shows in the edge: it is short, or nearly perpendicular to the light. See slab.rs for
-// the derivation.
+// Returns true if the slab's bend does not show in the edge, which is short or nearly perpendicular to the light. See
+// slab.rs for the derivation.
 fn edge_is_safe(slab: u32, qa: vec3f, a: vec4f, qb: vec3f, b: vec4f) -> bool {
     let dt = abs(b.w - a.w);
     let bends = slabs[slab].edge_bounds * vec4f(dt, length(qb - qa), dt, length(qb - qa));
     return (bends.x + bends.y) * dt <= min(a.z, b.z) && bends.z + bends.w <= 1.0;
 }
 
-// Texels per unit of v and w at a point. On a cube they are uniform in slope, so there are fewer per unit far off its
-// axis.
+// Returns the number of texels per unit of v and w at a point. On a cube they are uniform in slope, so there are fewer
+// per unit far off its axis.
 fn texels_at(vw: vec2f) -> f32 {
     return bent.texels_per_vw / max(1.0, bent.cube_slope * max(abs(vw.x), abs(vw.y)));
 }
 
-// True if a triangle's image is beyond one side of the drawn part of each face. `bow` is the largest deviation of (V,
-// W, R) from the straight edges, as a length in tube space. A quadratic triangle deviates between its edges by at most
-// 4/3 of the deviation at the middles of its edges; twice that leaves a margin.
+// Returns true if a triangle's image is beyond one side of the drawn part of each face. `bow` is the largest deviation
+// of (V, W, R) from the straight edges, as a length in tube space. A quadratic triangle deviates between its edges by
+// at most 4/3 of the deviation at the middles of its edges; twice that leaves a margin.
 fn off_map(a: vec4f, b: vec4f, c: vec4f, bow: f32) -> bool {
     var off = true;
     // The bound depends on more than uniforms: see branches.rs. A radius is never negative.

@@ -14,8 +14,8 @@ fn corner(triangle: u32, k: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// Intersection of an edge with a plane. Always computed from the outer end, so that the triangles on both sides of the
-// edge agree bit for bit.
+// Returns the intersection of an edge with a plane. It is always computed from the outer end, so that the triangles on
+// both sides of the edge agree bit for bit.
 fn crossing(outer: vec3f, outer_distance: f32, inner: vec3f, inner_distance: f32) -> vec3f {
     return outer + (inner - outer) * (outer_distance / (outer_distance - inner_distance));
 }

@@ -61,14 +61,15 @@ fn bow(mapped: vec4f, straight: vec4f) -> f32 {
     return length(mapped.xy - straight.xy) + abs(mapped.z - straight.z);
 }
 
-// Ratio of a path's speed at (v, w) to that of the center, on a cube; 1 otherwise. Twin of map_speed in bendy.wgsl.
+// Returns the ratio of a path's speed at (v, w) to that of the center, on a cube; 1 otherwise. Twin of map_speed in
+// bendy.wgsl.
 fn stretch_at(c: Curve, vw: vec2f) -> f32 {
     let spread = curve_radius_derivative(c, 0.5) * min(length(vw), 1.5) / max(2.0 * length(curve_d(c, 0.5)), 1e-20);
     return select(1.0, length(vec2f(1.0, spread)), bent.cube_slope > 0.0);
 }
 
-// True if a point's image is too far from the straight edge, in texels: across the map, and along the light as a length
-// in the scene.
+// Returns true if a point's image is too far from the straight edge, in texels: across the map, and along the light as
+// a length in the scene.
 fn strays(c: Curve, q: vec3f, mapped: vec4f, straight: vec4f) -> bool {
     if min(mapped.z, straight.z) <= 0.0 {
         return false;

@@ -17,7 +17,7 @@ fn vertex_position(vertex: u32) -> vec3f {
     return tube_position(positions[3u * vertex], positions[3u * vertex + 1u], positions[3u * vertex + 2u]);
 }
 
-// True if the whole triangle is outside one of the slab's planes.
+// Returns true if the whole triangle is outside one of the slab's planes.
 fn beyond(slab: u32, plane: u32, a: vec3f, b: vec3f, c: vec3f) -> bool {
     return max(max(slab_plane(slab, plane, a), slab_plane(slab, plane, b)), slab_plane(slab, plane, c)) < 0.0;
 }

@@ -20,7 +20,7 @@ struct MaskedFragment {
     // Alpha of vertex times material.
     @location(2) alpha: f32,
     @location(3) @interpolate(flat, either) cutoff: f32,
-    // See `AlphaPicture`.
+    // `place` and `modes` of the texture's `AlphaPicture`.
     @location(4) @interpolate(flat, either) place: vec3u,
     @location(5) @interpolate(flat, either) modes: vec3u,
 }

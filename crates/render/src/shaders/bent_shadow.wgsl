@@ -21,7 +21,7 @@ fn face_position(mapped: vec4f) -> vec4f {
     return vec4f(clip.xy, 0.5 * clip.z, clip.z);
 }
 
-// Depth of a fragment in row `y`.
+// Returns the depth that the map stores for a fragment at `t`, in row `y` of the face.
 fn face_depth(t: f32, y: f32) -> f32 {
     return t * bent_shadow.depth_per_t / (bent_shadow.row.x + bent_shadow.row.y * y);
 }

@@ -13,7 +13,8 @@ struct Lobes {
     specular: vec3f,
 }
 
-// Radiance towards the eye from unit irradiance perpendicular to `to_light`: scattered, and mirrored.
+// Returns the radiance towards the eye, scattered and mirrored, from light of unit irradiance that arrives along
+// `to_light`. The irradiance is on a plane perpendicular to `to_light`.
 fn reflected(surface: Surface, to_light: vec3f) -> Lobes {
     let n = surface.normal;
     let n_l = dot(n, to_light);

@@ -9,7 +9,7 @@ use crate::bendy_light::Baked;
 use crate::composite::TermKind;
 use crate::straight::BakedStraight;
 
-/// Every module by name; those of lights with several sets of constants.
+/// Returns every module by name; those of lights with several sets of constants.
 pub(super) fn all() -> Vec<(&'static str, String)> {
     let fixed = [
         ("gbuffer", GBUFFER),

@@ -37,7 +37,7 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(t, vw, length(position), normalize(-position * scene_axes())));
 }
 
-// Rotation from scene axes to light axes.
+// Returns the rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     return mat3x3f(spot.light_from_scene[0].xyz, spot.light_from_scene[1].xyz, spot.light_from_scene[2].xyz);
 }

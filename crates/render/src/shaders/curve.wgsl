@@ -40,7 +40,7 @@ fn curve_radius_derivative(c: Curve, u: f32) -> f32 {
     return 2.0 * (c.e0 + u * c.ar);
 }
 
-// Unit tangent; the one-sided limit where P' is zero at an end.
+// Returns the unit tangent; the one-sided limit where P' is zero at an end.
 fn curve_u_hat(c: Curve, u: f32) -> vec3f {
     let d = curve_d(c, u);
     if dot(d, d) > 0.0 {
@@ -49,7 +49,7 @@ fn curve_u_hat(c: Curve, u: f32) -> vec3f {
     return normalize(select(-c.a, c.a, u < 0.5));
 }
 
-// Derivative of the unit tangent, from half the first and the second derivative of position.
+// Returns the derivative of the unit tangent, from half the first and the second derivative of position.
 fn curve_u_hat_derivative(d: vec3f, a: vec3f, u_hat: vec3f) -> vec3f {
     let speed = length(d);
     if speed > 0.0 {
@@ -58,7 +58,7 @@ fn curve_u_hat_derivative(d: vec3f, a: vec3f, u_hat: vec3f) -> vec3f {
     return vec3f(0.0);
 }
 
-// v_hat and w_hat of the rotation-minimizing frame, as the columns of a matrix.
+// Returns v_hat and w_hat of the rotation-minimizing frame, as the columns of a matrix.
 fn curve_rotation_minimizing(c: Curve, u_hat: vec3f) -> mat2x3f {
     let m = cross(c.n_hat, u_hat);
     return mat2x3f(c.n_hat * c.alpha + m * c.beta, c.n_hat * c.beta - m * c.alpha);

@@ -1,6 +1,6 @@
 // Emission of a light; twin of `light`'s emission.rs.
 
-// Color times intensity, neither below zero.
+// Returns color times intensity, neither below zero.
 fn emission(color: vec3f, intensity: f32) -> vec3f {
     return max(color, vec3f(0.0)) * max(intensity, 0.0);
 }

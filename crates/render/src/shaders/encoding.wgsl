@@ -18,10 +18,10 @@ fn unit_from_bits(bits: u32) -> vec3f {
     return normalize(vec3f(select(p, folded, z < 0.0), z));
 }
 
-// A color and a metallic and roughness factor, each 0 to 1, in 64 bits: 3 x 13, 12 and 13. The color is stored as its
-// square roots, close to sRGB and cheap to invert. 8 bits of those would have an error of 3e-3 of a middle gray, and 9
-// of a middle metallic factor one of 2e-3 of its diffuse reflection. Factors that are multiples of a tenth, as people
-// set them, are stored exactly.
+// Encodes a color and a metallic and roughness factor, each 0 to 1, in 64 bits: 3 x 13, 12 and 13. The color is stored
+// as its square roots, close to sRGB and cheap to invert. 8 bits of those would have an error of 3e-3 of a middle gray,
+// and 9 of a middle metallic factor one of 2e-3 of its diffuse reflection. Factors that are multiples of a tenth, as
+// people set them, are stored exactly.
 fn material_to_bits(color: vec3f, metallic: f32, roughness: f32) -> vec2u {
     let roots = vec3u(round(sqrt(color) * 8191.0));
     let shine = vec2u(round(vec2f(metallic * 4090.0, roughness * 8190.0)));
@@ -43,9 +43,9 @@ fn material_from_bits(bits: vec2u) -> MaterialFactors {
     return MaterialFactors(roots * roots, f32((bits.y >> 7u) & 0xfffu) / 4090.0, f32(bits.y >> 19u) / 8190.0);
 }
 
-// Radiance with one exponent for all three colors, as in EXT_texture_shared_exponent, but with 18 bits for each and the
-// exponents of f32. The error of a color is at most 2^-18 of the largest of the three. Below 2^-95 the step stays
-// 2^-113, and negative values become 0.
+// Encodes radiance with one exponent for all three colors, as in EXT_texture_shared_exponent, but with 18 bits for each
+// and the exponents of f32. The error of a color is at most 2^-18 of the largest of the three. Below 2^-95 the step
+// stays 2^-113, and negative values become 0.
 fn radiance_to_bits(radiance: vec3f) -> vec2u {
     let largest = max(radiance.r, max(radiance.g, radiance.b));
     // `largest` is less than 2^(exponent - 94).

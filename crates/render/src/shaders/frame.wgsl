@@ -1,6 +1,6 @@
 // The frame across a curve; twin of `light`'s frame.rs. Follows curve.wgsl.
 
-// w_hat from `up`, or from the least-aligned axis if they are parallel.
+// Returns w_hat from `up`, or from the axis that is least aligned with the tangent if `up` is parallel to it.
 fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
     let perp = up - u_hat * dot(up, u_hat);
     if dot(perp, perp) >= 1e-12 {
@@ -18,7 +18,7 @@ fn perpendicular_up(up: vec3f, u_hat: vec3f) -> vec3f {
     return normalize(axis - u_hat * dot(axis, u_hat));
 }
 
-// v_hat and w_hat, as the columns of a matrix: rotation-minimizing, or oriented by `up` everywhere.
+// Returns v_hat and w_hat, as the columns of a matrix: rotation-minimizing, or oriented by `up` everywhere.
 fn cross_section(c: Curve, u_hat: vec3f, frame_up: bool, up: vec3f) -> mat2x3f {
     let w_hat = perpendicular_up(up, u_hat);
     let v_hat = cross(w_hat, u_hat);

@@ -49,7 +49,8 @@ fn fs_beauty(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     return vec4f(radiance * view.sample_weight, 0.0);
 }
 
-// Layer of a light: scattered and mirrored radiance, before factors of the whole light. See terms.wgsl.
+// Draws the layer of a light: scattered and mirrored radiance, before the factors of the whole light, which terms.wgsl
+// applies.
 @fragment
 fn fs_layer(@builtin(position) pixel: vec4f) -> @location(0) vec4u {
     let surface = surface_at(vec2u(pixel.xy));

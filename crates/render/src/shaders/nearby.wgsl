@@ -17,18 +17,18 @@ struct HierarchyNode {
 @group(0) @binding(7) var<storage, read> alpha_tests: array<AlphaTest>;
 @group(0) @binding(8) var<storage, read> alpha_texels: array<u32>;
 
-// Rounding error in f32 of positions of this size.
+// Bounds the rounding error in f32 of positions of this size.
 fn rounding(position: vec3f) -> f32 {
     return 0x1p-21 * max(max(abs(position.x), abs(position.y)), abs(position.z));
 }
 
-// Position of the shadow test.
+// Returns the point at which light must arrive for the surface to be lit.
 fn shadow_position(surface: Surface) -> vec3f {
     return surface.position + surface.terminator_offset * surface.normal;
 }
 
-// True if light from the direction `arriving`, a unit vector towards it, passes through the surface's own triangle from
-// behind.
+// Returns true if light from the direction `arriving`, a unit vector towards it, passes through the surface's own
+// triangle from behind.
 fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     let facing = dot(surface.geometric_normal, arriving);
     let height = surface.terminator_offset * dot(surface.normal, surface.geometric_normal);
@@ -42,7 +42,7 @@ fn is_in_its_own_way(surface: Surface, arriving: vec3f) -> bool {
     return met;
 }
 
-// True if an alpha-tested triangle has a hole at a point.
+// Returns true if an alpha-tested triangle has a hole at a point.
 fn has_hole(triangle: u32, weights: vec3f) -> bool {
     let test = alpha_tests[test_of(triangle - alpha_tests[0].first_index / 3u)];
     let first = 3u * triangle;
@@ -51,8 +51,8 @@ fn has_hole(triangle: u32, weights: vec3f) -> bool {
     return test.factor * here.z * texel_alpha(picture_of(test), here.xy) < test.cutoff;
 }
 
-// True if light that was at `there` just before it arrives in front of the surface came through the surface's own
-// triangle, as only bent light may.
+// Returns true if light that was at `there` just before it arrives in front of the surface came through the surface's
+// own triangle, as only bent light may.
 fn is_behind_its_own(surface: Surface, there: vec3f) -> bool {
     let height = dot(surface.geometric_normal, there - surface.position);
     let is_behind = height < -(rounding(there) + 0x1p-21 * surface.depth) && throws_shadow(surface.triangle);
@@ -64,9 +64,9 @@ fn is_behind_its_own(surface: Surface, there: vec3f) -> bool {
     return came_through;
 }
 
-// True if a segment stays farther than `slack` from a node's box, by separating axes: those of the box, and those
-// perpendicular to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment extends
-// from `middle` by `half` in both directions.
+// Returns true if a segment stays farther than `slack` from a node's box. Tests separating axes: those of the box, and
+// those perpendicular to one of them and to the segment (Ericson, Real-Time Collision Detection, 5.3.3). The segment
+// extends from `middle` by `half` in both directions.
 fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> bool {
     let between = 0.5 * (node.min + node.max) - middle;
     let box_half = (0.5 + 0x1p-21) * (node.max - node.min) + slack;
@@ -78,8 +78,8 @@ fn is_beside(node: HierarchyNode, middle: vec3f, half: vec3f, slack: f32) -> boo
 // No triangle's index.
 const NONE = 0xffffffffu;
 
-// True if an existing triangle lies between `start` and `start + way`, other than `own`, and outside the rounding of a
-// surface at distance `depth` from the viewer.
+// Returns true if a triangle that casts shadows, and has no hole there, lies between `start` and `start + way`, other
+// than `own`, and outside the rounding of a surface at distance `depth` from the viewer.
 fn is_met(start: vec3f, way: vec3f, own: u32, depth: f32) -> bool {
     let end_point = start + way;
     let slack = rounding(start) + 0x1p-21 * depth;

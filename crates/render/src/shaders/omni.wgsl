@@ -33,7 +33,7 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(t, on_cube(position), s, -(position / s) * scene_axes()));
 }
 
-// Coordinates, left and up, of the ray along `way` on the face of a cube seen from within.
+// Returns the coordinates, left and up, of the ray along `way` on the face of a cube seen from within.
 fn on_cube(way: vec3f) -> vec2f {
     let size = abs(way);
     let is_y = size.y > max(size.x, size.z);
@@ -44,7 +44,7 @@ fn on_cube(way: vec3f) -> vec2f {
     return select(select(on_z, on_x, is_x), on_y, is_y);
 }
 
-// Rotation from scene axes to light axes.
+// Returns the rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     return mat3x3f(omni.light_from_scene[0].xyz, omni.light_from_scene[1].xyz, omni.light_from_scene[2].xyz);
 }

@@ -21,7 +21,7 @@ fn light_profile() -> LightProfile {
     return omni.light_profile;
 }
 
-// The face that contains a position in light space.
+// Returns the face that contains a position in light space.
 fn face_of(position: vec3f) -> u32 {
     let size = abs(position);
     let axis = select(select(2u, 1u, size.y >= size.z), 0u, size.x >= max(size.y, size.z));
@@ -29,16 +29,16 @@ fn face_of(position: vec3f) -> u32 {
     return 2u * axis + select(0u, 1u, ahead < 0.0);
 }
 
-// A vector in a face's axes: right, up and ahead. Right and up are the axes that follow the face's own cyclically, on
-// both faces of an axis. One of the two faces is mirrored, and no angle changes.
+// Returns a vector in a face's axes: right, up and ahead. Right and up are the axes that follow the face's own
+// cyclically, on both faces of an axis. One of the two faces is mirrored, and no angle changes.
 fn seen_on(face: u32, v: vec3f) -> vec3f {
     let axis = face / 2u;
     let turned = select(select(v, v.zxy, axis == 1u), v.yzx, axis == 0u);
     return turned * vec3f(1.0, 1.0, select(1.0, -1.0, face % 2u == 1u));
 }
 
-// Center and 1 / half size of the drawn part of a face. Selected, not indexed: a software driver gathers one number
-// after another.
+// Returns the center and 1 / half size of the drawn part of a face. Selected, not indexed: a software driver gathers
+// one number after another.
 fn fit_of(face: u32) -> vec4f {
     let x = select(omni.fits[0], omni.fits[1], face == 1u);
     let y = select(omni.fits[2], omni.fits[3], face == 3u);
@@ -68,8 +68,8 @@ struct Receiver {
 const GRAZING = 1.0;
 const REACH = 48.0;
 
-// Share of the arriving light that is not blocked. Each texel is compared with the nearness of the receiver's own plane
-// at its center, so that a plane cannot shadow itself.
+// Returns the share of the arriving light that is not blocked. Each texel is compared with the nearness of the
+// receiver's own plane at its center, so that a plane cannot shadow itself.
 fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // Light from behind lights the surface's other side.
     if dot(surface.normal, to_light) <= 0.0 || is_in_its_own_way(surface, to_light) {

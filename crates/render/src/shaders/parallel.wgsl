@@ -33,12 +33,12 @@ fn locate(scene_position: vec3f) -> Located {
     return Located(true, LightCoords(0.0, vw, 0.0, direction()));
 }
 
-// Unit vector to the origin of all of the light.
+// Returns the unit vector towards the arriving light, the same for all surfaces.
 fn direction() -> vec3f {
     return vec3f(0.0, 0.0, 1.0) * scene_axes();
 }
 
-// Rotation from scene axes to light axes.
+// Returns the rotation from scene axes to light axes.
 fn scene_axes() -> mat3x3f {
     let columns = directional.light_from_scene;
     return mat3x3f(columns[0].xyz, columns[1].xyz, columns[2].xyz);

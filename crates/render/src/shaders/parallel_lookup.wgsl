@@ -39,8 +39,8 @@ struct Receiver {
 const GRAZING = 1.0;
 const REACH = 48.0;
 
-// Share of the arriving light that is not blocked. Each texel is compared with the height of the receiver's own plane
-// at its center, so that a plane cannot shadow itself.
+// Returns the share of the arriving light that is not blocked. Each texel is compared with the height of the receiver's
+// own plane at its center, so that a plane cannot shadow itself.
 fn shadow_visibility(surface: Surface, to_light: vec3f) -> f32 {
     // Light from behind lights the surface's other side.
     if dot(surface.normal, to_light) <= 0.0 || is_in_its_own_way(surface, to_light) {

@@ -56,19 +56,19 @@ const MAX_EMISSION = 1e15;
 // Largest factor of decay that stays finite through the BRDF; the factor at the source is infinite.
 const MAX_DECAY = 1e15;
 
-// Irradiance on a surface perpendicular to the light, without visibility and `tint`. Emission is limited to finite
-// results.
+// Returns the irradiance on a surface perpendicular to the light, without visibility and `tint`. Emission is limited to
+// finite results.
 fn irradiance(f: LightProfile, emission: vec3f, place: LightCoords) -> vec3f {
     let along = distance_ramps_at(f, place.s) * decay_at(f, max(place.s, f.least_distance));
     return min(emission, vec3f(MAX_EMISSION)) * (across(f, place.vw) * along);
 }
 
-// Share of the light that arrives with that `visibility`.
+// Returns the share of the light that arrives if the share `visibility` of it is not blocked, linear RGB.
 fn light_profile_arriving(f: LightProfile, visibility: f32) -> vec3f {
     return mix(f.shadow_color, vec3f(1.0), visibility);
 }
 
-// Falloff across the light: zero outside of an outline at which the light does not end by itself.
+// Returns the falloff across the light: zero outside of an outline at which the light does not end by itself.
 fn across(f: LightProfile, vw: vec2f) -> f32 {
     let share = edge_outline_share(f, vw);
     let rho2 = section_outline_rho2(f, vw) / (share * share);
@@ -76,7 +76,7 @@ fn across(f: LightProfile, vw: vec2f) -> f32 {
     return select(cross_falloff_at(f, rho2), 0.0, is_outside);
 }
 
-// Square of the distance from the axis, 1 on the outline.
+// Returns the square of the distance from the axis, as a share of the distance to the outline: 1 on the outline.
 fn section_outline_rho2(f: LightProfile, vw: vec2f) -> f32 {
     if !SUPERELLIPSE {
         return dot(vw, vw);
@@ -88,7 +88,7 @@ fn section_outline_rho2(f: LightProfile, vw: vec2f) -> f32 {
     return rho * rho;
 }
 
-// Share of the distance to the outline at which the light has its edge, in the direction of `vw`.
+// Returns the share of the distance to the outline at which the light has its edge, in the direction of `vw`.
 fn edge_outline_share(f: LightProfile, vw: vec2f) -> f32 {
     if !RADIAL {
         return 1.0;
@@ -125,8 +125,8 @@ fn angle_around(vw: vec2f) -> f32 {
     return select(degrees_around, 360.0 - degrees_around, vw.y < 0.0);
 }
 
-// Falloff in the cosine of the angle that rho = |(v, w)| stands for, from 1 - cos as a share of that at the edge; or in
-// rho itself.
+// Returns the falloff in the cosine of the angle that rho = |(v, w)| stands for, from 1 - cos as a share of that at the
+// edge; or in rho itself.
 fn cross_falloff_at(f: LightProfile, rho2: f32) -> f32 {
     if PROFILE == PROFILE_COSINE {
         return pow(1.0 + rho2 * f.tan2_outer, -0.5 * f.profile_power);

@@ -11,7 +11,7 @@ struct Segment {
     arc_start: f32,
 }
 
-// Emission at u: color times intensity.
+// Returns the emission at u: color times intensity.
 fn segment_emission(s: Segment, u: f32) -> vec3f {
     let w = 1.0 - u;
     let basis = vec3f(w * w, 2.0 * w * u, u * u);

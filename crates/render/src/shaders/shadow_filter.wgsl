@@ -10,7 +10,7 @@ const FILTER_NEAREST = 0u;
 const FILTER_BILINEAR = 1u;
 const FILTER_PCF_3X3 = 2u;
 
-// Share of the second texel in a blend with the first.
+// Returns the share of the second texel in a blend with the first.
 fn filter_blend(blend: vec2f) -> vec2f {
     return select(blend, round(blend), SHADOW_FILTER == FILTER_NEAREST);
 }
@@ -23,7 +23,8 @@ fn beyond_map(first: vec2f, resolution: vec2f) -> vec4<bool> {
     return (min(columns, rows) < vec4f(0.0)) | (columns >= vec4f(resolution.x)) | (rows >= vec4f(resolution.y));
 }
 
-// Sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit if all are lit.
+// Returns the sum over four texels, in the order of textureGather, weighted by column and row: 1 to the last bit if all
+// are lit.
 fn weighted(lit: vec4f, columns: vec2f, rows: vec2f) -> f32 {
     return dot(rows, vec2f(dot(columns, lit.wz), dot(columns, lit.xy)));
 }
@@ -49,18 +50,20 @@ fn filtered(receiver: Receiver) -> vec2f {
     return weighted_both(near, vec2f(1.0 - blend.x, blend.x), vec2f(1.0 - blend.y, blend.y));
 }
 
-// True if the scene must decide on near casters, and the map on the rest, given both shares of `filtered`: where light
-// grazes and the texels around do not all let it through.
+// Returns true if ray tests must decide on near casters, and the map on the rest: where light grazes the surface and
+// the texels around do not all let it through. `shares` has both shares of `filtered`.
 fn asks_scene(shares: vec2f, grazes: bool) -> bool {
     return grazes && shares.x < 1.0 && shares.y > 0.0;
 }
 
-// Share of the light that reaches the surface.
+// Returns the share of the light that reaches the surface, from both shares of `filtered` and the result of the ray
+// test, if there was one (`asks`).
 fn decided(shares: vec2f, asks: bool, is_blocked: bool) -> f32 {
     return select(shares.x, select(shares.y, 0.0, is_blocked), asks);
 }
 
-// Share of the light that reaches the surface, if the last piece of the light path, reversed, is the straight `way`.
+// Tests rays if necessary, and returns the share of the light that reaches the surface, if the last piece of the light
+// path, reversed, is the straight `way`.
 fn decided_along(surface: Surface, shares: vec2f, grazes: bool, way: vec3f) -> f32 {
     let asks = asks_scene(shares, grazes);
     let asked_way = select(vec3f(0.0), way, asks);

@@ -73,12 +73,13 @@ struct Roots {
     has_right: bool,
 }
 
-// Value at a piece's split point: the caller's at an end, the cubic's inside.
+// Returns the value of f at a split point between pieces: at an end of the segment the caller's value, inside that of
+// the cubic.
 fn at_split(u: f32, start: f32, end: f32, inside: f32) -> f32 {
     return select(select(inside, end, u == 1.0), start, u == 0.0);
 }
 
-// Half the derivative of the squared distance.
+// Returns half the derivative of the squared distance.
 fn f_at(c: Curve, q: vec3f, u: f32) -> f32 {
     return -dot(curve_offset(c, q, u), curve_d(c, u));
 }

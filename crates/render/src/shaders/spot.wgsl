@@ -41,7 +41,7 @@ struct Receiver {
 const GRAZING = 1.0;
 const REACH = 48.0;
 
-// Share of the arriving light that is not blocked.
+// Returns the share of the arriving light that is not blocked.
 //
 // Each texel is compared with the depth of the receiver's own plane on the ray through that texel's center, so that a
 // plane cannot shadow itself.

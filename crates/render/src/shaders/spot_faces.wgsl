@@ -2,7 +2,7 @@
 //   SHADOW_CUBE  bool  the front of a cube around the light's axis, +x, -x, +y and -y in that order; else one face that
 //                      contains the whole cone
 
-// The face that contains a position in light space.
+// Returns the face that contains a position in light space.
 fn face_of(position: vec3f) -> u32 {
     if !SHADOW_CUBE {
         return 0u;
@@ -14,7 +14,7 @@ fn face_of(position: vec3f) -> u32 {
     return select(select(y_face, x_face, along_x), 0u, -position.z >= max(aside.x, aside.y));
 }
 
-// A vector in the axes of a face: right, up and ahead. No angle changes; half of the faces are mirrored.
+// Returns a vector in the axes of a face: right, up and ahead. No angle changes; half of the faces are mirrored.
 fn on_face(face: u32, v: vec3f) -> vec3f {
     if !SHADOW_CUBE {
         return vec3f(v.xy, -v.z);
@@ -25,8 +25,8 @@ fn on_face(face: u32, v: vec3f) -> vec3f {
     return select(aside, vec3f(v.xy, -v.z), face == 0u);
 }
 
-// Center and 1 / half size of the drawn part of a face, as slopes. Selected, not indexed: a software driver gathers one
-// number after another.
+// Returns the center and 1 / half size of the drawn part of a face, as slopes. Selected, not indexed: a software driver
+// gathers one number after another.
 fn fit_of(face: u32) -> vec4f {
     var fit = spot.fits[0];
     if SHADOW_CUBE {

@@ -28,7 +28,7 @@ struct Surface {
 @group(1) @binding(1) var gbuffer_z: texture_2d<f32>;
 @group(1) @binding(2) var gbuffer_offset: texture_2d<f32>;
 
-// `pixel` counts from the corner of the target.
+// Returns the surface in a pixel of the G-buffer. `pixel` counts from the corner of the target.
 fn surface_at(pixel: vec2u) -> Surface {
     let packed = textureLoad(gbuffer, pixel, 0);
     if packed.y == 0u {

@@ -33,7 +33,8 @@ fn weighed(term: u32, lobes: vec4u) -> vec3f {
     return terms.diffuse[term].rgb * radiance_from_bits(lobes.xy) + terms.specular[term].rgb * radiance_from_bits(lobes.zw);
 }
 
-// Sum of the first `count` terms. `count` depends on the pixel, too: see branches.rs.
+// Returns the sum of the first `count` terms of a pixel. `count` depends on the pixel, too, for the reason in
+// branches.rs.
 fn sum_at(pixel: vec2u, count: u32) -> vec3f {
     var total = vec3f(0.0);
     if count > 0u { total += weighed(0u, textureLoad(term_0, pixel, 0)); }

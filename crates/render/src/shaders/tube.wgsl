@@ -85,7 +85,7 @@ fn tube_root_t(root: TubeRoot) -> f32 {
     return f32(root.segment) + root.u;
 }
 
-// The root at `u` of segment `i`; `found` is true if it is in the tube: |r| <= R.
+// Returns the root at `u` of segment `i`; `found` is true if it is in the tube: |r| <= R.
 fn inside_at(i: u32, q: vec3f, u: f32) -> RootInTube {
     let r = curve_offset(segments[i].curve, q, u);
     let radius = curve_radius(segments[i].curve, u);
@@ -93,7 +93,8 @@ fn inside_at(i: u32, q: vec3f, u: f32) -> RootInTube {
     return RootInTube(radius >= 0.0 && r2 <= radius * radius, i, u, r2, radius);
 }
 
-// Segment `i`, selected among all if their number is compiled in: a software driver gathers one number after another.
+// Returns segment `i`. Selects it among all segments if their number is compiled in: a software driver gathers one
+// number after another.
 fn segment_at(i: u32) -> Segment {
     if BAKED_SEGMENTS == 0u {
         return segments[i];
@@ -108,13 +109,13 @@ fn segment_at(i: u32) -> Segment {
     return s;
 }
 
-// Length of the light path to a root, from the arc length along the curve and the offset from it.
+// Returns the length of the light path to a root, from the arc length along the curve and the offset from the curve.
 fn path_length(s: Segment, u: f32, r: vec3f) -> f32 {
     let along = s.arc_start + arc_length(s.curve, u);
     return length(vec4f(along, r)) * light.world_per_tube;
 }
 
-// All values at a root.
+// Computes all values of a root from its segment and u.
 fn root_at(inside: RootInTube, q: vec3f) -> TubeRoot {
     let s = segment_at(inside.segment);
     let c = s.curve;
@@ -139,7 +140,8 @@ fn root_at(inside: RootInTube, q: vec3f) -> TubeRoot {
     return root;
 }
 
-// f at the start of the first segment. The loop over segments carries f from joint to joint, one value for both sides.
+// Returns f at the start of the first segment. The loop over segments carries f from joint to joint, one value for both
+// sides.
 fn first_joint(q: vec3f) -> f32 {
     return -dot(q - segments[0].curve.b0, segments[0].curve.d0);
 }
@@ -148,7 +150,8 @@ fn end_joint(i: u32, q: vec3f) -> f32 {
     return -dot(q - segments[i].curve.b2, segments[i].curve.d1);
 }
 
-// The parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has no end.
+// Returns the parameters to test on segment `i`, whose ends have the values f0 and f1; the extension, i = n, has no
+// end.
 fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     let c = segments[i].curve;
     if EXTENDED && i == segment_count() {
@@ -161,12 +164,12 @@ fn candidates(i: u32, q: vec3f, f0: f32, f1: f32) -> Roots {
     return Roots(0.0, 0.0, false, false);
 }
 
-// True if `a` has the smaller |r| / R, compared without division.
+// Returns true if `a` has the smaller |r| / R. Compares without division.
 fn nearer(a: RootInTube, b: RootInTube) -> bool {
     return a.r2 * b.radius * b.radius < b.r2 * a.radius * a.radius;
 }
 
-// Number of segments without the extension.
+// Returns the number of segments without the extension.
 fn segment_count() -> u32 {
     return select(BAKED_SEGMENTS, light.segment_count, BAKED_SEGMENTS == 0u);
 }
@@ -196,8 +199,8 @@ fn visit_segment(search: ptr<function, Search>, i: u32, q: vec3f) {
     (*search).f0 = f1;
 }
 
-// The root that counts: the one with the smallest |r| / R. At a joint the same root comes from both sides, equal except
-// for rounding; either will do.
+// Returns the root by which light arrives: the one with the smallest |r| / R. At a joint the same root comes from both
+// sides, equal except for rounding; either will do.
 fn nearest_inside(q: vec3f) -> RootInTube {
     var search = Search(RootInTube(), first_joint(q));
     if BAKED_SEGMENTS == 0u {
@@ -219,7 +222,7 @@ fn nearest_inside(q: vec3f) -> RootInTube {
     return search.best;
 }
 
-// tau, the rotation of the "up" frame about the tangent per unit of u.
+// Returns tau, the rotation of the "up" frame about the tangent per unit of u.
 fn twist(root: TubeRoot, u_hat_derivative: vec3f) -> f32 {
     if !FRAME_UP {
         return 0.0;
@@ -233,7 +236,7 @@ fn u_hat_derivative(root: TubeRoot) -> vec3f {
     return curve_u_hat_derivative(root.d, root.a, root.u_hat);
 }
 
-// Unit direction in tube space from the surface to the origin of its light.
+// Returns the unit direction in tube space from the surface towards the arriving light.
 fn direction_at(root: TubeRoot) -> vec3f {
     let spread = root.r * root.radius_derivative;
     var tangent = root.d * (2.0 * root.radius) + spread;

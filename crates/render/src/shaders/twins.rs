@@ -40,7 +40,7 @@ const PLACE: &str = include_str!("../../../light/src/light_coords.rs");
 /// Structs that only WGSL has: lights as uniforms, and values that Rust returns as an option or keeps in a closure.
 const STRUCTS_OF_WGSL: [&str; 5] = ["BendyLight", "Directional", "Spot", "Located", "Search"];
 
-/// Prefix of a method's name in WGSL, by its type.
+/// Returns the prefix of a method's name in WGSL, by its type.
 fn prefix(type_name: &str) -> String {
     if ["Tube", "Cone", "Omni", "Parallel"].contains(&type_name) {
         return String::new();
@@ -52,7 +52,7 @@ fn prefix(type_name: &str) -> String {
     words.collect::<String>() + "_"
 }
 
-/// Functions of a Rust file by their WGSL names.
+/// Returns the functions of a Rust file by their WGSL names.
 fn rust_functions(rust: &str) -> BTreeSet<String> {
     let mut of = String::new();
     let mut found = BTreeSet::new();
@@ -78,7 +78,7 @@ fn wgsl_functions(wgsl: &str) -> BTreeSet<String> {
     names.map(str::to_owned).collect()
 }
 
-/// Names of structs, and in Rust also of type aliases.
+/// Returns the names of structs, and in Rust also of type aliases.
 fn structs(source: &str) -> BTreeSet<&str> {
     source
         .lines()
@@ -89,7 +89,7 @@ fn structs(source: &str) -> BTreeSet<&str> {
         .collect()
 }
 
-/// WGSL functions without a Rust twin, except the `known` ones.
+/// Returns the WGSL functions without a Rust twin, except the `known` ones.
 fn alone(rust: &str, wgsl: &str, known: &[&str]) -> Vec<String> {
     let rust = rust_functions(rust);
     let mut alone: Vec<_> = wgsl_functions(wgsl).into_iter().filter(|name| !rust.contains(name)).collect();
@@ -104,7 +104,7 @@ fn functions_have_one_name_in_rust_and_in_wgsl() {
         assert!(wgsl_functions(wgsl).len() > known.len());
         assert!(known.iter().all(|name| wgsl_functions(wgsl).contains(*name)));
     }
-    // Planted faults: another name, and a method that names another type.
+    // Deliberate faults that the check must detect: another name, and a method that names another type.
     let rust = "impl<F: Lanes> TubeBox<F> {\n    pub fn contains(&self) {}\n}\npub fn arc_length() {}\n";
     assert!(alone(rust, "fn tube_box_contains() {}\nfn arc_length() {}", &[]).is_empty());
     assert_eq!(alone(rust, "fn length() {}\nfn curve_contains() {}", &[]), ["curve_contains", "length"]);
@@ -118,7 +118,7 @@ fn structs_have_one_name_in_rust_and_in_wgsl() {
     let mut known = STRUCTS_OF_WGSL.to_vec();
     known.sort_unstable();
     assert_eq!(alone, known);
-    // Planted fault: a name that only one side has.
+    // Deliberate fault that the check must detect: a name that only one side has.
     assert_eq!(structs("pub struct Curve<F: Real> {\nstruct Piece {\n"), BTreeSet::from(["Curve", "Piece"]));
     assert!(structs("struct Piece {").is_disjoint(&rust));
     assert!(

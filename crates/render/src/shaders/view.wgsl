@@ -38,7 +38,7 @@ struct ViewRay {
     direction: vec3f,
 }
 
-// `pixel` is relative to the corner of the target.
+// Returns the ray through a pixel's sample. `pixel` is relative to the corner of the target.
 fn ray_through(pixel: vec2u) -> ViewRay {
     let at = vec2f(pixel) + view.tile_origin;
     return ViewRay(
@@ -47,8 +47,9 @@ fn ray_through(pixel: vec2u) -> ViewRay {
     );
 }
 
-// Distance along the view axis at which a ray meets the plane of the triangle that was rasterized there at depth `z`.
-// The rasterizer's depth is correct to a few thousandths of a percent; it only serves if the plane is seen edge on.
+// Returns the distance along the view axis at which a ray meets the plane of the triangle that was rasterized there at
+// depth `z`. The rasterizer's depth is correct to a few thousandths of a percent; it only serves if the plane is seen
+// edge on.
 fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
     let c = view.depth_from_z;
     let rough = (c.x + c.y * z) / (c.z + c.w * z);
@@ -57,8 +58,8 @@ fn depth_on(plane: vec4f, ray: ViewRay, z: f32) -> f32 {
     return select(clamp(exact, 0.5 * rough, 2.0 * rough), rough, closing == 0.0);
 }
 
-// The z of a depth along the view axis. `z` is the rasterizer's. It is returned if the plane is seen so nearly edge on
-// that its depth may have a larger error.
+// Returns the z of a depth along the view axis. Returns `z`, which is the rasterizer's, if the plane is seen so nearly
+// edge on that the depth may have a larger error.
 fn z_at(depth: f32, z: f32) -> f32 {
     let c = view.depth_from_z;
     let rough = (c.x + c.y * z) / (c.z + c.w * z);

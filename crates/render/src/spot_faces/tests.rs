@@ -12,7 +12,7 @@ fn vector(k: usize) -> DVec3 {
     DVec3::new(k * 0.754_877_666, k * 0.569_840_29, k * 0.362_3).fract() * 2.0 - 1.0
 }
 
-/// The face of a position in light space, and x / depth, y / depth and depth there.
+/// Returns the face of a position in light space, and x / depth, y / depth and depth there.
 fn place(faces: &[SpotFace], position: DVec3) -> (usize, DVec3) {
     let on = |face: &SpotFace| face.axes * position;
     let aside = |p: DVec3| p.x.abs().max(p.y.abs()) / p.z;
@@ -73,7 +73,7 @@ fn faces_show_all_that_casts_shadows() {
         }
         checked += in_light.len();
         empty += usize::from(fitted.nearest == f64::INFINITY);
-        // Planted fault: faces that are slightly too small.
+        // Deliberate fault that the check must detect: faces that are slightly too small.
         caught += usize::from(in_light.iter().any(|&position| !shows(&fitted, side, position, 0.9)));
     }
     println!("{checked} places, {empty} empty, {caught} caught");

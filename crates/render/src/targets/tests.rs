@@ -20,7 +20,7 @@ fn seen(aov: Aov, yaw: f64) -> View {
     view
 }
 
-/// The targets of a depth picture, and that picture.
+/// Returns the targets of a depth picture, and that picture.
 fn drawn(renderer: &mut Renderer, yaw: f64) -> (Targets, Picture) {
     let view = seen(Aov::Depth, yaw);
     let picture = renderer.render(&view, &[]).expect("drawn");
@@ -49,7 +49,7 @@ fn a_gbuffer_in_memory_is_what_was_drawn() {
     let texels = targets.gbuffer_texels(gpu).expect("read");
     assert!(texels.packed == packed && texels.offset == offset);
     assert!(agree(texels, &picture));
-    // Planted fault: rows that begin at the padding of the one before.
+    // Deliberate fault that the check must detect: rows that begin at the padding of the one before.
     let mut shifted = std::mem::take(&mut targets.texels.1);
     shifted.depth.rotate_right(SIZE[0] as usize + 42);
     assert!(!agree(&shifted, &picture));

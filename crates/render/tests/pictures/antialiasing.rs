@@ -6,7 +6,7 @@ use scene::Material;
 
 use crate::support::{BACKENDS, floor, named, on_plane, picture, renderer_of, scene_of, spot, view};
 
-/// A white floor from straight above, whose edges cross pixels.
+/// Returns a white floor from straight above, whose edges cross pixels.
 fn edges(samples: u32) -> View {
     View { samples, ..view(DVec3::new(0.02, 3.0, 0.03), DVec3::new(0.02, 0.0, 0.03), [16, 16], Aov::Beauty) }
 }
@@ -38,7 +38,7 @@ fn coverage_is_the_area() {
             partly += usize::from(color[3] > 0.01 && color[3] < 0.99);
         }
         assert!(partly > 20);
-        // Planted fault: a single sample per pixel has no partial coverage.
+        // Deliberate fault that the check must detect: a single sample per pixel has no partial coverage.
         assert!(renderer.render(&edges(1), &[]).unwrap().pixels.iter().all(|p| p[3] == 0.0 || p[3] == 1.0));
     }
 }

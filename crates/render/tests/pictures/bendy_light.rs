@@ -17,7 +17,7 @@ fn bendy(light: Light) -> [Light; 1] {
     [named(light)]
 }
 
-/// A floor with two tilted squares above it, in a glossy and a rough material.
+/// Returns a floor with two tilted squares above it, in a glossy and a rough material.
 fn tilted() -> Scene {
     let tilt = |x: f64, y: f64, z: f64, angle: f64| {
         let rotation = DQuat::from_rotation_z(angle) * DQuat::from_rotation_x(0.5 * angle);
@@ -44,7 +44,7 @@ fn on_boundary(a: &Picture, b: &Picture, pixel: usize) -> bool {
     around.into_iter().any(|i| key(a, i) != whole || key(b, i) != whole)
 }
 
-/// Largest difference in radiance off the shadow edge, and the share of lit pixels on it.
+/// Returns the largest difference in radiance off the shadow edge, and the share of lit pixels on it.
 fn difference(spot: &Light, bent: &Light) -> (f32, f64) {
     let scene = tilted();
     let shoot = |aov, lights: &[Light]| picture(&scene, &view(EYE, DVec3::Y * 0.3, [200, 150], aov), lights);
@@ -83,14 +83,14 @@ fn a_bent_spotlight_is_that_spotlight() {
         assert!(worst < 1e-4, "{segments} segments: {worst} off {light:?}");
         assert!(boundary < 0.25, "{boundary} of the lit pixels are left out");
     }
-    // Planted faults: no decay, and a cone one percent wider.
+    // Deliberate faults that the check must detect: no decay, and a cone one percent wider.
     let bent = bend(&with_range, 3).expect("valid");
     assert!(difference(&with_range, &bent.clone().with(DECAY, Decay::None)).0 > 1.0 / 255.0);
     let wider = bent.map_points(|_, point| point.radius *= 1.01);
     assert!(difference(&with_range, &wider).0 > 1.0 / 255.0);
 }
 
-/// Three segments that wind through the scene.
+/// Returns a light of three segments that wind through the scene.
 fn winding() -> Light {
     let points = [(0., 0., 0.), (0.2, 0.5, -0.9), (-0.7, 0.1, -1.9), (0.5, -0.3, -2.9), (0.9, 0.2, -4.0)];
     let points = points.map(|(x, y, z)| DVec3::new(x, y, z)).to_vec();
@@ -98,7 +98,8 @@ fn winding() -> Light {
         .with_transform(spot(DVec3::new(-1.0, 3.0, 1.0), DVec3::ZERO).transform())
 }
 
-/// Largest error of the AOVs t, vw and direction relative to their bound, and the number of compared pixels.
+/// Returns the largest error of the AOVs t, vw and direction relative to their bound, and the number of compared
+/// pixels.
 fn worst_over_bound(light: &Light, shown: &Light) -> (f64, usize) {
     let scene = tilted();
     let shoot = |aov, light: &Light| {
@@ -159,7 +160,7 @@ fn aovs_are_the_models() {
             assert!(worst <= 1.0, "{worst} times the bound with {frame:?}, {direction:?}");
         }
     }
-    // Planted fault: a control point moved by a ten-thousandth of the light's length.
+    // Deliberate fault that the check must detect: a control point moved by a ten-thousandth of the light's length.
     let moved = light.clone().map_points(|i, point| point.position.x += if i == 2 { 4e-4 } else { 0.0 });
     assert!(worst_over_bound(&light, &moved).0 > 1.0);
 }
@@ -246,7 +247,7 @@ fn shadow_maps_are_kept_while_the_shape_is() {
     assert_eq!(shadows_after(moved), (2, 1));
 }
 
-/// Number of pixels of a floor that shadows itself, and number in the light, which shines straight down.
+/// Returns the number of pixels of a floor that shadows itself, and number in the light, which shines straight down.
 fn self_shadowed(light: &Light) -> (usize, usize) {
     let scene = scene_of([floor(1.0, 0.0)], vec![Material::default()]);
     let seen = view(DVec3::new(0.3, 1.5, 0.6), DVec3::ZERO, [160, 120], Aov::Visibility);
@@ -255,7 +256,7 @@ fn self_shadowed(light: &Light) -> (usize, usize) {
     (inside.clone().filter(|pixel| pixel[0] < 1.0).count(), inside.count())
 }
 
-/// A light two units above a floor, with control points at these distances down its axis.
+/// Returns a light two units above a floor, with control points at these distances down its axis.
 fn straight_down(depths: &[f64], radii: &[f64], lean: f64) -> Light {
     Light::bendy(depths.iter().map(|&z| DVec3::new(0.0, 0.0, -z)).collect(), radii.to_vec())
         .with_transform(spot(DVec3::new(2.0 * lean, 2.0, lean), DVec3::ZERO).transform())

@@ -20,7 +20,7 @@ fn key() -> Light {
     spot(DVec3::new(1.0, 3.0, 0.5), DVec3::ZERO)
 }
 
-/// Number of passes that `change` causes.
+/// Returns the number of passes that `change` causes.
 fn runs(backend: Backend, change: impl FnOnce(&mut Renderer, &mut View, &mut Vec<Light>)) -> PassCounts {
     let mut renderer = renderer_of(backend, &tables());
     let mut view = view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [33, 21], Aov::Beauty);
@@ -99,7 +99,7 @@ fn exposure_of_the_view_draws_nothing_but_what_is_shown() {
     assert_eq!(renderer.render_display(&view, &lights).unwrap(), first);
     let shown = PassCounts { display: 2, ..PassCounts::default() };
     assert_eq!(since(before, renderer.counts()), shown);
-    // Planted fault: the softness of a light's edge belongs to the light.
+    // Deliberate fault that the check must detect: the softness of a light's edge belongs to the light.
     let soft = instances(&[named(key().with(CONE_SOFTNESS, 0.7))]);
     renderer.render_display(&view, &soft).unwrap();
     assert_eq!(since(before, renderer.counts()), PassCounts { layers: 1, display: 3, ..shown });
@@ -122,7 +122,7 @@ fn a_moved_camera_draws_no_map() {
         assert_eq!(kept.counts().shadow, 4, "camera {k}");
         assert_eq!(drawn, picture(&tables(), &view, &lights));
     }
-    // Planted fault: a changed scene has maps of its own.
+    // Deliberate fault that the check must detect: a changed scene has maps of its own.
     kept.set_scene(&scene::pose(scene_of([floor(3.0, 0.0)], vec![Material::default()]))).unwrap();
     kept.render(&view(eyes[0], DVec3::ZERO, [33, 21], Aov::Beauty), &instances(&lights)).unwrap();
     assert_eq!(kept.counts().shadow, 8);
@@ -165,7 +165,7 @@ fn viewers_keep_their_pictures() {
     let first = PassCounts { gbuffer: 1, shadow: 1, ..LIT };
     let second = PassCounts { gbuffer: 1, ..LIT };
     assert_eq!(turns(&far), [first, second, LIT, LIT]);
-    // Planted fault: one slot for both.
+    // Deliberate fault that the check must detect: one slot for both.
     assert_eq!(turns(&View { slot: near.slot, ..far.clone() }), [first, second, second, second]);
 }
 
@@ -212,7 +212,8 @@ fn shadow_maps_follow_their_lights() {
         let lights: Vec<_> = lights.iter().map(|instance| instance.light.light().clone()).collect();
         assert_eq!(*kept, picture(&tables(), &view, &lights));
     }
-    // Planted fault: a map that stayed at its old index would show another light's shadow.
+    // Deliberate fault that the check must detect: a map that stayed at its old index would show another light's
+    // shadow.
     assert_ne!(pictures[0], pictures[1]);
 }
 
@@ -228,7 +229,7 @@ fn each_light_has_a_map_of_its_own() {
     assert_eq!(kept.counts().shadow, 2);
     let lit = picture.pixels.iter().filter(|p| p[0] > 0.0 || p[2] > 0.0);
     assert!(lit.clone().count() > 50 && lit.clone().all(|p| p[0] == p[2]), "as much of each");
-    // Planted fault: one color for both.
+    // Deliberate fault that the check must detect: one color for both.
     let twice = kept.render(&view, &instances(&[named(red.clone()), named(red)])).unwrap();
     assert!(twice.pixels.iter().any(|p| p[0] != p[2]));
     // Another color needs no other map.

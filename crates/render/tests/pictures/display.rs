@@ -53,7 +53,7 @@ fn radiance_is_tone_mapped_and_encoded() {
         }
         assert_eq!(pixel[3], 255);
     }
-    // Planted fault: truncation instead of rounding has a larger error somewhere.
+    // Deliberate fault that the check must detect: truncation instead of rounding has a larger error somewhere.
     assert!(colors.iter().any(|c| (expected(*c).x.floor() - expected(*c).x).abs() > 0.51));
 }
 
@@ -81,7 +81,7 @@ fn exposure_multiplies_radiance_before_tone_mapping() {
         // Same tolerance as above. On the steepest part of the tone map, sRGB's linear part, a byte is 3e-4 of
         // radiance, and f32's roundings are far below a hundredth of that.
         assert!(off(exposure) <= 0.5 + 1e-2, "{exposure}: {pixels:?}");
-        // Planted fault: a factor of e in place of 2.
+        // Deliberate fault that the check must detect: a factor of e in place of 2.
         let fault = exposure * std::f64::consts::LOG2_E;
         assert!(exposure == 0.0 || exposure.abs() > 16.0 || off(fault) > 1.0, "{exposure}");
         assert_eq!(renderer.render(&view, &[]).unwrap(), raw, "values know no exposure");
@@ -131,7 +131,7 @@ fn files_hold_the_picture() {
     let beauty = renderer.render(&view, &lights).unwrap();
     let ours = decoded(beauty.to_png(&view, &lights, Background::Black).unwrap());
     assert!(ours.as_raw().iter().zip(&screen).all(|(a, b)| a.abs_diff(*b) <= 1));
-    // Planted fault: one AOV in place of another.
+    // Deliberate fault that the check must detect: one AOV in place of another.
     assert_ne!(beauty, renderer.render(&View { aov: Aov::Depth, ..view }, &lights).unwrap());
 }
 

@@ -12,7 +12,7 @@ fn table() -> Scene {
     scene_of([floor(3.0, 0.0)], vec![Material::default()])
 }
 
-/// A spotlight, soft up to its axis, and a BendyLight bent from it.
+/// Returns a spotlight, soft up to its axis, and a BendyLight bent from it.
 fn lights() -> [Light; 2] {
     let spot = spot(DVec3::new(0.5, 3.0, 0.2), DVec3::ZERO).with(CONE_SOFTNESS, 1.0).with(RANGE, Some(6.0));
     let bent = light::bend(&spot, 3).expect("a light");
@@ -39,7 +39,7 @@ fn a_stop_is_twice_the_light() {
             let tolerance = (3.0 + 2.0 * exposure.abs()) * 2.0 * EPS + 10.0 * EPS;
             let off = apart(exposure.exp2());
             assert!(off <= tolerance, "{exposure} stops: off by {off:e}, {tolerance:e} allowed");
-            // Planted faults: a doubling of the added light per stop, and decibels.
+            // Deliberate faults that the check must detect: a doubling of the added light per stop, and decibels.
             assert!(apart(1.0 + exposure) > tolerance || exposure == 1.0);
             assert!(apart(10_f64.powf(exposure / 10.0)) > tolerance);
         }

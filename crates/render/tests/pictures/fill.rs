@@ -9,7 +9,7 @@ use crate::support::{EPS, floor, named, picture, renderer, scene_of, spot, view}
 
 const SKY: DVec3 = DVec3::new(0.10, 0.115, 0.145);
 
-/// A white floor that is 3 wide, under a light that reaches a disc of it 0.9 wide.
+/// Returns a white floor that is 3 wide, under a light that reaches a disc of it 0.9 wide.
 fn lit_in_the_middle(fills: &[f64]) -> Vec<Picture> {
     let mut scene = scene_of([floor(1.5, 0.0)], vec![Material::default()]);
     scene.fill = Fill { sky: SKY, ground: DVec3::ZERO };
@@ -37,7 +37,7 @@ fn without_fill_nothing_is_left_where_no_light_reaches() {
             (picture - expected).abs().cmple(expected * (8.0 * EPS)).all()
         };
         assert!(fits(whole, 1.0) && fits(more, 2.5), "{alone} {whole} {more}");
-        // Planted fault: another share of the fill.
+        // Deliberate fault that the check must detect: another share of the fill.
         assert!(covered == 0.0 || !fits(more, 2.4), "{alone} {more}");
     }
     assert!(dark > 500 && lit > 40, "{dark} {lit}");

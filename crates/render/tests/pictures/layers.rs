@@ -24,7 +24,7 @@ fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![shiny])
 }
 
-/// Lights of every shape in turn, around the table, each with its own factors.
+/// Returns lights of every shape in turn, around the table, each with its own factors.
 fn lights(count: usize) -> Vec<Light> {
     let light = |k: usize| {
         let (z, x) = (k as f64 * 2.4).sin_cos();
@@ -51,7 +51,7 @@ fn camera() -> View {
     view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [75, 61], Aov::Beauty)
 }
 
-/// The same picture with lights added one after another.
+/// Returns the same picture with lights added one after another.
 fn added_up(renderer: &mut Renderer, lights: &[LightInstance]) -> Vec<u8> {
     let mut picture = TiledPicture::for_screen(&View { slot: ViewSlot(9), ..camera() }, lights).unwrap();
     while !renderer.advance_tiled(&mut picture, Duration::from_secs(9)).unwrap() {}
@@ -93,7 +93,7 @@ fn a_picture_in_turns_is_the_picture() {
             let (of_whole, of_turned) = (whole.counts(), turned.counts());
             assert_eq!(of_turned.shadow, of_whole.shadow, "maps, {backend:?}");
             assert_eq!(of_turned.layers, 2 * of_whole.layers, "layers of two views, {backend:?}");
-            // Planted fault: a picture of the first turn alone lacks lights.
+            // Deliberate fault that the check must detect: a picture of the first turn alone lacks lights.
             let (mut begun, later) = (renderer_of(backend, &tables()), &lights[..count - 1]);
             assert!(begun.advance_display(&camera(), &lights, Duration::ZERO).unwrap().is_pending());
             assert_ne!(begun.render_display(&camera(), later).unwrap(), drawn);
@@ -115,7 +115,7 @@ fn layers_add_up_to_the_picture() {
             // The CPU adds up to eight layers, in floats, in the order of the lights.
             let most = u8::from(backend == Backend::Wgpu || count > 8);
             assert!(farthest_byte <= most, "{count} lights, {backend:?}: {farthest_byte}");
-            // Planted fault: the lights of one group are missing.
+            // Deliberate fault that the check must detect: the lights of one group are missing.
             if count > 0 {
                 lights.truncate(count - count.div_ceil(8));
                 let other = renderer.render_display(&camera(), &lights).unwrap();
@@ -250,7 +250,7 @@ fn lights_outside_of_the_view_draw_nothing() {
         moved[0] = moved[0].clone().with(INTENSITY, 9.0).with(TRANSLATION, DVec3::new(41.0, 3.0, 61.0));
         assert_eq!(draw(&mut renderer, &moved), drawn);
         assert_eq!(since(before, renderer.counts()), PassCounts { display: 1, ..PassCounts::default() });
-        // Planted fault: they are in view.
+        // Deliberate fault that the check must detect: they are in view.
         assert!(farthest(&draw(&mut renderer, &lit), &drawn) > 1);
         assert_eq!(since(before, renderer.counts()).shadow, (count - without.len()) as u64);
     }
@@ -288,7 +288,7 @@ fn an_edit_draws_what_it_touches() {
             assert_eq!(edit(|light| light.with(SPECULAR, 0.0)), shown);
             assert_eq!(edit(|light| light.with(ENABLED, false)), shown);
             assert_eq!(drawn_by(backend, count, |view, _| view.exposure = 1.0), shown);
-            // Planted fault: an edit that the light's layer depends on.
+            // Deliberate fault that the check must detect: an edit that the light's layer depends on.
             let layer = PassCounts { layers: 1, ..shown };
             assert_eq!(edit(|light| light.with(SHADOW_COLOR, DVec3::X)), layer);
             let moved = edit(|light| light.with(TRANSLATION, DVec3::new(0.2, 3.0, 0.9)));

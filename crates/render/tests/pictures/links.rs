@@ -11,7 +11,7 @@ use scene::{Material, Mesh, Node, Scene};
 
 use crate::support::{instances, picture, renderer, spot, square, unstraightened, view};
 
-/// A floor, and a group of two tables with one mesh and one name, the second above a corner of the first.
+/// Returns a floor, and a group of two tables with one mesh and one name, the second above a corner of the first.
 fn tables() -> Scene {
     let mut scene = Scene { materials: vec![Material::default()], ..Scene::default() };
     (scene.fill.sky, scene.fill.ground) = (DVec3::splat(0.125), DVec3::splat(0.125));
@@ -38,7 +38,7 @@ fn tables() -> Scene {
 const FIRST: &str = "tables/table";
 const SECOND: &str = "tables/table#2";
 
-/// The scene without one of its nodes.
+/// Returns the scene without one of its nodes.
 fn without(node: usize) -> Scene {
     let mut scene = tables();
     scene.nodes[node].mesh = None;
@@ -49,7 +49,7 @@ fn seen(aov: Aov) -> View {
     view(DVec3::new(1.5, 3.5, 3.0), DVec3::new(0.0, 0.3, 0.0), [60, 44], aov)
 }
 
-/// For each pixel, true if it shows the node.
+/// Returns, for each pixel, true if it shows the node.
 fn shows(node: usize) -> Vec<bool> {
     let depths = [tables(), without(node)].map(|scene| picture(&scene, &seen(Aov::Depth), &[]).pixels);
     let pixels: Vec<bool> = depths[0].iter().zip(&depths[1]).map(|(with, without)| with != without).collect();
@@ -66,7 +66,7 @@ fn links(include: &[&str], exclude: &[&str]) -> Option<Links> {
     Links::new(list(include), list(exclude))
 }
 
-/// A spotlight over the tables, straight and bent.
+/// Returns a spotlight over the tables, straight and bent.
 fn keys() -> [Light; 2] {
     let spot = spot(DVec3::new(0.6, 3.0, 0.6), DVec3::ZERO)
         .with(CONE_ANGLE, 40.0)
@@ -104,7 +104,8 @@ fn a_node_that_is_left_out_loses_that_light_and_nothing_else() {
             assert_eq!(same(&alone, &all, &shows), [true, false], "{path}");
             assert_eq!(same(&alone, &dark, &shows), [false, true], "{path}");
         }
-        // A path that names no node changes nothing. The planted fault is the other table, above.
+        // A path that names no node changes nothing. Deliberate fault that the check must detect: the path of the other
+        // table, above.
         let none = key
             .clone()
             .with(LIGHT_LINK, links(&[], &["tables/chair"]))
@@ -124,7 +125,7 @@ fn the_deepest_entry_decides() {
         assert_eq!(group, under(links(&[FIRST], &[])));
         assert_eq!(group, under(links(&[], &["floor", SECOND])));
         assert_eq!(under(links(&[SECOND], &["tables"])), under(links(&[SECOND], &[])));
-        // Planted fault: the group alone.
+        // Deliberate fault that the check must detect: the group alone.
         assert_ne!(group, under(links(&["tables"], &[])));
     }
 }
@@ -148,7 +149,7 @@ fn what_throws_no_shadow_receives_some() {
         let is_lit = |picture: &Picture| picture.pixels.iter().filter(|p| p[3] == 1.0).all(|p| p[0] == 1.0);
         assert!(is_lit(&visible(links(&["floor"], &[]))));
         assert!(is_lit(&visible(links(&[], &["tables"]))));
-        // Planted faults: one table still casts its shadow.
+        // Deliberate faults that the check must detect: one table still casts its shadow.
         assert!(!is_lit(&visible(links(&[], &[FIRST]))) && !is_lit(&visible(links(&[], &[SECOND]))));
         assert_ne!(linked(FIRST), linked(SECOND));
     }

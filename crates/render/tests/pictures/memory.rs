@@ -21,7 +21,7 @@ fn tables() -> Scene {
     scene_of([floor(3.0, 0.0), floor(0.5, 1.0)], vec![Material::default()])
 }
 
-/// A renderer with a device of its own, and that budget in bytes.
+/// Returns a renderer with a device of its own, and that budget in bytes.
 fn renderer(backend: Backend, budget: u64) -> (Renderer, MemoryBudget) {
     let memory = MemoryBudget::new(budget);
     let gpu = Gpu::open(memory.clone(), Some(backend)).expect("tests need a graphics driver");
@@ -83,7 +83,7 @@ fn little_memory_makes_the_same_pictures() {
         assert!(poor_whole == whole && poor_tiled == tiled);
         assert!(poor.counts().shadow > 7, "maps were made again");
         assert!(most <= budget + MAP, "{most} bytes, and one map more may be in use");
-        // Planted fault: a light with the map of another.
+        // Deliberate fault that the check must detect: a light with the map of another.
         let mut other = lights.clone();
         other.swap(0, 2);
         other.truncate(6);
@@ -113,14 +113,14 @@ fn wide_lights_are_counted_by_their_faces() {
     assert_eq!(renderer.counts().shadow, 6);
 }
 
-/// One device for the tests of released memory.
+/// Returns the one device that the tests of released memory share.
 fn shared(backend: Backend) -> &'static Arc<Gpu> {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     GPUS[backend as usize].get_or_init(|| Arc::new(open()))
 }
 
-/// Bytes of `count` views of 150 x 140 pixels, each with the lights of a picture.
+/// Returns the bytes of `count` views of 150 x 140 pixels, each with the lights of a picture.
 fn bytes_of_views(backend: Backend, count: u64) -> std::ops::RangeInclusive<u64> {
     let pixels = 150 * 140;
     match backend {
@@ -192,7 +192,7 @@ fn what_nobody_looks_at_is_given_back() {
         }
         for step in 6..12 {
             renderer.render_display(&camera(10 + u64::from(step)), &moved(step)).unwrap();
-            // Planted fault: every map that a view has shown is needed.
+            // Deliberate fault that the check must detect: every map that a view has shown is needed.
             assert!(memory.bytes(MemoryKind::ShadowMaps) <= 4 * MAP, "{backend:?}, step {step}");
         }
         assert_eq!(renderer.counts().shadow, before + 7);

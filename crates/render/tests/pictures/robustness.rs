@@ -148,7 +148,7 @@ fn an_empty_scene_is_black() {
     }
 }
 
-/// The error of rendering `view` under `lights`.
+/// Returns the error of rendering `view` under `lights`.
 fn refused(view: &View, lights: &[Light]) -> RenderError {
     let mut renderer = renderer(&tables());
     let error = renderer.render(view, &instances(lights)).expect_err("this view has no picture");
@@ -227,7 +227,7 @@ fn lights_out_of_reach_are_left_out() {
         assert_eq!(SceneBounds::from(&tables()).undrawable_of([&checked(&light)]).len(), 1, "{light:?}");
         assert_eq!(picture(&tables(), &view, &[light, near.clone()]), alone);
     }
-    // Planted fault: the near one left out as well.
+    // Deliberate fault that the check must detect: the near one left out as well.
     assert_ne!(picture(&tables(), &view, &[]), alone);
     // Just within reach everything is finite.
     let edge = [

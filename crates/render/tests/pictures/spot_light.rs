@@ -10,13 +10,13 @@ use scene::{Material, Scene};
 
 use crate::support::{floor, named, on_plane, picture, scene_of, spot, view};
 
-/// The floor y = 0 of one material.
+/// Returns the floor y = 0 of one material.
 fn plane(base_color: f32, metallic: f32, roughness: f32) -> Scene {
     let base_color = Vec4::new(base_color, base_color, base_color, 1.0);
     scene_of([floor(20.0, 0.0)], vec![Material { base_color, metallic, roughness, ..Material::default() }])
 }
 
-/// Oblique, so that nothing is symmetric.
+/// Returns an oblique spotlight, so that nothing is symmetric.
 fn key() -> Light {
     spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.2, 0.0, -0.3))
 }
@@ -25,7 +25,7 @@ fn camera(aov: Aov) -> View {
     view(DVec3::new(-2.0, 4.0, 3.0), DVec3::ZERO, [83, 61], aov)
 }
 
-/// Cosine off the axis and distance to the source.
+/// Returns the cosine of the angle from the axis, and the distance to the source, of a point.
 fn polar(light: &Light, point: DVec3) -> (f64, f64) {
     let Transform { translation, rotation, .. } = light.transform();
     let from_source = point - translation;
@@ -33,7 +33,7 @@ fn polar(light: &Light, point: DVec3) -> (f64, f64) {
     (axis.dot(from_source.normalize()), from_source.length())
 }
 
-/// Irradiance perpendicular to the light, light model section 6.
+/// Returns the irradiance perpendicular to the light, light model section 6.
 fn irradiance(light: &Light, point: DVec3) -> f64 {
     let (cosine, distance) = polar(light, point);
     let outer = light.get(CONE_ANGLE).to_radians();
@@ -47,7 +47,7 @@ fn irradiance(light: &Light, point: DVec3) -> f64 {
     light.get(INTENSITY) * s * s * (3.0 - 2.0 * s) * decay
 }
 
-/// glTF 2.0, appendix B, for a floor.
+/// Computes the reflectance of a floor by the material model of glTF 2.0, appendix B.
 fn brdf(to_light: DVec3, to_eye: DVec3, base: f64, metallic: f64, roughness: f64) -> f64 {
     let half = (to_light + to_eye).normalize();
     let alpha = (roughness * roughness).max(0.002);
@@ -61,8 +61,8 @@ fn brdf(to_light: DVec3, to_eye: DVec3, base: f64, metallic: f64, roughness: f64
     (1.0 - fresnel) * (1.0 - metallic) * base / PI + fresnel * distribution * 0.5 / correlated
 }
 
-/// Largest difference between a beauty picture of the floor and `radiance`, relative to 1e-4 of it plus 1e-5 of its
-/// maximum.
+/// Returns the largest difference between a beauty picture of the floor and `radiance`, relative to 1e-4 of it plus
+/// 1e-5 of its maximum.
 ///
 /// 1e-4: the smoothstep's slope at the edge of the cone, 1.5 over a range of 0.05 in the cosine, amplifies each of the
 /// few 6e-8 by which the position is rounded to about 40. A roughness that is a multiple of a tenth is stored exactly.
@@ -97,7 +97,7 @@ fn radiance_is_the_closed_form() {
                 worst <= 1.0 + storage,
                 "{decay:?} {base} {metallic} {roughness}: {worst} of the tolerance"
             );
-            // Planted faults: no cosine; no 1 / pi; the profile's angle 1 % off.
+            // Deliberate faults that the check must detect: no cosine; no 1 / pi; the profile's angle 1 % off.
             let flat = |p: DVec3| radiance(p) / (source - p).normalize().y;
             assert!(worst_ratio(&beauty, flat) > 100.0);
             assert!(worst_ratio(&beauty, |p| radiance(p) * PI) > 100.0);

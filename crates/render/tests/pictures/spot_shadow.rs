@@ -8,7 +8,7 @@ use scene::{Material, Projection};
 
 use crate::support::{floor, named, on_plane, picture, scene_of, spot, square, view};
 
-/// A white floor and above it a square of half size 0.25 at height 1.
+/// Returns a white floor and above it a square of half size 0.25 at height 1.
 fn blocker() -> scene::Scene {
     scene_of(
         [floor(4.0, 0.0), floor(0.25, 1.0)],
@@ -16,18 +16,18 @@ fn blocker() -> scene::Scene {
     )
 }
 
-/// Straight down from height 3 with an angle of 40 degrees.
+/// Returns a spotlight that shines straight down from height 3 with an angle of 40 degrees.
 fn lamp() -> Light {
     spot(DVec3::Y * 3.0, DVec3::ZERO).with(CONE_ANGLE, 40.0).with(DECAY, Decay::None)
 }
 
-/// From below the blocker, so that it hides nothing of the floor.
+/// Returns a view from below the blocker, in which the blocker hides nothing of the floor.
 fn camera() -> View {
     view(DVec3::new(0.0, 0.9, 3.0), DVec3::ZERO, [211, 151], Aov::Visibility)
 }
 
-/// Number of wrong pixels of the floor, farther than two texels from the edge of a square shadow of `half_size`, and
-/// number in that shadow.
+/// Returns the number of wrong pixels of the floor, farther than two texels from the edge of a square shadow of
+/// `half_size`, and number in that shadow.
 fn wrong(half_size: f64) -> (usize, usize) {
     let view = camera();
     let lit = picture(&blocker(), &view, &[named(lamp())]);
@@ -49,7 +49,7 @@ fn a_square_casts_the_square_that_similar_triangles_say() {
     let (wrong_pixels, in_shadow) = wrong(0.25 * 1.5);
     assert!(in_shadow > 200, "{in_shadow}");
     assert_eq!(wrong_pixels, 0);
-    // Planted faults: no perspective, and a shadow three texels too large.
+    // Deliberate faults that the check must detect: no perspective, and a shadow three texels too large.
     assert!(wrong(0.25).0 > 0);
     assert!(wrong(0.25 * 1.5 + 3.0 * 2.46e-3).0 > 0);
 }
@@ -96,7 +96,7 @@ fn a_bare_plane_never_shadows_itself() {
             dark
         };
         assert_eq!([&bare, &carpeted].map(counts), [0, 0], "height {height}, near plane {znear}");
-        // Planted fault: a carpet that hangs over its floor.
+        // Deliberate fault that the check must detect: a carpet that hangs over its floor.
         let hanging = scene_of([floor(50.0, 0.0), floor(1.3, 0.04)], vec![Material::default()]);
         assert!(counts(&hanging) > 10, "height {height}");
     }

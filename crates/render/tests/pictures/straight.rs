@@ -21,7 +21,7 @@ fn seen(aov: Aov) -> View {
     view(DVec3::new(2.0, 3.0, 4.0), DVec3::ZERO, [97, 71], aov)
 }
 
-/// A renderer with default settings.
+/// Returns a renderer with default settings.
 fn as_for_people() -> Renderer {
     let mut renderer = renderer(&tables());
     renderer.set_shadow_settings(ShadowSettings::default()).expect("sound");
@@ -32,7 +32,7 @@ fn key() -> Light {
     named(spot(DVec3::new(1.0, 3.0, 0.5), DVec3::new(0.1, 0.0, -0.2)))
 }
 
-/// Spotlights that differ in each property that a lighting pass is compiled or placed by.
+/// Returns spotlights that differ in each property that a lighting pass is compiled or placed by.
 fn spots() -> Vec<Light> {
     let key = key();
     let scaled = light::Transform { scale: 0.3, ..key.transform() };
@@ -74,7 +74,8 @@ fn a_straight_bendy_light_is_its_spotlight_to_the_bit() {
             assert!(draw(&bent, aov) == expected, "{aov:?} of {spot:?}");
         }
     }
-    // Planted faults: an end that is a hundredth beside the cone, and the same light drawn as a bent one.
+    // Deliberate faults that the check must detect: an end that is a hundredth beside the cone, and the same light
+    // drawn as a bent one.
     let bent = bend_with_length(&key(), 3, 3.2).expect("valid");
     let aside = bent.clone().map_points(|k, point| {
         if k == 4 {
@@ -122,7 +123,7 @@ fn what_shows_the_curve_is_a_bendy_lights() {
     let t = straight.render(&seen(Aov::T), &bent).expect("drawn");
     let most = t.pixels.iter().map(|pixel| pixel[0]).fold(0.0, f32::max);
     assert!(most > 2.5, "t goes on to {most}");
-    // Planted fault: a spotlight's own t, which is 0 without a range.
+    // Deliberate fault that the check must detect: a spotlight's own t, which is 0 without a range.
     let spot = straight.render(&seen(Aov::T), &instances(&[key()])).expect("drawn");
     assert!(spot.pixels.iter().all(|pixel| pixel[0] == 0.0));
     assert_ne!(unstraightened(), ShadowSettings::default());

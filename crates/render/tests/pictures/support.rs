@@ -17,24 +17,24 @@ pub fn gpu() -> Arc<Gpu> {
     gpu_of(Backend::Wgpu)
 }
 
-/// The shared device, with lights drawn by `backend`.
+/// Returns the shared device, with lights drawn by `backend`.
 pub fn gpu_of(backend: Backend) -> Arc<Gpu> {
     static GPUS: [OnceLock<Arc<Gpu>>; 2] = [const { OnceLock::new() }; 2];
     let open = || Gpu::open(MemoryBudget::default(), Some(backend)).expect("tests need a graphics driver");
     Arc::clone(GPUS[backend as usize].get_or_init(|| Arc::new(open())))
 }
 
-/// Settings that draw straight BendyLights with bent maps: tests compare them with spotlights.
+/// Returns the settings that draw straight BendyLights with bent maps: tests compare them with spotlights.
 pub fn unstraightened() -> ShadowSettings {
     ShadowSettings { straighten: false, ..ShadowSettings::default() }
 }
 
-/// A renderer of `scene`, with those settings.
+/// Returns a renderer of `scene`, with those settings.
 pub fn renderer(scene: &Scene) -> Renderer {
     renderer_of(Backend::Wgpu, scene)
 }
 
-/// A renderer of `scene` with those settings, on `backend`.
+/// Returns a renderer of `scene` with those settings, on `backend`.
 pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     scene.check().expect("test scenes keep their promises");
     let mut renderer = Renderer::new(gpu_of(backend)).expect("the device works");
@@ -43,7 +43,8 @@ pub fn renderer_of(backend: Backend, scene: &Scene) -> Renderer {
     renderer
 }
 
-/// A picture of `scene`, from a renderer that all tests share: compiling for a new one takes longer than drawing.
+/// Returns a picture of `scene`, from a renderer that all tests share: compiling for a new one takes longer than
+/// drawing.
 pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     static SHARED: OnceLock<Mutex<Renderer>> = OnceLock::new();
     scene.check().expect("test scenes keep their promises");
@@ -56,7 +57,7 @@ pub fn picture(scene: &Scene, view: &View, lights: &[Light]) -> Picture {
     picture
 }
 
-/// A square from -1 to 1 in the plane y = 0 that faces up.
+/// Returns a square from -1 to 1 in the plane y = 0 that faces up.
 pub fn square() -> Primitive {
     Primitive {
         positions: [(-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0), (1.0, -1.0)]
@@ -68,7 +69,7 @@ pub fn square() -> Primitive {
     }
 }
 
-/// A scene of meshes, each with its transform; without fill.
+/// Returns a scene of meshes, each with its transform; without fill.
 pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, materials: Vec<Material>) -> Scene {
     let mut scene = Scene { materials, ..Scene::default() };
     scene.fill.sky = DVec3::ZERO;
@@ -81,7 +82,7 @@ pub fn scene_of(parts: impl IntoIterator<Item = (Primitive, DAffine3)>, material
     scene
 }
 
-/// A square scaled by `half`, at `height`, in a white and rough material.
+/// Returns a square scaled by `half`, at `height`, in a white and rough material.
 pub fn floor(half: f64, height: f64) -> (Primitive, DAffine3) {
     let placement =
         DAffine3::from_scale_rotation_translation(DVec3::splat(half), DQuat::IDENTITY, DVec3::Y * height);
@@ -96,7 +97,7 @@ pub fn looking(eye: DVec3, target: DVec3) -> DMat3 {
     DMat3::from_cols(right, back.cross(right), back)
 }
 
-/// A view of `size` pixels from `eye` to `target`, 0.8 rad high.
+/// Returns a view of `size` pixels from `eye` to `target`, 0.8 rad high.
 pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
     let camera = Camera {
         name: String::new(),
@@ -107,7 +108,7 @@ pub fn view(eye: DVec3, target: DVec3, size: [u32; 2], aov: Aov) -> View {
     View { aov, ..View::beauty(camera, size) }
 }
 
-/// A spotlight of 10 cd and 25 degrees from `source` to `target`.
+/// Returns a spotlight of 10 cd and 25 degrees from `source` to `target`.
 pub fn spot(source: DVec3, target: DVec3) -> Light {
     let rotation = DQuat::from_mat3(&looking(source, target));
     Light::spot()
@@ -115,17 +116,18 @@ pub fn spot(source: DVec3, target: DVec3) -> Light {
         .with(INTENSITY, 10.0)
 }
 
-/// The light with a name, as scenes have it.
+/// Returns the light with a name, as scenes have it.
 pub fn named(light: Light) -> Light {
     light.with(NAME, "key".into())
 }
 
-/// The lights as a renderer takes them: checked, and numbered from 0.
+/// Returns the lights as a renderer takes them: checked, and numbered from 0.
 pub fn instances(lights: &[Light]) -> Vec<LightInstance> {
     LightInstance::numbered(lights.to_vec()).expect("lights")
 }
 
-/// Origin and direction of the ray through the center of a pixel; the direction is 1 long along the view axis.
+/// Returns the origin and direction of the ray through the center of a pixel; the direction is 1 long along the view
+/// axis.
 pub fn ray_in_world(view: &View, x: usize, y: usize) -> (DVec3, DVec3) {
     let ndc_x = (2 * x + 1) as f64 / f64::from(view.width) - 1.0;
     let ndc_y = 1.0 - (2 * y + 1) as f64 / f64::from(view.height);
@@ -142,7 +144,7 @@ pub fn ray_in_world(view: &View, x: usize, y: usize) -> (DVec3, DVec3) {
     }
 }
 
-/// Each pixel with the point of the plane `normal . p = offset` that its ray meets in front of the camera.
+/// Returns each pixel with the point of the plane `normal . p = offset` that its ray meets in front of the camera.
 pub fn on_plane<'a>(
     picture: &'a Picture,
     view: &'a View,

@@ -6,15 +6,15 @@ use scene::{Image, Material, Projection, Sampler, Scene, TextureRef};
 
 use crate::support::{EPS, floor, picture, ray_in_world, scene_of, square, view};
 
-/// A square tilted in all axes about `center`, and its unit normal.
+/// Returns a square tilted in all axes about `center`, and its unit normal.
 fn tilted(center: DVec3) -> (Scene, DVec3) {
     let rotation = DQuat::from_rotation_z(0.4) * DQuat::from_rotation_x(-0.3);
     let placement = DAffine3::from_scale_rotation_translation(DVec3::splat(2.0), rotation, center);
     (scene_of([(square(), placement)], vec![Material::default()]), rotation * DVec3::Y)
 }
 
-/// Largest error of a depth picture of the plane through `center`, relative to its bound, and the number of compared
-/// pixels.
+/// Returns the largest error of a depth picture of the plane through `center`, relative to its bound, and the number of
+/// compared pixels.
 ///
 /// The bound: the plane's offset, the eye's distance from it and the ray's closing speed are each a sum of three
 /// products of rounded numbers no larger than the scene and the eye's distance from its center: 8 roundings.
@@ -47,7 +47,7 @@ fn depth_is_where_the_ray_meets_the_plane() {
         let (worst, compared) = depth_error(&depths, &view, DVec3::ZERO, normal);
         assert!(compared > 300);
         assert!(worst <= 1.0, "{projection:?}: {worst} times the bound");
-        // Planted fault: rays through the corners of the pixels instead of their centers.
+        // Deliberate fault that the check must detect: rays through the corners of the pixels instead of their centers.
         let shift = ray_in_world(&view, 1, 1).1 - ray_in_world(&view, 0, 0).1;
         let mut shifted = view.clone();
         match &mut shifted.camera.projection {
@@ -77,7 +77,7 @@ fn a_scene_far_from_the_origin_looks_the_same() {
     assert!(depth_error(&far, &view(rounded, rounded - eye, [61, 47], Aov::Depth), offset, normal).0 > 100.0);
 }
 
-/// The normal of the pixel in the middle, and its alpha.
+/// Returns the normal of the pixel in the middle, and its alpha.
 fn middle(scene: &Scene, eye: DVec3) -> [f32; 4] {
     picture(scene, &view(eye, DVec3::ZERO, [5, 5], Aov::Normal), &[]).pixels[12]
 }
@@ -117,14 +117,14 @@ fn normals_of_stretched_spheres_stay_perpendicular() {
     assert!((DVec3::new(0.6 * 4.0, 0.8 * 0.5, 0.0).normalize() - expected).length() > 0.5);
 }
 
-/// A texture whose left and right halves have different colors.
+/// Returns a texture whose left and right halves have different colors.
 fn halves(left: [u8; 4], right: [u8; 4]) -> (Image, TextureRef) {
     let image = Image { width: 2, height: 1, rgba8: [left, right].concat() };
     let sampler = Sampler { nearest: true, ..Sampler::default() };
     (image, TextureRef { image: 0, sampler })
 }
 
-/// The square with texture coordinates that run along x.
+/// Returns a square with texture coordinates that run along x.
 fn textured_floor() -> scene::Primitive {
     let mut primitive = square();
     primitive.uvs = primitive.positions.iter().map(|p| Vec2::new(p.x * 0.5 + 0.5, 0.5)).collect();

@@ -8,7 +8,7 @@ use scene::{Material, Primitive, Scene};
 
 use crate::support::{named, picture, scene_of, spot, view};
 
-/// A ball of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
+/// Returns a ball of radius 1 with its own normals, `n` facets from pole to pole and twice as many around.
 fn ball(n: u32) -> Primitive {
     let around = 2 * n;
     let at = |k: u32| {
@@ -23,8 +23,8 @@ fn ball(n: u32) -> Primitive {
     Primitive { normals: positions.clone(), positions, indices, ..Primitive::default() }
 }
 
-/// Number of wrong pixels in the light: lit although their normal faces away, or dark although it faces the light, by
-/// more than a cosine of `margin`. Also the number of all pixels in the light.
+/// Returns the number of wrong pixels in the light: lit although their normal faces away, or dark although it faces the
+/// light, by more than a cosine of `margin`. Also the number of all pixels in the light.
 fn wrong(scene: &Scene, light: &Light, margin: f64) -> (usize, usize) {
     let draw = |aov| -> Picture {
         let seen = view(DVec3::new(0.5, 1.0, 4.0), DVec3::ZERO, [160, 120], aov);
@@ -57,7 +57,7 @@ fn the_terminator_of_a_coarse_ball_is_smooth() {
             assert!(in_light > 2500);
             assert_eq!(wrong, 0, "{facets} facets, of {in_light}");
         }
-        // Planted fault, and the former behavior: the facets' own normals.
+        // Deliberate fault that the check must detect, the former behavior: the facets' own normals.
         let mut faceted = ball(facets);
         let corners: Vec<_> = faceted.indices.iter().map(|&k| faceted.positions[k as usize]).collect();
         let facet = |[a, b, c]: &[Vec3; 3]| [(*b - *a).cross(*c - *a).normalize_or_zero(); 3];

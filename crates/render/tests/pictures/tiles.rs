@@ -15,7 +15,7 @@ use scene::{Image, Material, Primitive, Sampler, Scene, TextureRef};
 
 use crate::support::{BACKENDS, instances, named, renderer_of, scene_of, spot, square, unstraightened, view};
 
-/// A textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
+/// Returns a textured floor, a smooth ball of few triangles and a double-sided sheet on edge.
 fn things() -> Scene {
     let textured = Material {
         base_color_texture: Some(TextureRef { image: 0, sampler: Sampler::default() }),
@@ -44,14 +44,14 @@ fn things() -> Scene {
     scene
 }
 
-/// The same with holes in the sheet.
+/// Returns the same with holes in the sheet.
 fn things_with_holes() -> Scene {
     let mut scene = things();
     scene.materials[2].alpha_cutoff = Some(0.5);
     scene
 }
 
-/// A ball of radius 0.5, with its own normals.
+/// Returns a ball of radius 0.5, with its own normals.
 fn ball() -> Primitive {
     let (rows, columns) = (12_u32, 24_u32);
     let normals: Vec<Vec3> = (0..=rows)
@@ -112,7 +112,7 @@ fn differences(a: &Picture, b: &Picture) -> (usize, f32) {
     pairs.filter(|(a, b)| a != b).fold((0, 0.0), |(count, most), (a, b)| (count + 1, (a - b).abs().max(most)))
 }
 
-/// The picture's raw values, drawn in tiles with others in between.
+/// Returns the picture's raw values, drawn in tiles with others in between.
 fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Picture, usize) {
     let between = View { slot: ViewSlot(9), ..camera([40, 30], Aov::Beauty, 1) };
     let picture = TiledPicture::for_files(view, lights, FileNeeds::Values).unwrap();
@@ -122,7 +122,7 @@ fn raw(renderer: &mut Renderer, view: &View, lights: &[LightInstance]) -> (Pictu
     (picture, turns)
 }
 
-/// A floor of one color, and on it a carpet of another that is higher by less than f32 resolves.
+/// Returns a floor of one color, and on it a carpet of another that is higher by less than f32 resolves.
 fn carpeted() -> Scene {
     let colored = |base_color| Material { base_color, ..Material::default() };
     let carpet = Primitive { material: 1, ..square() };
@@ -168,7 +168,8 @@ fn tiles_make_up_the_picture() {
             assert_eq!(count, 0, "{aov:?}: {count} values differ, by up to {error}");
             // 3 x 2 tiles of at least 128 x 128 pixels, each with its samples and lights.
             assert!(turns >= 6, "{turns}");
-            // Planted faults: a tile shifted by one pixel, and one sample in place of two.
+            // Deliberate faults that the check must detect: a tile shifted by one pixel, and one sample in place of
+            // two.
             let mut shifted = tiled.clone();
             shifted.pixels.rotate_right(1);
             assert!(differences(&whole, &shifted).1 > 1e-2, "{aov:?}");
@@ -192,7 +193,7 @@ fn tiles_make_up_the_screen() {
             panic!("bytes")
         };
         assert!(whole.iter().zip(&bytes).all(|(a, b)| a.abs_diff(*b) <= 1));
-        // Planted fault: rows in another order.
+        // Deliberate fault that the check must detect: rows in another order.
         let turned: Vec<u8> = bytes.chunks(4 * 500).rev().flatten().copied().collect();
         assert!(whole.iter().zip(&turned).any(|(a, b)| a.abs_diff(*b) > 50));
     }
@@ -236,7 +237,7 @@ fn samples_in_tiles_are_those_of_the_picture_to_the_bit() {
         // 2 x 2 tiles or more, with a turn for each light of each sample.
         assert!(turns >= 4 * 3 * 3, "{turns}");
         assert_eq!(differences(&whole, &tiled), (0, 0.0), "{backend:?}");
-        // Planted fault: lights in another order add up to other bits.
+        // Deliberate fault that the check must detect: lights in another order add up to other bits.
         let mut turned = lights();
         turned.rotate_left(1);
         assert_ne!(differences(&whole, &renderer.render(&view, &turned).unwrap()).0, 0);

@@ -10,7 +10,7 @@ fn node(parent: Option<usize>, parent_from_local: DAffine3, mesh: Option<usize>)
     Node { name: String::new(), parent, parent_from_local, mesh }
 }
 
-/// One triangle. Its node lies under a moved and a scaled node.
+/// Returns a scene of one triangle. Its node lies under a moved and a scaled node.
 fn nested() -> Scene {
     let primitive = Primitive {
         positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(0.0, 2.0, 1.0)],
@@ -87,7 +87,7 @@ fn the_framing_camera_sees_everything() {
     }
 }
 
-/// Horizontal square of side `side` at `height`.
+/// Returns a horizontal square of side `side` at `height`.
 fn square(side: f32, height: f32) -> Primitive {
     let half = side / 2.0;
     let corners = [[-half, -half], [half, -half], [half, half], [-half, half]];

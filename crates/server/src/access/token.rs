@@ -63,13 +63,13 @@ impl Token {
         is_equal.then_some(Credential::SharedToken)
     }
 
-    /// The 32 hexadecimal digits.
+    /// Returns the 32 hexadecimal digits.
     pub fn digits(&self) -> &str {
         std::str::from_utf8(&self.0).expect("digits")
     }
 }
 
-/// 128 random bits in hexadecimal.
+/// Returns 128 random bits in hexadecimal.
 pub fn random_digits() -> io::Result<String> {
     let mut bytes = [0; DIGITS / 2];
     getrandom::fill(&mut bytes).map_err(io::Error::from)?;

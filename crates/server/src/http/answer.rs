@@ -36,7 +36,7 @@ pub fn file(kind: &'static str, bytes: Vec<u8>) -> Response {
     ([(header::CONTENT_TYPE, kind)], bytes).into_response()
 }
 
-/// JSON in one line.
+/// Returns `value` as JSON in one line.
 pub fn json_text(value: &impl Serialize) -> String {
     serde_json::to_string(value).expect("plain data with string keys") + "\n"
 }

@@ -27,7 +27,7 @@ impl ConstantJson {
     }
 }
 
-/// Strong entity tag of bytes with this hash.
+/// Returns the strong entity tag of bytes with this hash.
 pub fn tag(hash: &str) -> HeaderValue {
     HeaderValue::from_str(&format!("\"{hash}\"")).expect("hexadecimal digits")
 }

@@ -110,7 +110,7 @@ fn resolve_drag(
     Ok(ResolvedFileDrag { light, view: Viewport { camera, size }, drag, pins })
 }
 
-/// The light of that name, or of that index among all lights.
+/// Returns the light of that name, or of that index among all lights.
 fn light_named(document: &Document, wanted: &NameOrIndex) -> Result<LightId, ServerError> {
     match wanted {
         NameOrIndex::Index(index) => document.lights().keys().nth(*index).copied(),

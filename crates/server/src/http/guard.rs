@@ -85,13 +85,13 @@ pub async fn limit_requests(
     let permit = state.requests.acquire(&session)?;
     let answer = next.run(Request::from_parts(head, body.into())).await;
     drop((permit, held));
-    // The answer to finished work is sent even if the account is full.
+    // The answer to finished work is sent even if all bytes of `in_flight` are reserved.
     let room =
         |bytes| if is_done { Ok(in_flight.reserve_unchecked(bytes)) } else { in_flight.reserve(bytes) };
     reserve_answer_bytes(answer, room, &connection).await
 }
 
-/// The session of a request. Empty if it has none.
+/// Returns the session of a request. Empty if it has none.
 async fn session_name(head: &mut Parts, state: &Arc<AppState>) -> String {
     if !head.uri.path().starts_with("/sessions/") {
         return String::new();

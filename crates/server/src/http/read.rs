@@ -15,7 +15,7 @@ use crate::limits::{BODY_COST, BODY_IDLE_TIMEOUT, LARGE_BODY_TIMEOUT, MAX_BODY_B
 /// Greatest number of characters of a request that a refusal quotes.
 const MAX_EXCERPT_CHARS: usize = 100;
 
-/// The quoted part of a request's text.
+/// Returns the quoted part of a request's text.
 pub fn excerpt(text: &str) -> String {
     text.chars().take(MAX_EXCERPT_CHARS).collect()
 }

@@ -210,7 +210,7 @@ async fn parse_grouped(edit: Edit, scenes: &SceneCache) -> Result<RequestedEdit,
     Err(ServerError::BadMessage(sentence.into()))
 }
 
-/// Default actor of edits without one.
+/// Returns the default actor of edits without one.
 fn program() -> Actor {
     Actor { id: "api".into(), name: "API".into() }
 }

@@ -32,7 +32,7 @@ impl Urgency {
     /// All urgencies, the most urgent first.
     pub const ALL: [Self; 4] = [Self::Moving, Self::Watched, Self::Settling, Self::Still];
 
-    /// Name in `/metrics`.
+    /// Returns the name in `/metrics`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Moving => "moving",
@@ -135,7 +135,7 @@ impl Schedule {
         limited: [bool; SHARES.len()],
         turn: Duration,
     ) -> ScheduledTurn {
-        // Owed turns come first, starting with the least urgent class.
+        // Owed slices come first, starting with the least urgent class.
         for (index, (urgency, _)) in SHARES.iter().enumerate().rev() {
             if limited[index]
                 && self.owed_seconds[index] >= turn.as_secs_f64()
@@ -208,7 +208,7 @@ fn account_index(urgency: Urgency) -> Option<usize> {
 
 fn least_charged(waiting: &[QueuedPicture], urgency: Urgency) -> Option<usize> {
     let of_it = waiting.iter().enumerate().filter(|(_, task)| task.urgency == urgency);
-    // The oldest picture of a client's watched views is drawn to its end. If thirty views that open at once took turns,
+    // The oldest picture of a client's watched views is drawn to its end. If thirty views that open at once alternated,
     // all of them would stay empty for long.
     let waits_from =
         |task: &QueuedPicture| if urgency == Urgency::Watched { task.queued_at } else { task.last_turn_at };

@@ -186,7 +186,7 @@ impl RenderLoop {
             }
             // The renderer draws with all cores.
             Job::Charge(payer, took) => self.charges.charge(&payer, took.as_secs_f64() * self.core_share),
-            // Dropped leases are noticed before each turn.
+            // Nothing to do: dropped leases are released before each slice of drawing time.
             Job::Wake => {}
         }
     }

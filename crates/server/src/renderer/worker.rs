@@ -170,7 +170,7 @@ impl TurnDeadline {
 /// Reports a pause and waits for the next slice of drawing time. Returns false if the picture is cancelled.
 fn yield_turn() -> bool {
     CHANNELS.with_borrow(|baton| {
-        // Other threads have no turns.
+        // Other threads have no slices of drawing time.
         let Some(WorkerChannels { orders, reports, .. }) = baton else { return true };
         let is_heard = reports.send(TurnReport::Paused).is_ok();
         is_heard && matches!(orders.recv(), Ok(WorkerOrder::Resume(true)))

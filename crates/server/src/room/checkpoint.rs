@@ -47,8 +47,8 @@ mod tests {
 
     const EDITS: u64 = 10_000;
 
-    /// Bytes of checkpoints per byte of records after `EDITS` edits. `actor` returns the number of the actor that makes
-    /// each edit.
+    /// Returns the bytes of checkpoints per byte of records after `EDITS` edits. `actor` returns the number of the
+    /// actor that makes each edit.
     fn written(actor: impl Fn(u64) -> u64, is_due: impl Fn(RecordTail, u64) -> bool) -> f64 {
         let (mut session, mut tail, mut last_bytes) = (Session::default(), RecordTail::default(), 0);
         let (mut of_records, mut of_checkpoints) = (0, 0);

@@ -119,7 +119,7 @@ impl Room {
         tick.send(Outgoing::GestureRefusal(client, state));
     }
 
-    /// The gesture that an actor holds under that id.
+    /// Returns the gesture that an actor holds under that id.
     pub(super) fn gesture_of(&self, id: &str, actor: &Actor) -> Option<Gesture> {
         self.session.gestures().find(|held| held.id == id && held.actor.id == actor.id).cloned()
     }

@@ -111,7 +111,7 @@ impl Room {
         self.outcomes(keys).await
     }
 
-    /// Number of steps of each program's request in a tick.
+    /// Returns the number of steps of each program's request in a tick.
     fn steps_per_batch(&self) -> usize {
         let going_on = self.batches.iter().filter(|batch| !batch.solves.is_pending()).count();
         (MAX_TICK_MESSAGES / going_on.max(1)).max(1)

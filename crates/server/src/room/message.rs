@@ -54,7 +54,7 @@ pub enum RoomMessage {
 }
 
 impl RoomMessage {
-    /// The client, if the message edits or leaves. Such messages are carried out in the order of arrival.
+    /// Returns the client, if the message edits or leaves. Such messages are carried out in the order of arrival.
     pub(super) fn editing_client(&self) -> Option<ClientId> {
         match self {
             Self::Client { client, request, .. } => request.may_edit().then_some(*client),

@@ -269,7 +269,7 @@ impl Room {
         self.outboxes.send_all(&ServerMessage::Draining { retry_after_ms });
     }
 
-    /// Milliseconds since the room was opened: the clock of leases.
+    /// Returns the milliseconds since the room was opened: the clock of leases.
     fn clock_ms(&self) -> u64 {
         self.opened.elapsed().as_millis() as u64
     }

@@ -139,7 +139,7 @@ impl DetailChoice {
         }
     }
 
-    /// The details that may be reduced.
+    /// Returns the details that may be reduced.
     pub fn interaction(&self) -> Interaction {
         self.interaction
     }

@@ -78,7 +78,7 @@ impl FrameStamp {
         FrameId { revision: content.revision, quality, detail, size: self.size() }
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.picture_scale.size(self.detail.resolution.of(self.view_size))
     }

@@ -108,11 +108,12 @@ mod tests {
             !account.is_another_interacting(Some(&ada), start) && account.is_another_interacting(None, start)
         );
         assert!(!account.is_another_interacting(None, start + MOVING_FOR));
-        // The planted fault: a watching client counts as interacting.
+        // Deliberate fault that the check must detect: a watching client counts as interacting.
         let watched = MovingPixels::default();
         watched.record_picture(&"ben".into(), (ViewSlot(1), false), large, start);
         assert!(!watched.is_another_interacting(Some(&ada), start));
-        // Other actors have their own account, and views at rest do not count. The planted fault: one account for all.
+        // The pixels of each actor are counted separately, and views at rest do not count. Deliberate fault that the
+        // check must detect: one count for all actors.
         assert_eq!(
             account.record_picture(&"ben".into(), (ViewSlot(9), true), large, start),
             PictureScale::FULL

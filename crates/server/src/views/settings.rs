@@ -18,7 +18,7 @@ pub struct ViewSettings {
 }
 
 impl ViewSettings {
-    /// The lights of the document that the view shows.
+    /// Returns the lights of the document that the view shows.
     pub fn visible_lights(&self, mut lights: Vec<LightInstance>) -> Vec<LightInstance> {
         if lights.iter().any(|instance| self.solo.contains(&instance.id)) {
             lights.retain(|instance| self.solo.contains(&instance.id));
@@ -26,7 +26,7 @@ impl ViewSettings {
         lights
     }
 
-    /// The lights of the document that the view hides.
+    /// Returns the lights of the document that the view hides.
     pub fn hidden_lights(&self, lights: &[LightInstance]) -> BTreeSet<LightId> {
         let shown: BTreeSet<LightId> =
             self.visible_lights(lights.to_vec()).iter().map(|instance| instance.id).collect();

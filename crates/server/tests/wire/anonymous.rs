@@ -46,7 +46,7 @@ async fn ask_repeatedly(door: ServerDoor, path: &'static str, headers: String, c
     }
 }
 
-/// Time that so many connections take to request a path so many times each.
+/// Measures the time in which `connections` connections request `path`, each of them `count` times.
 async fn time_of(path: &'static str, headers: &str, connections: usize, count: usize) -> Duration {
     let began = Instant::now();
     let asking: Vec<_> = (0..connections)
@@ -58,8 +58,8 @@ async fn time_of(path: &'static str, headers: &str, connections: usize, count: u
     began.elapsed()
 }
 
-/// The bound is a lower one on time, so a slow machine cannot break it. The planted fault is a client with the token,
-/// whose requests are not limited.
+/// The bound is a lower one on time, so a slow machine cannot break it. Deliberate fault that the check must detect: a
+/// client with the token, whose requests are not limited.
 ///
 /// Rules: HTTP-25
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

@@ -24,7 +24,7 @@ pub enum ReceivedMessage {
     End,
 }
 
-/// A connection with a small receive buffer of the client's system, which soon reports a read.
+/// Returns a connection with a small receive buffer of the client's system, which soon reports a read.
 pub async fn connect_with_small_buffers(door: &ServerDoor) -> TcpStream {
     let socket = TcpSocket::new_v4().unwrap();
     socket.set_recv_buffer_size(16 << 10).unwrap();
@@ -158,7 +158,7 @@ fn socket_request(door: &ServerDoor) -> Request<()> {
     format!("ws://{}/socket", door.address).into_client_request().unwrap()
 }
 
-/// Status that refuses a socket with these headers. `None` if it is accepted.
+/// Returns the status that refuses a socket with these headers. `None` if it is accepted.
 pub async fn socket_with(door: &ServerDoor, headers: &[(&'static str, &str)]) -> Option<u16> {
     let mut request = socket_request(door);
     for (name, value) in headers {
@@ -188,7 +188,7 @@ impl HttpAnswer {
         serde_json::from_slice(&self.body).unwrap()
     }
 
-    /// Status and code of an error. Checks that it has a message too.
+    /// Returns the status and code of an error. Checks that it has a message too.
     pub fn refusal(&self) -> (u16, String) {
         let json = self.json();
         let error = json["error"].as_object().expect("an error");
@@ -245,12 +245,12 @@ pub fn post(door: &ServerDoor, path: &str, body: &str) -> HttpAnswer {
     )
 }
 
-/// Value of the header with the token.
+/// Returns the value of the header with the token.
 pub fn bearer(door: &ServerDoor) -> String {
     format!("Bearer {}", door.token)
 }
 
-/// A new session of the demo scene, with a name that only its test uses.
+/// Opens a new session of the demo scene, with a name that only its test uses.
 pub fn new_session(door: &ServerDoor, name: &str) {
     let made = post(door, "/sessions", &format!(r#"{{"name": "{name}", "scene": "demo:vases"}}"#));
     assert_eq!(made.status, 201, "{}", made.text());

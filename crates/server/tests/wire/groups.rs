@@ -12,7 +12,7 @@ fn atomic(session: &str, op_id: &str, commands: &Value) -> HttpAnswer {
     post(&SHARED, &format!("/sessions/{session}/edits"), &body.to_string())
 }
 
-/// The one result of edits that make one step.
+/// Returns the one result of edits that make one step.
 fn result(answer: &HttpAnswer) -> Value {
     assert_eq!(answer.status, 200, "{}", answer.text());
     let results = answer.json()["results"].clone();
@@ -82,7 +82,8 @@ fn edits_are_one_step_where_that_is_asked() {
     assert_eq!(record["action"]["edits"][3]["outcome"], outcomes[3]);
 }
 
-/// The planted fault: the same edits without `atomic`, of which the valid ones are carried out.
+/// Deliberate fault that the check must detect: the same edits without `atomic`, of which the valid ones are carried
+/// out.
 ///
 /// Rules: CMD-17, HTTP-6
 #[test]

@@ -5,7 +5,7 @@ use protocol::{ClientMessage, GestureStatus, ServerMessage};
 use crate::client::{Client, ReceivedMessage, hello};
 use crate::server::{OwnServer, SHARED};
 
-/// The code of a fatal error, after which the socket is closed.
+/// Returns the code of a fatal error, after which the socket is closed.
 async fn fatal(client: &mut Client) -> String {
     let ReceivedMessage::Control(ServerMessage::Error { code, fatal: true, message }) = client.next().await
     else {
@@ -86,7 +86,7 @@ async fn what_cannot_be_read_is_named_and_the_connection_goes_on() {
     client.until(pong).await;
 }
 
-/// Code and message of an error that is not fatal.
+/// Returns the code and message of an error that is not fatal.
 pub fn complaint(came: ReceivedMessage) -> Option<(String, String)> {
     match came {
         ReceivedMessage::Control(ServerMessage::Error { code, message, fatal: false }) => {

@@ -5,7 +5,7 @@ use tokio::task::spawn_blocking;
 use crate::client::{ask_with, get, post};
 use crate::server::{OwnServer, ServerDoor};
 
-/// The value of `name`, which includes its labels.
+/// Returns the value of `name`, which includes its labels.
 fn count(door: &ServerDoor, name: &str) -> Option<f64> {
     let text = get(door, "/metrics").text().to_owned();
     text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(' ')?.parse().ok())

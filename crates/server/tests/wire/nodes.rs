@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use crate::client::{ask_with, bearer, get, post};
 use crate::server::{SHARED, ServerDoor};
 
-/// A triangle in three nodes, two of one name under another node, and a node without geometry.
+/// Returns a triangle in three nodes, two of one name under another node, and a node without geometry.
 fn scene() -> Vec<u8> {
     let zeros = "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA";
     let file = json!({"asset": {"version": "2.0", "generator": "nodes"}, "scenes": [{"nodes": [0, 4, 5]}],

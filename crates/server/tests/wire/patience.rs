@@ -13,7 +13,7 @@ use crate::server::{OwnServer, ServerDoor};
 
 const SCENE: &[u8] = br#"{"asset": {"version": "2.0"}}"#;
 
-/// The head of a request, with the token.
+/// Returns the head of a request, with the token.
 fn head(door: &ServerDoor, request: &str, length: usize) -> String {
     let ServerDoor { address, token } = door;
     format!(

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::client::{Client, HttpAnswer, ReceivedMessage, ask_with, bearer, get, post};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
-/// A scene's file that no other test sends, since it contains `mark`.
+/// Returns a scene's file that no other test sends, since it contains `mark`.
 fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
     let scene = own_name.map_or(json!({"nodes": [0]}), |name| json!({"name": name, "nodes": [0]}));
     let file =
@@ -17,7 +17,7 @@ fn file(mark: &str, own_name: Option<&str>) -> Vec<u8> {
     file.to_string().into_bytes()
 }
 
-/// A scene's file with a light of negative intensity and an animation, which is not played.
+/// Returns a scene's file with a light of negative intensity and an animation, which is not played.
 fn file_with_notes(mark: &str) -> Vec<u8> {
     let light =
         json!({"KHR_lights_punctual": {"lights": [{"type": "point", "name": "bulb", "intensity": -1}]}});

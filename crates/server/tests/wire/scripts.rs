@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 use crate::client::{HttpAnswer, ask_with, bearer, get, new_session, post};
 use crate::server::SHARED;
 
-/// Percent-encoded for a query, like `curl --data-urlencode`.
+/// Returns the value percent-encoded for a query, like `curl --data-urlencode`.
 fn encoded(value: &Value) -> String {
     let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
     text.bytes()

@@ -7,7 +7,7 @@ use tokio::task::spawn_blocking;
 use crate::client::{Client, HttpAnswer, ReceivedMessage, bearer, get, hello, new_session, post, send};
 use crate::server::{OwnServer, SHARED, ServerDoor};
 
-/// The list's entry of a session. `None` if the list leaves it out.
+/// Returns the list's entry of a session. `None` if the list leaves it out.
 fn entry(door: &ServerDoor, query: &str, name: &str) -> Option<Value> {
     let list = get(door, &format!("/sessions{query}")).json();
     let sessions = list["sessions"].as_array().expect("a list");

@@ -8,7 +8,7 @@ use tokio::task::{JoinHandle, spawn, spawn_blocking};
 use crate::client::{Client, ReceivedMessage, get, post};
 use crate::server::SHARED;
 
-/// A session without a scene, with one light.
+/// Opens a session without a scene, with one light.
 fn lit_session(name: &str, light: &Value) {
     let made = post(&SHARED, "/sessions", &json!({ "name": name }).to_string());
     assert_eq!(made.status, 201, "{}", made.text());

@@ -51,7 +51,7 @@ impl ChildServer {
         Self { door: door.expect("it serves"), child, _input: input }
     }
 
-    /// Resident memory in bytes.
+    /// Returns the resident memory in bytes.
     fn resident(&self) -> u64 {
         let status = fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
@@ -72,7 +72,7 @@ fn edit(door: &ServerDoor, command: &serde_json::Value) {
     assert!(answer.status == 200 && answer.text().contains("committed"), "{}", answer.text());
 }
 
-/// A session whose document has more than 16 MiB.
+/// Opens a session whose document has more than 16 MiB.
 fn large_session(door: &ServerDoor) {
     assert_eq!(post(door, "/sessions", r#"{"name": "large"}"#).status, 201);
     let paths: Vec<String> = (0..256).map(|n| format!("{n:0>250}")).collect();
@@ -88,7 +88,8 @@ fn asks_for_document(door: &ServerDoor) -> String {
     format!("GET /sessions/large HTTP/1.1\r\nHost: localhost\r\nAuthorization: {}\r\n\r\n", bearer(door))
 }
 
-/// A socket that says hello and a request for the document. Neither reads its data.
+/// Connects a socket that says hello, and sends a request for the document. The client reads nothing from either
+/// connection.
 async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) {
     let mut socket = Client::connect(door).await;
     socket.say(&hello(&door.token, "large", &format!("client {number}"))).await;
@@ -99,7 +100,7 @@ async fn reads_nothing(door: &ServerDoor, number: usize) -> (Client, TcpStream) 
     (socket, http)
 }
 
-/// The planted fault: each client asks for another revision, so their texts cannot be shared.
+/// Deliberate fault that the check must detect: each client asks for another revision, so their texts cannot be shared.
 ///
 /// Rules: SOCK-10, SOCK-13, HTTP-26
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]

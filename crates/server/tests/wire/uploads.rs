@@ -29,7 +29,7 @@ async fn begin(door: &ServerDoor, bytes: usize, part: &[u8]) -> TcpStream {
     stream
 }
 
-/// Size and number of the unnamed files in the folder that this process, which is the server, has open.
+/// Returns the size and number of the unnamed files in the folder that this process, which is the server, has open.
 fn unnamed(folder: &Path) -> (u64, usize) {
     let open = fs::read_dir("/proc/self/fd").unwrap().filter_map(Result::ok).filter(|entry| {
         let target = fs::read_link(entry.path()).unwrap_or_default();
@@ -39,7 +39,7 @@ fn unnamed(folder: &Path) -> (u64, usize) {
     (sizes.iter().sum(), sizes.len())
 }
 
-/// Named files in the folder, except for those of the log.
+/// Returns the named files in the folder, except for those of the log.
 fn named(folder: &Path) -> Vec<String> {
     let mut names = Vec::new();
     let mut folders = vec![folder.to_owned()];
@@ -76,7 +76,7 @@ async fn what_is_cut_off_leaves_nothing() {
     let part = vec![b' '; 8 * MIB];
     for _ in 0..MANY {
         let sending = begin(&own.door, 500 * MIB, &part).await;
-        // The planted fault: while it arrives, it is there.
+        // Deliberate fault that the check must detect: while it arrives, it is there.
         until("what has come is on the disk", || unnamed(&folder).0 == part.len() as u64).await;
         assert_eq!(named(&folder), before, "what is on its way has no name");
         drop(sending);

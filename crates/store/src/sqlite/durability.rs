@@ -23,11 +23,11 @@ const CHILD: &str = "sqlite::durability::child_that_appends_and_acknowledges";
 const FOLDER: &str = "BENDYLIGHTS_CHILD_FOLDER";
 const COUNT: &str = "BENDYLIGHTS_CHILD_COUNT";
 const FAULT: &str = "BENDYLIGHTS_CHILD_FAULT";
-/// Planted fault: acknowledges records without a commit.
+/// Deliberate fault that the tests must detect: records are acknowledged without a commit.
 const NO_COMMIT: &str = "no commit";
-/// Planted fault: commits without waiting for the disk.
+/// Deliberate fault that the tests must detect: commits do not wait for the disk.
 const NO_SYNC: &str = "no sync";
-/// Planted fault: leaves the write-ahead log as a failed commit left it.
+/// Deliberate fault that the tests must detect: the write-ahead log is left as a failed commit leaves it.
 const NO_LOG_CLEANUP: &str = "no settling";
 
 #[test]
@@ -93,7 +93,7 @@ fn next_record(session: &mut Session) -> edit::Record {
     session.execute_request(request, &actor, &next.to_string(), 0, sources).expect("a valid edit")
 }
 
-/// The command line of the child, alone or as arguments of `tracer`.
+/// Returns the command line of the child, alone or as arguments of `tracer`.
 fn child(tracer: &[&str], folder: &Path, count: u64, fault: &str) -> Command {
     let test = env::current_exe().expect("this program").display().to_string();
     let words = tracer.iter().copied().chain([&*test, "--exact", CHILD, "--ignored", "--nocapture"]);
@@ -133,7 +133,7 @@ fn killed_after(patience: usize, folder: &Path, fault: &str) -> u64 {
     last
 }
 
-/// Number of acknowledged records that are missing from the store.
+/// Returns the number of acknowledged records that are missing from the store.
 fn lost(acknowledged: u64, folder: &Path) -> u64 {
     let store = Store::open(folder).expect("a store");
     let session = store.replay("main", None).expect("a log that replays");
@@ -155,7 +155,7 @@ fn a_killed_program_loses_nothing_acknowledged() {
     assert!(lost(planted, folder.path()) >= 5, "a child that commits nothing is caught");
 }
 
-/// The system calls of a trace. A call that another thread interrupted is put together again.
+/// Lists the system calls of a trace. A call that another thread interrupts is on two lines, which are joined.
 fn calls(trace: &str) -> Vec<String> {
     let mut unfinished = std::collections::BTreeMap::new();
     let mut calls = Vec::new();

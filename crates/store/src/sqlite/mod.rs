@@ -153,7 +153,7 @@ fn schema_version(connection: &Connection) -> Result<u32, StoreError> {
     Ok(connection.query_row("PRAGMA user_version", [], |row| row.get(0))?)
 }
 
-/// Makes the tables, or upgrades those of an earlier version, unless another program has just done so.
+/// Creates the tables, or upgrades those of an earlier version, unless another program has done so in the meantime.
 fn upgrade_schema(connection: &mut Connection) -> Result<(), StoreError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     if schema_version(&transaction)? == 0 {

@@ -12,14 +12,14 @@ use crate::stored::{
     FoundSession, LastChange, SessionKey, SessionRow, SessionSummary, StoredCheckpoint, StoredRecord,
 };
 
-/// A session with its latest record.
+/// Query of a session with its latest record.
 const SESSION: &str = "
     SELECT name, epoch, format, coalesce(seq, 0) AS seq, coalesce(hash, :empty) AS hash, proof, id
     FROM session
     LEFT JOIN record ON session = id AND seq = (SELECT max(seq) FROM record WHERE session = id)
     WHERE name = :name";
 
-/// The rows of the list of sessions. The query reads no record's line, since an index has the latest number.
+/// Query of the list of sessions. It reads no lines of records, because an index contains the latest number.
 const SUMMARIES: &str = "
     SELECT name, coalesce(title, name) AS title, epoch, archived, made_ms, changed_ms, changed_by,
         coalesce((SELECT max(seq) FROM record WHERE session = id), 0) AS seq

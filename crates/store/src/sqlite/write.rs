@@ -10,7 +10,7 @@ use crate::StoreError;
 use crate::limits::{MAX_ALL_REJECTIONS, MAX_REJECTIONS};
 use crate::stored::{FoundSession, NewRecord, Rejection, SessionKey, SessionSummary, StoredRecord};
 
-/// A write transaction. [`super::Database::write`] commits it. Without that its writes are dropped.
+/// Write transaction. [`super::Database::write`] commits it. If it is dropped before, its writes are undone.
 pub struct Writer<'a>(pub(super) Transaction<'a>);
 
 impl Writer<'_> {
@@ -97,7 +97,8 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Finds the position in the log of the long value of that hash.
+    /// Finds the value with this hash among the long values of a session's log. Returns the position at which the log
+    /// contains it in full, or `None` if the log does not contain it.
     pub fn position_of_value(&self, key: SessionKey, hash: &str) -> Result<Option<LogPosition>, StoreError> {
         let select = "SELECT record, at FROM held_value WHERE session = ? AND hash = ?";
         let mut statement = self.0.prepare_cached(select)?;
@@ -125,7 +126,7 @@ impl Writer<'_> {
         Ok(())
     }
 
-    /// Notes the hash of the document after record `seq`, and the proof of the log up to it.
+    /// Stores the hash of the document after record `seq`, and the proof of the log up to this record.
     pub fn note_hash(&self, key: SessionKey, seq: u64, hash: &str, proof: &str) -> Result<(), StoreError> {
         let update = "UPDATE record SET hash = ?, proof = ? WHERE session = ? AND seq = ?";
         self.0.prepare_cached(update)?.execute(params![hash, proof, key.0, seq])?;

@@ -12,7 +12,7 @@ use store::{Backup, CommitBatch, Store, back_up};
 
 use crate::support::{Folder, Log, stored_log};
 
-/// Names in the folder that holds the data and its backups.
+/// Returns the names in the folder that holds the data and its backups.
 fn names(folder: &Folder) -> Vec<String> {
     let parent = folder.data().parent().expect("a parent").to_owned();
     let files = fs::read_dir(parent).expect("a folder");

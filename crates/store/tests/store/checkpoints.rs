@@ -15,7 +15,7 @@ fn opened(store: &Store) -> store::OpenedSession {
     store.open_session("main").expect("a log")
 }
 
-/// A session of 62 records with a checkpoint after record 42.
+/// Returns a session of 62 records with a checkpoint after record 42.
 fn with_checkpoint(folder: &Folder) -> (Store, Log) {
     let mut store = folder.store();
     let log = stored_log(&mut store, "main", 40);
@@ -160,7 +160,7 @@ fn a_log_does_not_grow_by_what_it_holds() {
         format!(r#"{{"checkpoint":{{"seq":56,"hash":"{}"}}}}"#, log.session.document().hash_of_format(1));
     let old = format!("{header}\n{}\n{checkpoint}\n", lines.join("\n"));
     assert_eq!(store::replay_log(old.as_bytes(), None).expect("format 1").first_difference, None);
-    // The planted fault: the hash of today's format, which a log of that time cannot have.
+    // Deliberate fault that the check must detect: the hash of today's format, which a log of that time cannot have.
     let planted = old.replace(&log.session.document().hash_of_format(1).to_string(), &log.hash().to_string());
     assert_eq!(
         store::replay_log(planted.as_bytes(), None).expect("format 1").first_difference.map(|how| how.seq),

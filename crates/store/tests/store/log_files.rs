@@ -13,7 +13,7 @@ fn exported(store: &Store, session: &str) -> String {
     String::from_utf8(text).expect("JSON")
 }
 
-/// The log of `edits` steps as a file, and the log itself.
+/// Returns the log of `edits` steps as a file, and the log itself.
 fn log_file(edits: u64) -> (String, Log) {
     let mut store = Folder::new().store();
     let log = stored_log(&mut store, "main", edits);

@@ -7,7 +7,7 @@ use store::{CommitBatch, Store, StoreError};
 
 use crate::support::{Folder, Log, stored_log};
 
-/// The records as the store returns them.
+/// Returns the records as the store returns them.
 fn all(store: &Store, session: &str) -> Vec<Record> {
     let records = store.records(session, 1, usize::MAX).expect("a log");
     records.into_iter().map(|record| record.try_into().expect("a sound record")).collect()

@@ -118,7 +118,7 @@ fn a_duplicate_has_the_whole_log_and_proofs_of_its_own() {
     assert_ne!(of_main.last(), of_copy.last(), "the proofs cover the name");
     let replayed = replay_log((of_copy.join("\n") + "\n").as_bytes(), None).expect("a log");
     assert!(replayed.first_difference.is_none(), "{:?}", replayed.first_difference);
-    // Planted: the proofs of the original do not fit the copy.
+    // Deliberate fault that the check must detect: the proofs of the original do not fit the copy.
     let planted = [&of_copy[..1], &of_main[1..]].concat().join("\n") + "\n";
     assert!(replay_log(planted.as_bytes(), None).expect("a log").first_difference.is_some());
     // The copy can undo, and original and copy do not have each other's new records.

@@ -86,7 +86,8 @@ fn a_folder_of_an_earlier_version_is_brought_up_to_date() {
     }
     drop(database);
     let mut store = Store::open(&folder.data()).expect("a store of this version");
-    // Planted: a property of a later version, which the hash of version 1 leaves out.
+    // Deliberate fault that the check must detect: a property of a later version, which the hash of version 1 leaves
+    // out.
     let refused = store.open_session("planted").expect_err("what came later");
     assert!(refused.to_string().contains("format 1 has no `exposure`"), "{refused}");
     let replayed = store.replay("two", None).expect("a log");

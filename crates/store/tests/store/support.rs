@@ -27,7 +27,7 @@ impl Folder {
         Self(TempDir::new().expect("a temporary folder"))
     }
 
-    /// The data folder, which may be missing.
+    /// Returns the data folder, which may be missing.
     pub fn data(&self) -> PathBuf {
         self.0.path().join("data")
     }
@@ -54,7 +54,7 @@ pub struct Log {
 }
 
 impl Log {
-    /// A scene, a light, and `edits` more steps on it. Every seventh step is an undo.
+    /// Makes a scene, a light, and `edits` more steps on it. Every seventh step is an undo.
     pub fn of(edits: u64) -> Self {
         let mut log = Self::default();
         log.edit(Command::LoadScene { asset: SCENE, name: "empty".into() });
@@ -105,7 +105,7 @@ impl Log {
         self.records.push(record.expect("a valid request"));
     }
 
-    /// All records as one batch of `session`.
+    /// Returns all records as one batch of `session`.
     pub fn batch<'a>(&'a self, session: &'a str) -> CommitBatch<'a> {
         CommitBatch { session, records: &self.records, rejections: &[], hash: self.hash() }
     }
@@ -127,7 +127,7 @@ impl Log {
     }
 }
 
-/// A record as format 1 wrote it, in full: without the properties that lights got later.
+/// Returns a record as format 1 wrote it, in full: without the properties that lights got later.
 pub fn of_format_1(record: &Record) -> String {
     fn strip(value: &mut Value) {
         if let Value::Object(fields) = value {

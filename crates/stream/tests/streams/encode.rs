@@ -5,7 +5,7 @@
 use image::RgbImage;
 use stream::{MOVING_QUALITY, StreamError, jpeg, png};
 
-/// A smooth picture with one hard edge, like a lit scene.
+/// Returns a smooth picture with one hard edge, like a lit scene.
 fn picture(width: u16, height: u16) -> Vec<u8> {
     let pixel = |x: u16, y: u16| {
         let shade = if u32::from(x) * 2 > u32::from(width) { 40 } else { 0 };
@@ -18,7 +18,7 @@ fn decoded(bytes: &[u8]) -> RgbImage {
     image::load_from_memory(bytes).expect("a sound picture").into_rgb8()
 }
 
-/// Root mean square of the difference of all channels, in steps of 1/255.
+/// Returns the root mean square of the difference of all channels, in steps of 1/255.
 fn error(rgba: &[u8], decoded: &RgbImage) -> f64 {
     let pairs = rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).zip(decoded.as_raw());
     let (sum, count) = pairs.fold((0.0, 0.0), |(sum, count), (&a, &b)| {
@@ -34,7 +34,7 @@ fn png_gives_every_colour_back() {
         let back = decoded(&png(&pixels, width, height).unwrap());
         assert_eq!(back.dimensions(), (width.into(), height.into()));
         assert_eq!(error(&pixels, &back), 0.0);
-        // The planted fault: one channel of one pixel is off by one.
+        // Deliberate fault that the check must detect: one channel of one pixel is off by one.
         let mut damaged = pixels;
         damaged[0] ^= 1;
         assert!(error(&damaged, &back) > 0.0);

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use stream::{Codec, FrameFlags, FrameHeader, FrameTile, HEADER_BYTES, StreamError};
 
-/// Each field has its own bytes, so a field at a wrong offset shows.
+/// Returns a header in which each field has its own bytes, so a field at a wrong offset shows.
 fn header() -> FrameHeader {
     FrameHeader {
         codec: Codec::Png,

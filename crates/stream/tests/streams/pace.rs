@@ -119,7 +119,7 @@ fn faults(sent: &[Sent], changes_ms: &[u64]) -> Vec<&'static str> {
     faults
 }
 
-/// Sorted times of changes, in bursts and with pauses.
+/// Generates sorted times of changes, in bursts and with pauses.
 fn changes() -> impl Strategy<Value = Vec<u64>> {
     let gaps = proptest::collection::vec(prop_oneof![1..40_u64, 200..300_u64, 1..3000_u64], 0..40);
     gaps.prop_map(|gaps| {
@@ -132,7 +132,7 @@ fn changes() -> impl Strategy<Value = Vec<u64>> {
     })
 }
 
-/// A link that acknowledges everything, even if late.
+/// Generates a link that acknowledges everything, even if late.
 fn live_link() -> impl Strategy<Value = Vec<Option<u64>>> {
     proptest::collection::vec((0..2500_u64).prop_map(Some), 1..6)
 }
@@ -150,7 +150,8 @@ proptest! {
         let sent = &play(&changes_ms, &[&link])[0];
         prop_assert_eq!(faults(sent, &changes_ms), Vec::<&str>::new());
 
-        // Planted: the last frame lost, one out of date, one too early, one too many, a fourth in flight.
+        // Deliberate fault that the check must detect: the last frame lost, one out of date, one too early, one too
+        // many, a fourth in flight.
         let damaged = |damage: fn(&mut Vec<Sent>)| {
             let mut sent = sent.clone();
             damage(&mut sent);

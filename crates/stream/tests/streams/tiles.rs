@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use stream::{FrameTile, changed_tiles, crop, png_bands, whole_tile};
 
-/// A picture and another one that differs from it in some rectangles.
+/// Generates a picture and another one that differs from it in some rectangles.
 fn pictures() -> impl Strategy<Value = (u16, u16, Vec<u8>, Vec<u8>)> {
     let spot = (any::<u16>(), any::<u16>(), 1_u16..90, 1_u16..90, any::<u8>());
     (1_u16..300, 1_u16..200, proptest::collection::vec(spot, 0..5)).prop_map(|(width, height, spots)| {

@@ -170,7 +170,7 @@ fn at_the_cursor(stage: &TrialScene, trial: &Trial, light: &CheckedLight) -> Val
     })
 }
 
-/// JSON of the drag for `bendylights drag`.
+/// Returns the JSON of the drag for `bendylights drag`.
 fn drag_json(stage: &TrialScene, trial: &Trial) -> Value {
     json!([{
         "light": 0,

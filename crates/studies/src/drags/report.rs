@@ -157,7 +157,7 @@ fn reason_name(reason: DragRefusal) -> String {
     name.expect("a word").as_str().unwrap_or_default().to_owned()
 }
 
-/// Quantile of values in any order; 0 if there are none.
+/// Returns the quantile of values in any order; 0 if there are none.
 fn quantile(values: impl Iterator<Item = f64>, share: f64) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

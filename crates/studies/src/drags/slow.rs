@@ -91,7 +91,7 @@ impl<'a> DragEquations<'a> {
         Some(Self { stage, trial, pins, to, max_r_kappa: folds, unit })
     }
 
-    /// Number of unknowns.
+    /// Returns the number of unknowns.
     fn count(&self) -> usize {
         self.trial.drag.points.as_ref().map_or(6, |points| 3 * points.len())
     }
@@ -125,7 +125,8 @@ impl<'a> DragEquations<'a> {
         Some(tube)
     }
 
-    /// Values that must become 0: the two equations, and the violation of each limit. `None` if the light is invalid.
+    /// Returns the values that must become 0: the two equations, and the violation of each limit. `None` if the light
+    /// is invalid.
     fn residuals(&self, x: &[f64]) -> Option<Vec<f64>> {
         let tube = self.tube(x)?;
         let origin = self.stage.origin();
@@ -171,8 +172,8 @@ impl<'a> DragEquations<'a> {
         all.iter().all(|residual| residual.is_finite()).then_some(all)
     }
 
-    /// Start of a restart: the light before the drag, a random change of it of any size, or a light whose moving points
-    /// are spread along a straight line.
+    /// Returns the start of a restart: the light before the drag, a random change of it of any size, or a light whose
+    /// moving points are spread along a straight line.
     fn start(&self, restart: usize, rng: &mut Rng) -> Option<Vec<f64>> {
         const SIZES: [f64; 7] = [0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.2];
         if restart == 0 {
@@ -205,7 +206,8 @@ impl<'a> DragEquations<'a> {
         }
     }
 
-    /// Levenberg-Marquardt method; `None` if not all residuals become almost zero.
+    /// Minimizes the residuals, from `x` on, by the Levenberg-Marquardt method. Returns `None` if not all residuals
+    /// become almost zero.
     fn descend(&self, mut x: Vec<f64>) -> Option<Vec<f64>> {
         let mut residuals = self.residuals(&x)?;
         let (mut damping, mut stalled) = (1e-3, 0);
@@ -237,7 +239,7 @@ impl<'a> DragEquations<'a> {
         (squared(&residuals) < 1e-4).then_some(x)
     }
 
-    /// `J^T J` and `J^T r`, by finite differences.
+    /// Returns `J^T J` and `J^T r`, by finite differences.
     fn normal_equations(&self, x: &[f64], residuals: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let columns: Vec<Vec<f64>> = (0..x.len())
             .map(|k| {
@@ -287,7 +289,7 @@ fn turned(direction: DVec3, wanted: DVec3) -> [f64; 2] {
     if direction.dot(wanted) > 0.0 { [x, y] } else { [2.0 - x.abs(), 2.0 - y.abs()] }
 }
 
-/// Random number from the normal distribution, by the Box-Muller method.
+/// Returns a random number from the normal distribution, by the Box-Muller method.
 fn normal(rng: &mut Rng) -> f64 {
     (-2.0 * (1.0 - rng.f64()).ln()).sqrt() * (std::f64::consts::TAU * rng.f64()).cos()
 }

@@ -19,7 +19,7 @@ fn trials(stage: &TrialScene, deforms: bool) -> impl Iterator<Item = Trial> + '_
 }
 
 /// A light that moves as a whole can nearly always be placed as needed: a translation moves a hotspot, and a rotation a
-/// highlight. A reported solution lands, and the light before the drag does not.
+/// highlight. A reported solution fulfils the drag's equations, and the light before the drag does not.
 #[test]
 fn a_light_that_moves_as_a_whole_is_feasible() {
     let stage = demo();

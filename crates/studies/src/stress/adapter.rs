@@ -23,8 +23,8 @@ pub struct Adapter {
     renderers: [(Backend, RefCell<Renderer>); 2],
 }
 
-#[derive(Clone, Copy)]
 /// A picture that a property of the stress study draws.
+#[derive(Clone, Copy)]
 pub struct StressPicture<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
@@ -38,7 +38,7 @@ impl Adapter {
         let open = |backend| Gpu::open(MemoryBudget::default(), Some(backend)).map(Arc::new);
         let renderer = |gpu: &Arc<Gpu>| Renderer::new(Arc::clone(gpu)).map(RefCell::new);
         let (gpu, processor) = (open(Backend::Wgpu)?, open(Backend::Native)?);
-        // The CPU first: its pictures are then those that a planted fault reports.
+        // The CPU comes first, so a deliberate fault is reported for its pictures.
         let renderers = [(Backend::Native, renderer(&processor)?), (Backend::Wgpu, renderer(&gpu)?)];
         Ok(Self { gpu, renderers })
     }

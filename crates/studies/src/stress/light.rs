@@ -55,7 +55,7 @@ fn family() -> impl Strategy<Value = CurveFamily> {
     ]
 }
 
-/// Control points of a family. A knot is the random displacement of its point.
+/// Returns the control points of a family. A knot is the random displacement of its point.
 fn points(family: CurveFamily, knots: &[DVec3]) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = Vec::with_capacity(knots.len());
     for (i, &knot) in knots.iter().enumerate() {

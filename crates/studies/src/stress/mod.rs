@@ -75,7 +75,7 @@ impl Property {
         Self::Finite,
     ];
 
-    /// Name in JSON and on the command line.
+    /// Returns the name in JSON and on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Solver => "solver",
@@ -92,7 +92,7 @@ impl Property {
         }
     }
 
-    /// Function that tries the case of a seed; `None` if it needs a GPU and there is none.
+    /// Returns the function that tries the case of a seed; `None` if it needs a GPU and there is none.
     fn tries(self, adapter: Option<&Adapter>) -> Option<TrySeed<'_>> {
         let tries = match (self, adapter) {
             (Self::Solver, _) => property(solver::cases(), solver::check),
@@ -189,7 +189,7 @@ pub struct PropertyOutcome {
 }
 
 impl StressReport {
-    /// Properties that do not hold, with their failures.
+    /// Returns the properties that do not hold, with their failures.
     pub fn failed(&self) -> impl Iterator<Item = (Property, &PropertyFailure)> {
         self.outcomes.iter().filter_map(|outcome| Some((outcome.property, outcome.failure.as_ref()?)))
     }

@@ -84,26 +84,26 @@ pub fn at_joint() -> impl Strategy<Value = PointSpec> {
     (0..64_usize, 0.0..1.0, 0.0..TAU).prop_map(|(joint, rho, angle)| PointSpec::AtJoint { joint, rho, angle })
 }
 
-/// Index of the segment that contains `t`, and the parameter in it. A joint belongs to the lower segment.
+/// Returns the index of the segment that contains `t`, and the parameter in it. A joint belongs to the lower segment.
 pub fn split(tube: &Tube<f64>, t: f64) -> (usize, f64) {
     let i = (t.ceil() as usize).saturating_sub(1).min(tube.segments.len() - 1);
     (i, t - i as f64)
 }
 
-/// The tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
+/// Returns the tube-space point at `(t, v, w)`: `P + R (v v_hat + w w_hat)`.
 pub fn point_at(tube: &Tube<f64>, t: f64, v: f64, w: f64) -> DVec3 {
     let (i, u) = split(tube, t);
     point_in(tube, i, u, v, w)
 }
 
-/// The tube-space point at the parameter `u` of segment `i`.
+/// Returns the tube-space point at the parameter `u` of segment `i`.
 pub fn point_in(tube: &Tube<f64>, i: usize, u: f64, v: f64, w: f64) -> DVec3 {
     let segment = &tube.segments[i].curve;
     let (v_hat, w_hat) = tube.cross_section(segment, segment.u_hat(u));
     segment.position(u) + (v_hat * v + w_hat * w) * segment.radius(u)
 }
 
-/// Root of the light model for `q` at the known parameter `u` of a segment.
+/// Returns the root of the light model for `q` at the known parameter `u` of a segment.
 pub fn root_at(tube: &Tube<f64>, segment: usize, u: f64, q: DVec3) -> TubeRoot<f64> {
     let s = &tube.segments[segment].curve;
     let (u_hat, r) = (s.u_hat(u), s.offset(q, u));
@@ -173,7 +173,7 @@ pub fn bounds(tube: &Tube<f64>, root: &TubeRoot<f64>, q: DVec3, eps: f64, dq: f6
     Some(RootBounds { t, across, radius, direction, rate: 1.0 / sigma })
 }
 
-/// 2^-52 or 2^-24, as in the light model's bounds.
+/// Returns 2^-52 or 2^-24, as in the light model's bounds.
 pub fn eps<F: Real>() -> f64 {
     if size_of::<F>() == 8 { f64::EPSILON } else { f64::from(f32::EPSILON) / 2.0 }
 }

@@ -102,7 +102,7 @@ pub fn property<'a, C: Debug + Serialize>(
     })
 }
 
-/// Random number generator that depends on the seed alone.
+/// Returns a random number generator that depends on the seed alone.
 fn rng(seed: u64) -> TestRng {
     let mut bytes = [0; 32];
     bytes[..8].copy_from_slice(&seed.to_le_bytes());

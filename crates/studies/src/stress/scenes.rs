@@ -55,12 +55,12 @@ impl Shot {
         }
     }
 
-    /// The light, checked for a renderer.
+    /// Returns the light, checked for a renderer.
     pub fn lights(&self) -> Vec<LightInstance> {
         LightInstance::numbered([self.light.clone()]).expect("cases are valid")
     }
 
-    /// The camera's view of [`Aov::Beauty`].
+    /// Returns the camera's view of [`Aov::Beauty`].
     pub fn view(&self) -> View {
         let (eye, target): (DVec3, DVec3) = (self.eye.into(), self.target.into());
         let back = (eye - target).try_normalize().unwrap_or(DVec3::Z);
@@ -96,7 +96,7 @@ pub enum StressObstacle {
 }
 
 impl StressObstacle {
-    /// Triangles in light-local space.
+    /// Returns the triangles in light-local space.
     fn facets(&self, tube: &Tube<f64>, unit: f64) -> Vec<[DVec3; 3]> {
         let at = |place: &PointSpec| place.in_tube_space(tube) * unit;
         match self {
@@ -115,7 +115,7 @@ impl StressObstacle {
     }
 }
 
-/// A mesh of `cells` by `cells` squares across the light at a share of its length.
+/// Returns a mesh of `cells` by `cells` squares across the light at a share of its length.
 fn grid(
     tube: &Tube<f64>,
     unit: f64,

@@ -123,7 +123,7 @@ fn pixel_agrees(
     })
 }
 
-/// World position of a pixel of the depth AOV.
+/// Returns the world position of a pixel of the depth AOV.
 fn position(view: &View, depth: &Picture, pixel: usize) -> DVec3 {
     let (width, height) = (f64::from(WIDTH), f64::from(HEIGHT));
     let (x, y) = ((pixel % WIDTH as usize) as f64 + 0.5, (pixel / WIDTH as usize) as f64 + 0.5);

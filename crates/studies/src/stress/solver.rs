@@ -72,7 +72,7 @@ impl Curve {
         (q - self.b0) - (self.d0 * 2.0 + self.a * u) * u
     }
 
-    /// Half the derivative of the squared distance. It rises through zero at a nearest point.
+    /// Returns half the derivative of the squared distance. It rises through zero at a nearest point.
     fn f(&self, q: DVec3, u: f64) -> f64 {
         -self.offset(q, u).dot(self.d(u))
     }
@@ -81,8 +81,8 @@ impl Curve {
         self.radius[0] + u * (2.0 * self.radius[1] + u * self.radius[2])
     }
 
-    /// Rounding error of `f = 0` over eps: the light model's backward error, and the rounding of the point and the
-    /// joints at their own size.
+    /// Returns the rounding error of `f = 0` over eps: the light model's backward error, and the rounding of the point
+    /// and the joints at their own size.
     fn noise(&self, q: DVec3, u: f64) -> f64 {
         let (r, d) = (self.offset(q, u).length(), self.d(u).length());
         (r + (q - self.b0).length() + self.b0.length() + self.length) * d + r * self.length
@@ -149,7 +149,7 @@ fn roots_are_right<F: Real>(tube: &Tube<F>, q: F::Vec3, k: f64, tally: &mut Chec
     Ok(())
 }
 
-/// Parameter ranges in which `f` rises from clearly below zero to clearly above, well inside the tube.
+/// Returns the parameter ranges in which `f` rises from clearly below zero to clearly above, well inside the tube.
 fn crossings(curve: &Curve, q: DVec3, tolerance: f64) -> Vec<(f64, f64)> {
     let mut out = Vec::new();
     let mut below = None;

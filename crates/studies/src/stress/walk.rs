@@ -138,7 +138,7 @@ impl Path {
         Some(blocked)
     }
 
-    /// Every t at which the path meets the triangle.
+    /// Returns every t at which the path meets the triangle.
     fn hits(&self, [a, b, c]: [DVec3; 3]) -> impl Iterator<Item = f64> {
         let (e1, e2) = (b - a, c - a);
         let normal = e1.cross(e2);
@@ -150,7 +150,7 @@ impl Path {
         self.crossings(a, normal).filter(move |&(_, p)| inside(p - a)).map(|(t, _)| t)
     }
 
-    /// Every t and position at which the path crosses a plane.
+    /// Returns every t and position at which the path crosses a plane.
     fn crossings(&self, point: DVec3, normal: DVec3) -> impl Iterator<Item = (f64, DVec3)> {
         let pairs = self.pieces.iter().flat_map(|piece| piece.windows(2));
         pairs.filter_map(move |pair| {

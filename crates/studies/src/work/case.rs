@@ -199,7 +199,7 @@ pub fn stages(count: usize, size: [u32; 2]) -> Vec<TrialScene> {
     stages
 }
 
-/// A floor, and intersecting triangles above it.
+/// Returns a floor, and intersecting triangles above it.
 fn pile(count: usize) -> Scene {
     let mut rng = Rng::with_seed(1);
     let mut corner =

@@ -95,7 +95,7 @@ pub fn search(
     found
 }
 
-/// Results of `count` random drags, one per line, exact to the last bit.
+/// Returns the results of `count` random drags, one per line, exact to the last bit.
 pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64) -> String {
     let mut rng = Rng::with_seed(seed);
     let mut text = String::new();
@@ -111,7 +111,7 @@ pub fn answers(stages: &[TrialScene], sizes: CaseSizes, count: usize, seed: u64)
     text
 }
 
-/// Text of a result. Rust formats numbers so that different ones have different texts.
+/// Returns the text of a result. Rust formats numbers so that different ones have different texts.
 fn line(landing: &DragResult) -> String {
     let DragResult { status, light, residual_px, shadowed_by, iterations, from_world, to_world, pivot_world } =
         landing;

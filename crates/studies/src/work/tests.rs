@@ -29,7 +29,7 @@ fn the_most_expensive_drags_stay_within_their_bound() {
     let most = found.last().expect("a drag");
     println!("{most:?}");
     assert!(most.steps <= MOST + MOST / 8 + AT_ONCE, "{most:?}");
-    // The planted fault: with a larger limit some drags take many times as many steps.
+    // Deliberate fault that the check must detect: with a larger limit some drags take many times as many steps.
     let unbounded = random(&stages, 40, (3, 8 * MOST), || {});
     assert!(unbounded.iter().any(|made| made.steps > 2 * MOST), "nothing to bound");
 }

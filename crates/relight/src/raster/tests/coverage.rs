@@ -46,7 +46,7 @@ fn a_triangle_covers_the_centres_that_exact_arithmetic_says() {
             }
         }
     }
-    // Planted fault: coverage without a rule for edges.
+    // Deliberate fault that the check must detect: coverage without a rule for edges.
     assert!(caught > 300, "centres on edges are what is difficult, and there are {caught} of them");
 }
 
@@ -83,7 +83,7 @@ fn of_triangles_that_tile_the_map_each_texel_is_in_exactly_one() {
         let triangles = mesh(&mut random, side, cell);
         let shapes: Vec<RasterTriangle> = triangles.iter().map(|corners| flat(*corners, side)).collect();
         assert_eq!(counts(&shapes, PLAIN, side), vec![1; side * side]);
-        // Planted fault: edges that belong to both sides.
+        // Deliberate fault that the check must detect: edges that belong to both sides.
         let count = |index: usize| {
             let is_in =
                 |corners: &&[[i32; 2]; 3]| is_covered_with_edges(**corners, index % side, index / side);

@@ -55,7 +55,7 @@ fn values_are_interpolated_by_perspective() {
             let tolerance = tolerance(expected, n, d);
             assert!(error <= tolerance, "{error:e} of {tolerance:e} at {column}, {row}: {places:?}");
             covered += 1;
-            // Planted fault: values that are linear on the map.
+            // Deliberate fault that the check must detect: values that are linear on the map.
             affine += usize::from((linear(corners, values, column, row).0 - expected).abs() > tolerance);
         }
     }

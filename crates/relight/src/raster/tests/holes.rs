@@ -74,7 +74,7 @@ fn holes_are_where_perspective_puts_them() {
                 |x: f64, w: f64| ((x / f64::from(cell)).floor() + (w / f64::from(cell)).floor()) % 2.0 == 0.0;
             assert_eq!(depth < 1.0, is_solid(x, w), "at {column}, {row}: {x}, {w}");
             seen += 1;
-            // Planted fault: the holes of a floor parallel to the map.
+            // Deliberate fault that the check must detect: the holes of a floor parallel to the map.
             flat += usize::from(is_solid(column / side as f64, row / side as f64) != is_solid(x, w));
         }
     }

@@ -1,4 +1,4 @@
-//! Planted faults of drawn maps, which give shadows other outlines than any board on such a map has.
+//! Deliberate faults of drawn maps. With them, shadows have other outlines than any board on such a map.
 
 use glam::{Mat3, Mat4};
 

@@ -101,7 +101,7 @@ fn lights_are_where_the_light_model_has_them() {
     let lanes = window_sun(parallel.light_profile.clone());
     assert!(assert_located(|p| lanes.locate(p), |p| parallel.locate(p)) > 300);
 
-    // Planted fault: a cone wider by a hundredth.
+    // Deliberate fault that the check must detect: a cone wider by a hundredth.
     let wider = of(tan * 1.01);
     let found = positions().iter().any(|points| {
         let located = wider.locate(in_lanes(points));

@@ -38,14 +38,14 @@ impl Board {
         [[low.x, low.y, -1.0], [high.x, low.y, -1.0], [high.x, high.y, -1.0], [low.x, high.y, -1.0]]
     }
 
-    /// Outline of the board on a map: the nearest edges of texels, since centers beyond them lie outside.
+    /// Returns the outline of the board on a map: the nearest edges of texels, since centers beyond them lie outside.
     pub(super) fn on_map(&self) -> Self {
         let half = SIDE as f32 / 2.0;
         Self { low: (self.low * half).round() / half, high: (self.high * half).round() / half }
     }
 
-    /// Distance of a point of the floor from the outline of the shadow, positive inside, in world units. `spread` is
-    /// the size of the shadow relative to the board.
+    /// Returns the distance of a point of the floor from the outline of the shadow, positive inside, in world units.
+    /// `spread` is the size of the shadow relative to the board.
     pub(super) fn depth_in_shadow(&self, at: Vec2, spread: f32) -> f32 {
         (at - self.low * spread).min(self.high * spread - at).min_element()
     }
@@ -178,8 +178,8 @@ fn a_spotlights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
     let judge = |map: &DepthMap| judged(&spot(), map, &scene, (2.0, MARGIN));
     let right = judge(&drawn((Mat4::IDENTITY, Some(0.1)), (SPOT_FACE, 0), 0));
     assert!(right.all > 2000 && right.dark > 300 && right.wrong == 0, "{right:?}");
-    // Planted faults: a map upside down, one whose near plane is ten times farther away, and one that is clipped where
-    // the board is.
+    // Deliberate faults that the check must detect: a map upside down, one whose near plane is ten times farther away,
+    // and one that is clipped where the board is.
     let upside_down = Mat3::from_diagonal(Vec3::new(1.0, -1.0, 1.0)) * SPOT_FACE;
     assert!(judge(&drawn((Mat4::IDENTITY, Some(0.1)), (upside_down, 0), 0)).wrong > 300);
     assert!(judge(&drawn((Mat4::IDENTITY, Some(0.01)), (SPOT_FACE, 0), 0)).wrong > 300);
@@ -208,7 +208,7 @@ fn an_omni_lights_shadow_of_a_board_has_the_boards_outline_from_the_source() {
     assert!(judged(&omni, &drawn(upside_down), &scene, (2.0, MARGIN)).wrong > 300);
 }
 
-/// Map positions of a directional light: (x, y, 1), and a depth from 0 at z = -3 to 1 at z = 1.
+/// Returns the map positions of a directional light: (x, y, 1), and a depth from 0 at z = -3 to 1 at z = 1.
 pub(super) fn sun_places() -> Mat4 {
     Mat4::from_cols_array_2d(&[
         [1.0, 0.0, 0.0, 0.0],

@@ -15,7 +15,7 @@ const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::MirroredRepeat, Wrap::ClampToEdge]
 /// Number of cards along each side of the sheet.
 const CARDS: u32 = 6;
 
-/// A 12 x 8 arrow, whose alpha differs under every rotation and reflection.
+/// Returns a 12 x 8 arrow, whose alpha differs under every rotation and reflection.
 fn arrow() -> Image {
     let rows = [
         "..........#.",
@@ -31,7 +31,7 @@ fn arrow() -> Image {
     Image { width: 12, height: 8, rgba8: alpha.into_iter().flat_map(|a| [200, 200, 200, a]).collect() }
 }
 
-/// A floor of many triangles under a sheet of cards with 18 materials: every wrap mode, nearest and linear
+/// Returns a floor of many triangles under a sheet of cards with 18 materials: every wrap mode, nearest and linear
 /// magnification, several cutoffs and factors, and alpha at vertices.
 fn scene(wraps: [Wrap; 3]) -> Scene {
     let floor = {
@@ -89,7 +89,7 @@ fn scene(wraps: [Wrap; 3]) -> Scene {
     scene
 }
 
-/// The same light as a spotlight and as a bent light.
+/// Returns the same light as a spotlight and as a bent light.
 fn lights() -> [Light; 2] {
     let spot = Light::spot()
         .with(CONE_ANGLE, 18.0)
@@ -107,7 +107,7 @@ fn visibility(scene: &Scene, light: &Light, shadows: ShadowSettings) -> Picture 
     renderer.render(&view(Aov::Visibility), &alone(light)).expect("drawn")
 }
 
-/// Share of the pixels in the light on which two pictures disagree.
+/// Returns the share of the pixels in the light on which two pictures disagree.
 fn differing(a: &Picture, b: &Picture) -> f64 {
     let both: Vec<_> = a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a[3] == 1.0 && b[3] == 1.0).collect();
     assert!(both.len() > 2000, "{}", both.len());
@@ -122,7 +122,7 @@ fn holes_are_where_samplers_find_them() {
     let expected = visibility(&scene(WRAPS), &spot, fine);
     let found = differing(&visibility(&scene(WRAPS), &bent, fine), &expected);
     assert!(found < 0.01, "{found}");
-    // Planted faults: two wrap modes exchanged, and no holes.
+    // Deliberate faults that the check must detect: two wrap modes exchanged, and no holes.
     let [repeat, mirror, clamp] = WRAPS;
     let swapped = differing(&visibility(&scene([mirror, repeat, clamp]), &bent, fine), &expected);
     assert!(swapped > 10.0 * found && swapped > 0.05, "{swapped} after {found}");

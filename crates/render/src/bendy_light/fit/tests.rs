@@ -57,7 +57,7 @@ fn lights() -> Vec<Light> {
 
 const ORIGIN: DVec3 = DVec3::new(0.7, -0.4, 0.2);
 
-/// Clusters of small triangles around the tube and a few large triangles, in scene space.
+/// Returns clusters of small triangles around the tube and a few large triangles, in scene space.
 fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     let mut numbers = Numbers(seed);
     let mut positions = Vec::new();
@@ -74,7 +74,7 @@ fn soup(tube: &Tube<f64>, seed: u64) -> Vec<[f32; 3]> {
     positions
 }
 
-/// Tube coordinates of points spread over the triangles.
+/// Returns the tube coordinates of points spread over the triangles.
 fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Vec<[f64; 4]> {
     let mut found = Vec::new();
     for corners in positions.as_chunks::<3>().0 {
@@ -99,7 +99,7 @@ fn places(tube: &Tube<f64>, positions: &[[f32; 3]], numbers: &mut Numbers) -> Ve
     found
 }
 
-/// The face that contains a point, and x / depth and y / depth there.
+/// Returns the face that contains a point, and x / depth and y / depth there.
 fn on_face(fit: &BendyFit, [v, w, radius, _]: [f64; 4]) -> (usize, [f64; 2]) {
     let depth = radius / fit.faces.slope();
     let face = match () {
@@ -162,7 +162,7 @@ fn the_filter_reaches_no_texel_that_is_left_out() {
             assert!(reaches(&fit, SIDE, place, MARGIN_TEXELS), "{place:?} of light {seed} in {fit:?}");
         }
         cubes += usize::from(fit.faces.is_cube());
-        // Planted fault: no margin, as with infinitely many texels.
+        // Deliberate fault that the check must detect: no margin, as with infinitely many texels.
         caught += usize::from(judged().any(|(fit, place)| !reaches(&fit, 1e9, place, MARGIN_TEXELS)));
     }
     assert!(cubes > 5 && caught >= cubes, "a margin of 0 is seen in only {caught} of {cubes} lights");
@@ -186,7 +186,7 @@ fn a_fit_holds_all_that_casts_shadows() {
         checked += places.len();
         empty += usize::from(fit.t.is_none());
         cubes += usize::from(faces.is_cube());
-        // Planted fault: bounds that are slightly too small.
+        // Deliberate fault that the check must detect: bounds that are slightly too small.
         caught += usize::from(places.iter().any(|&place| !holds(&fit, place, 0.05)));
     }
     println!("{checked} places, {empty} empty, {cubes} cubes, {caught} caught");
@@ -194,8 +194,8 @@ fn a_fit_holds_all_that_casts_shadows() {
     assert!(caught > 15, "bounds that are too small are seen in only {caught} lights");
 }
 
-/// No light path comes back in through a side that the fit excludes. Planted fault: a rule that excludes every side
-/// misses the paths that do come back in.
+/// No light path comes back in through a side that the fit excludes. Deliberate fault that the check must detect: a
+/// rule that excludes every side misses the paths that do come back in.
 #[test]
 fn no_path_comes_in_where_none_is_said_to() {
     let mut numbers = Numbers(3);

@@ -13,7 +13,7 @@ use crate::bendy_light::tests::{BACKENDS, alone, cube, light, renderer_of, view}
 use crate::clusters::{Clusters, TRIANGLES_PER_LEAF};
 use crate::{Aov, Backend, Picture, Renderer, WorkCounters};
 
-/// A ball with a seam and poles, counter-clockwise from outside.
+/// Returns a ball with a seam and poles, counter-clockwise from outside.
 fn ball() -> Primitive {
     const ROWS: u32 = 24;
     const COLUMNS: u32 = 48;
@@ -38,7 +38,7 @@ fn ball() -> Primitive {
 /// Center of a ball around a camera, in the light.
 const AROUND_THE_EYE: DVec3 = DVec3::new(-0.95, 2.1, -0.25);
 
-/// Balls and boxes in the light over a floor. Some are thin, and some intersect.
+/// Returns a scene of balls and boxes in the light over a floor. Some are thin, and some intersect.
 fn scene() -> Scene {
     let material = Material { double_sided: true, ..Material::default() };
     let mut scene = Scene { materials: vec![material], ..Scene::default() };
@@ -86,7 +86,7 @@ fn all_of(shell: TriangleComponent) -> impl Fn(&mut Clusters) {
     move |clusters| clusters.leaves.iter_mut().for_each(|leaf| leaf.component = shell)
 }
 
-/// One light of each shape, shining down on the scene. One spotlight's map has one face, the other's five.
+/// Returns one light of each shape, shining down on the scene. One spotlight's map has one face, the other's five.
 fn lights() -> Vec<Light> {
     let down = DQuat::from_rotation_x(-PI / 2.0);
     let above = |light: Light| light.with(TRANSLATION, DVec3::new(-0.9, 4.5, -0.2));
@@ -114,7 +114,8 @@ fn backs_of_closed_surfaces_show_nowhere() {
             culled.gpu_scene().1.casters.clusters.leaves.iter().map(|leaf| leaf.component).collect();
         assert!(shells.iter().all(|&shell| shell == TriangleComponent::Closed), "{shells:?}");
         let mut whole = with(backend, all_of(TriangleComponent::Open));
-        // Planted fault: with front faces culled instead, light leaks into closed components.
+        // Deliberate fault that the check must detect: with front faces culled instead, light leaks into closed
+        // components.
         let mut leaking = with(backend, all_of(TriangleComponent::InsideOut));
         for light in lights() {
             let draw = |renderer: &mut Renderer, view| renderer.render(view, &alone(&light)).expect("drawn");
@@ -165,7 +166,7 @@ fn light_from_within_meets_backs() {
         let leaks = lit(&shadows(&mut renderer, &light()));
         assert_eq!(leaks, 0, "{backend:?}: all that light would reach lies behind the ball");
         let clusters = &mut Arc::make_mut(&mut renderer.gpu_scene().1.casters).clusters;
-        // Planted fault: bounds of the ball that do not contain the light.
+        // Deliberate fault that the check must detect: bounds of the ball that do not contain the light.
         for leaf in &mut clusters.leaves {
             leaf.component_bounds.center += DVec3::splat(100.0);
         }

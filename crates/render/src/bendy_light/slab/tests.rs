@@ -34,8 +34,8 @@ fn map(piece: &Curve<f64>, q: DVec3) -> DVec4 {
     DVec4::new(r.dot(v_hat), r.dot(w_hat), piece.radius(u), u)
 }
 
-/// Largest deviation of an edge's image from the straight line drawn for it, in texels: across the map, and along the
-/// light as a length in the scene.
+/// Returns the largest deviation of an edge's image from the straight line drawn for it, in texels: across the map, and
+/// along the light as a length in the scene.
 fn strays(piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> f64 {
     let at = |k: i32| {
         let share = f64::from(k) / 32.0;
@@ -55,8 +55,8 @@ fn is_safe(bounds: [f64; 4], piece: &Curve<f64>, a: &Mapped, b: &Mapped) -> bool
     (p * du + q * length) * du <= a.mapped.z.min(b.mapped.z) && r * du + s * length <= 1.0
 }
 
-/// Edges of all lengths and directions in all slabs of a light: the deviation of each, and true if bounds scaled by
-/// `factor` call it straight.
+/// Returns the edges of all lengths and directions in all slabs of a light: the deviation of each, and true if bounds
+/// scaled by `factor` call it straight.
 fn edges(tube: &Tube<f64>, factor: f64) -> Vec<(f64, bool)> {
     let mut state = 1_u64;
     let mut random = move || {

@@ -18,7 +18,7 @@ struct PlayedDrag {
     total: Duration,
 }
 
-/// A waiting picture. All are of one client.
+/// Returns a waiting picture. All are of one client.
 fn waits(urgency: Urgency, touched: Instant) -> QueuedPicture {
     QueuedPicture {
         urgency,

@@ -138,7 +138,7 @@ fn it_follows_the_load_down_and_up() {
     assert!(changes.iter().all(|(_, detail)| detail.shadow_map == MapScale::Full), "{changes:?}");
 }
 
-/// The planted faults: a change with each picture, and a forbidden reduction.
+/// Deliberate faults that the check must detect: a change with each picture, and a forbidden reduction.
 #[test]
 fn faults_are_seen() {
     let (now, none) =

@@ -11,7 +11,7 @@ struct Client {
     pause: Duration,
 }
 
-/// A planted fault.
+/// Deliberate fault in the schedule, which the simulation must show; or none.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
     None,
