@@ -12,7 +12,7 @@
 //! ```
 //! use reference::Reference;
 //! # let scene = scene::Scene::default();
-//! # let camera = scene::framing_camera(&light::Reach::default(), 1.0);
+//! # let camera = scene::framing_camera(&light::SceneBounds::default(), 1.0);
 //! let view = scene::View { aov: scene::Aov::Depth, ..scene::View::beauty(camera, [4, 4]) };
 //! let frame = Reference::new(scene::pose(scene.clone())).render(&view, &[], || {})?;
 //! assert_eq!(frame.pixels[0], [0.0; 4]);
