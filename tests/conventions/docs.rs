@@ -32,9 +32,11 @@ fn undocumented(root: &str, files: &[&Source]) -> Vec<String> {
         let lines: Vec<&str> = source.text.lines().collect();
         for (index, line) in lines.iter().enumerate() {
             let Some(name) = public_item(line) else { continue };
-            let above =
-                lines[..index].iter().rev().find(|line| !line.starts_with("#[") && !line.starts_with(' '));
-            let is_documented = above.is_some_and(|line| line.starts_with("///") || line.starts_with(")]"));
+            let above = lines[..index]
+                .iter()
+                .rev()
+                .find(|line| !line.starts_with([' ', ')']) && !line.starts_with("#["));
+            let is_documented = above.is_some_and(|line| line.starts_with("///"));
             if (in_public_module || names.contains(name)) && !is_documented {
                 found.push(format!("{}: {name}", source.path));
             }
